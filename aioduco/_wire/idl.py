@@ -1,0 +1,96 @@
+"""The loaded IDL: the only link between the typed structs of `rpc` and Thrift."""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+from typing import Any
+
+import thriftpy2
+from thriftpy2.thrift import TType
+
+from aioduco._wire import rpc
+
+SERVICE = "RPCRobot"
+
+_ZERO: dict[int, Any] = {
+    TType.BOOL: lambda: False,
+    TType.BYTE: lambda: 0,
+    TType.I16: lambda: 0,
+    TType.I32: lambda: 0,
+    TType.I64: lambda: 0,
+    TType.DOUBLE: lambda: 0.0,
+    TType.STRING: lambda: "",
+    TType.LIST: list,
+    TType.MAP: dict,
+}
+
+
+class Function:
+    """One function of the wire: its name, and how its arguments and result are laid out.
+
+    Attributes:
+        name: the name on the wire.
+        args: class of the argument struct; an instance takes the fields as attributes.
+        result: class of the result struct; the value is its attribute `success`.
+        parameters: names of the parameters, in the order of their field ids.
+        void: whether the function returns nothing.
+    """
+
+    __slots__ = ("args", "name", "parameters", "result", "void", "zeros")
+
+    def __init__(self, service: Any, name: str) -> None:
+        self.name = name
+        self.args = getattr(service, f"{name}_args")
+        self.result = getattr(service, f"{name}_result")
+        entries = list(self.args.thrift_spec.values())
+        self.parameters: tuple[str, ...] = tuple(entry[1] for entry in entries)
+        self.void = 0 not in self.result.thrift_spec
+        #: one factory per parameter for the value that a field left out stands for
+        self.zeros = tuple(
+            entry[2] if entry[0] == TType.STRUCT else _ZERO[entry[0]] for entry in entries
+        )
+
+
+def path() -> Path:
+    """Where the IDL lies: beside this module in a wheel, in `idl/` in a checkout."""
+    packaged = Path(__file__).with_name("robot.thrift")
+    if packaged.exists():
+        return packaged
+    return Path(__file__).parents[2] / "idl" / "robot.thrift"
+
+
+@functools.cache
+def functions() -> dict[str, Function]:
+    """Load the IDL, once, and return every function of the wire by name.
+
+    The structs of `rpc` take the place of the classes that thriftpy2 makes, so that what is
+    read and written are the typed dataclasses themselves, without a copy in between.
+    """
+    module = thriftpy2.load(str(path()), module_name="aioduco_robot_thrift")
+    service = getattr(module, SERVICE)
+    structs = {made.__name__: getattr(rpc, made.__name__) for made in _structs(module)}
+    for made in _structs(module):
+        typed = structs[made.__name__]
+        typed.thrift_spec = {fid: _typed(e, structs) for fid, e in made.thrift_spec.items()}
+    for name in service.thrift_services:
+        for part in ("args", "result"):
+            payload = getattr(service, f"{name}_{part}")
+            payload.thrift_spec = {
+                fid: _typed(entry, structs) for fid, entry in payload.thrift_spec.items()
+            }
+    return {name: Function(service, name) for name in service.thrift_services}
+
+
+def _structs(module: Any) -> list[Any]:
+    structs: list[Any] = module.__thrift_meta__["structs"]
+    return structs
+
+
+def _typed(part: Any, structs: dict[str, type]) -> Any:
+    """A field's spec with each struct class of thriftpy2 replaced by the dataclass."""
+    if isinstance(part, tuple):
+        return tuple(_typed(inner, structs) for inner in part)
+    if isinstance(part, type):
+        return structs[part.__name__]
+    return part

@@ -1,0 +1,176 @@
+"""Errors: each says what was wrong, what was or was not done to the arm, and what to do."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = [
+    "CallTimeout",
+    "ConnectError",
+    "ConnectionLost",
+    "ControllerError",
+    "DucoError",
+    "OutcomeUnknown",
+    "ParameterError",
+    "ProtocolError",
+    "Refused",
+    "RobotStateError",
+    "StaleState",
+    "TaskError",
+    "TaskFailed",
+    "TaskIllegal",
+    "TaskInterrupted",
+    "TaskParameterMismatch",
+    "TaskStopped",
+    "UnknownFunction",
+]
+
+
+class DucoError(Exception):
+    """Base of all errors of this package."""
+
+
+class ParameterError(DucoError, ValueError):
+    """An argument is outside what the manual allows. Nothing was sent.
+
+    Attributes:
+        parameter: the name of the parameter.
+        value: what was given.
+        expected: what is allowed, with the unit.
+    """
+
+    def __init__(self, parameter: str, value: object, expected: str) -> None:
+        self.parameter = parameter
+        self.value = value
+        self.expected = expected
+        super().__init__(f"{parameter} is {value!r}, but must be {expected}; nothing was sent")
+
+
+class ConnectError(DucoError, ConnectionError):
+    """No connection to a controller could be made. Nothing was sent.
+
+    Attributes:
+        host: address that was tried.
+        port: TCP port that was tried.
+    """
+
+    def __init__(self, host: str, port: int, reason: str) -> None:
+        self.host = host
+        self.port = port
+        super().__init__(f"cannot connect to {host}:{port}: {reason}")
+
+
+class ConnectionLost(DucoError, ConnectionError):
+    """The connection broke, or was closed, before or during a call.
+
+    For a function that only reads, nothing happened and it may be called again. A command
+    whose reply was lost raises `OutcomeUnknown` instead.
+    """
+
+
+class CallTimeout(ConnectionLost, TimeoutError):
+    """A function that only reads was not answered within its deadline.
+
+    The connection was closed, so that the late answer can reach nobody.
+    """
+
+
+class OutcomeUnknown(ConnectionLost):
+    """A command was sent, but its reply never came: it may or may not have been carried out.
+
+    It is never sent again by itself. Look at the robot's state before you decide.
+
+    Attributes:
+        function: the function of the wire that was called.
+    """
+
+    def __init__(self, function: str, reason: str) -> None:
+        self.function = function
+        super().__init__(
+            f"{function} was sent, but {reason}: it may or may not have been carried out; "
+            "it was not sent again. Read the robot's state before you repeat it"
+        )
+
+
+class ProtocolError(ConnectionLost):
+    """The other side sent bytes that are no answer to this call. The connection was closed."""
+
+
+class ControllerError(DucoError):
+    """The controller answered a call with a Thrift application error.
+
+    Attributes:
+        function: the function of the wire that was called.
+        code: the application error's type.
+    """
+
+    def __init__(self, function: str, message: str, code: int = 0) -> None:
+        self.function = function
+        self.code = code
+        super().__init__(f"{function}: {message}")
+
+
+class UnknownFunction(ControllerError):
+    """The controller does not have this function: its software is older than the function."""
+
+
+class Refused(DucoError):
+    """The controller refused a call by its return value.
+
+    Attributes:
+        function: the function of the wire that was called.
+        code: the value that it returned.
+    """
+
+    def __init__(self, function: str, code: int, reason: str) -> None:
+        self.function = function
+        self.code = code
+        super().__init__(f"the controller refused {function} (answer {code}): {reason}")
+
+
+class RobotStateError(DucoError):
+    """The robot is not in a state in which this can be done."""
+
+
+class StaleState(DucoError):
+    """The newest sample of the robot's state is older than allowed."""
+
+
+class TaskError(DucoError):
+    """A task did not finish.
+
+    Attributes:
+        task_id: the controller's id of the task.
+        name: the function that started it.
+        errors: the controller's error list when the task ended.
+    """
+
+    def __init__(self, name: str, task_id: int, message: str, errors: Sequence[str] = ()) -> None:
+        self.name = name
+        self.task_id = task_id
+        self.errors = tuple(errors)
+        listed = f"; the controller's errors: {'; '.join(self.errors)}" if self.errors else ""
+        super().__init__(f"{name} (task {task_id}) {message}{listed}")
+
+
+class TaskStopped(TaskError):
+    """The task was ended by a stop. The arm stands."""
+
+
+class TaskInterrupted(TaskError):
+    """The task was interrupted before its end, other than by blending into the next one."""
+
+
+class TaskFailed(TaskError):
+    """The controller ended the task with an error."""
+
+
+class TaskIllegal(TaskError):
+    """The task is not allowed in the robot's state: not enabled, stopped, unknown tool, …"""
+
+
+class TaskParameterMismatch(TaskError):
+    """The controller found a parameter of the task wrong."""

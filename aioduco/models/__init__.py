@@ -1,0 +1,1 @@
+"""Values: poses, joint vectors, enums, states and triggers; frozen, in SI units."""
