@@ -1,0 +1,133 @@
+"""The controller's states (manual 1.2), and the outcomes of tasks.
+
+A controller newer than the manual may send a value that is not listed here. It becomes a
+member named `UNKNOWN_<value>` instead of an error: reading a state must never fail because
+of its value.
+"""
+
+from __future__ import annotations
+
+from enum import Enum, IntEnum
+
+__all__ = [
+    "OperationMode",
+    "Outcome",
+    "ProgramState",
+    "RobotState",
+    "SafetyState",
+    "TaskState",
+]
+
+
+class _WireEnum(IntEnum):
+    """An integer of the wire with names for the values that the manual lists."""
+
+    @classmethod
+    def _missing_(cls, value: object) -> _WireEnum | None:
+        if not isinstance(value, int):
+            return None
+        member = int.__new__(cls, value)
+        member._name_ = f"UNKNOWN_{value}"
+        member._value_ = value
+        return member
+
+    @property
+    def known(self) -> bool:
+        """Whether the manual lists this value."""
+        return self._name_ in type(self).__members__
+
+
+class RobotState(_WireEnum):
+    """State of the robot (机器人状态, manual 1.2)."""
+
+    START = 0
+    INITIALIZE = 1
+    LOGOUT = 2
+    LOGIN = 3
+    POWER_OFF = 4
+    DISABLE = 5
+    ENABLE = 6
+    UPDATE = 7
+
+
+class ProgramState(_WireEnum):
+    """State of the program (程序状态, manual 1.2)."""
+
+    STOPPED = 0
+    STOPPING = 1
+    RUNNING = 2
+    PAUSED = 3
+    PAUSING = 4
+    TASK_RUNNING = 5
+
+
+class OperationMode(_WireEnum):
+    """Operation mode (操作模式, manual 1.2)."""
+
+    MANUAL = 0
+    AUTO = 1
+    REMOTE = 2
+
+
+class SafetyState(_WireEnum):
+    """State of the safety controller (安全控制器状态, manual 1.2)."""
+
+    INIT = 0
+    WAIT = 2
+    CONFIG = 3
+    POWER_OFF = 4
+    RUN = 5
+    RECOVERY = 6
+    STOP2 = 7
+    STOP1 = 8
+    STOP0 = 9
+    MODEL = 10
+    REDUCE = 12
+    BOOT = 13
+    FAIL = 14
+    UPDATE = 99
+
+
+class TaskState(_WireEnum):
+    """State of a task (任务状态, manual 1.2)."""
+
+    IDLE = 0
+    RUNNING = 1
+    PAUSED = 2
+    STOPPED = 3
+    FINISHED = 4
+    INTERRUPT = 5
+    ERROR = 6
+    ILLEGAL = 7
+    PARAMETER_MISMATCH = 8
+
+    @property
+    def ended(self) -> bool:
+        """Whether a task in this state has ended."""
+        return TaskState.STOPPED <= self <= TaskState.PARAMETER_MISMATCH
+
+
+class Outcome(Enum):
+    """How a task ended."""
+
+    FINISHED = "finished"
+    """It reached its end."""
+    BLENDED = "blended"
+    """It passed into the motion started after it, as its blend radius asked for."""
+    STOPPED = "stopped"
+    """A stop ended it."""
+    INTERRUPTED = "interrupted"
+    """It was interrupted, other than by blending."""
+    FAILED = "failed"
+    """The controller ended it with an error."""
+    ILLEGAL = "illegal"
+    """It is not allowed in the state that the robot was in."""
+    PARAMETER_MISMATCH = "parameter mismatch"
+    """The controller found a parameter wrong."""
+    UNKNOWN = "unknown"
+    """It was lost sight of: it may have ended, or may be running."""
+
+    @property
+    def success(self) -> bool:
+        """Whether the arm did all that the task asked for."""
+        return self in {Outcome.FINISHED, Outcome.BLENDED}

@@ -1,0 +1,53 @@
+"""Enums of the wire: the manual's values, and those that it does not list."""
+
+from __future__ import annotations
+
+import pickle
+
+import pytest
+
+from aioduco.models.enums import (
+    OperationMode,
+    Outcome,
+    ProgramState,
+    RobotState,
+    SafetyState,
+    TaskState,
+)
+
+
+def test_values_are_the_manuals() -> None:
+    assert RobotState(6) is RobotState.ENABLE
+    assert ProgramState(5) is ProgramState.TASK_RUNNING
+    assert OperationMode(2) is OperationMode.REMOTE
+    assert SafetyState(9) is SafetyState.STOP0
+    assert TaskState(8) is TaskState.PARAMETER_MISMATCH
+
+
+@pytest.mark.parametrize("kind", [OperationMode, ProgramState, RobotState, SafetyState, TaskState])
+@pytest.mark.parametrize("value", [77, -1])
+def test_a_value_that_the_manual_does_not_list_survives(kind: type[TaskState], value: int) -> None:
+    member = kind(value)
+    assert member == value
+    assert member.name == f"UNKNOWN_{value}"
+    assert not member.known
+    assert kind(0).known
+    assert pickle.loads(pickle.dumps(member)) == member
+    assert value not in [listed.value for listed in kind]
+
+
+def test_a_value_that_is_no_integer_is_refused() -> None:
+    with pytest.raises(ValueError, match="is not a valid TaskState"):
+        TaskState("4")  # type: ignore[arg-type]  # the wrong type is the point
+
+
+def test_only_terminal_task_states_have_ended() -> None:
+    assert [state.name for state in TaskState if not state.ended] == ["IDLE", "RUNNING", "PAUSED"]
+    assert not TaskState(9).ended
+
+
+def test_success_is_finished_or_blended() -> None:
+    assert {outcome for outcome in Outcome if outcome.success} == {
+        Outcome.FINISHED,
+        Outcome.BLENDED,
+    }
