@@ -1,0 +1,1 @@
+"""The sections of the manual: the functions that a program calls."""

@@ -1,0 +1,324 @@
+"""What each parameter may be: the manual's ranges, by name, in one place.
+
+A rule checks one argument and returns what goes on the wire for it:
+
+    v_wire = ranges.JOINT_SPEED("v", v)
+
+Numbers are the manual's (version 3.8); each rule names its section. Where the manual prints no
+range, or an odd one, the comment says what is checked instead, and why.
+"""
+
+from __future__ import annotations
+
+from math import pi
+
+from aioduco.models.rules import (
+    Choice,
+    Duration,
+    Flag,
+    Flags,
+    Integer,
+    Integers,
+    Number,
+    OrCurrent,
+    OrForever,
+    Points,
+    PoseRule,
+    Signed,
+    Text,
+    Vector,
+)
+
+# -- shared ------------------------------------------------------------------------------------
+
+FLAG = Flag(source="1.3.2")
+#: of a tool, a work object, a track: the manual gives the 32 bytes for tools, in 1.3.7
+NAME = Text(min_bytes=1, max_bytes=32, source="1.3.7")
+#: name of a tool or a work object; empty for the one in use
+FRAME = Text(max_bytes=32, source="1.3.7")
+#: free text: log messages, values of string variables
+TEXT = Text(source="1.3.8")
+#: name of a program, a project's path, a system variable or a Modbus signal: the manual gives no
+#: length, only an empty one names nothing
+LONG_NAME = Text(min_bytes=1, source="1.3.4")
+PATH = Text(source="1.3.4")
+FINITE = Number(source="double on the wire")
+FINITES = Vector(FINITE, source="list<double> on the wire")
+INT_32 = Integer(-(2**31), 2**31 - 1, source="i32 on the wire")
+TASK_ID = Integer(0, 2**31 - 1, source="1.3.8")
+
+# -- 1.3.1 connection --------------------------------------------------------------------------
+
+#: the manual gives no range; public applications found 200 to 60000 ms valid
+HEARTBEAT = Duration(0.2, 60.0, source="1.3.1")
+
+# -- 1.3.5 motion ------------------------------------------------------------------------------
+
+JOINTS = Vector(Number(-2 * pi, 2 * pi, "rad", source="1.3.5"), length=6)
+#: reference joints that choose the branch of the inverse kinematics; None for the present ones.
+#: The manual prints no range; the joints' own holds, and finds degrees
+JOINTS_NEAR = OrCurrent(JOINTS)
+#: the manual prints ±2π for the angles of the motions' targets; here it holds for all poses, and
+#: finds degrees
+POSE = PoseRule(source="1.3.5")
+POSE_OR_CURRENT = OrCurrent(POSE)
+#: of the leading joint
+JOINT_SPEED = Number(0.01 * pi / 180, 1.25 * pi, "rad/s", source="1.3.5")
+JOINT_ACCELERATION = Number(0.01 * pi / 180, unit="rad/s²", source="1.3.5")
+LINE_SPEED = Number(0.01, 5.0, "m/s", source="1.3.5")
+LINE_ACCELERATION = Number(0.01, unit="m/s²", source="1.3.5")
+#: spline_op, the Cartesian track and speedl's acceleration start lower than the other motions
+FINE_SPEED = Number(0.00001, 5.0, "m/s", source="1.3.5")
+FINE_ACCELERATION = Number(0.00001, unit="m/s²", source="1.3.5")
+#: 0 for no blending
+BLEND_RADIUS = Number(0.0, unit="m", source="1.3.5")
+#: speed and acceleration of movej and movej_pose, which the manual does not describe
+PERCENT = Number(0.0, 100.0, "%", open_low=True, source="public applications")
+ARC_MODE = Choice(
+    {
+        0: "orientation goes over to the end's",
+        1: "orientation stays as at the start",
+        2: "orientation stays fixed to the arc's tangent",
+    },
+    source="1.3.5",
+)
+CIRCLE_MODE = Choice(
+    {1: ARC_MODE.choices[1], 2: ARC_MODE.choices[2]},
+    source="1.3.5",
+)
+SPIRAL_MODE = Choice({0: "by parameters", 1: "by its end point"}, source="1.3.5")
+SPIRAL_TURNS = Number(source="1.3.5")
+SPIRAL_LENGTH = Number(unit="m", source="1.3.5")
+SPIRAL_RADIUS = Number(0.0, unit="m", source="1.3.5")
+
+#: speedj: the manual prints the range of a speed's amount, [0.01π/180, 1.25π]; a joint may stand
+#: or turn backwards
+JOINT_VELOCITIES = Vector(Number(-1.25 * pi, 1.25 * pi, "rad/s", source="1.3.5"), length=6)
+#: speedl: the manual prints the range of a speed's amount, [0.00001, 5] m/s, and (0, 1.25π] and
+#: (0, 2π] rad/s in a row; a direction may be still or negative, and the stricter limit holds
+TWIST = Vector(
+    *[Number(-5.0, 5.0, "m/s", source="1.3.5")] * 3,
+    *[Number(-1.25 * pi, 1.25 * pi, "rad/s", source="1.3.5")] * 3,
+)
+#: speedj and speedl: None to run until speed_stop (-1 on the wire)
+RUN_TIME = OrForever(Duration(0.001, source="1.3.5"))
+
+#: spline, spline_op: the manual prints only the 50; a curve needs two points
+SPLINE_POINTS = Points(POSE, 2, 50, source="1.3.5")
+SPLINE_COUNT = Integer(2, 50, "points", source="1.3.5")
+
+#: servo_tcp and servol: manual 3.8 calls them joint speed and acceleration, 4.3 Cartesian with
+#: [0.00001, 5] m/s; what 3.8 allows lies within both
+SERVO_SPEED = Number(0.01 * pi / 180, 1.25 * pi, "rad/s or m/s", source="1.3.5")
+SERVO_ACCELERATION = Number(0.01 * pi / 180, unit="rad/s² or m/s²", source="1.3.5")
+#: the manual gives the default only (200); a negative gain drives away from the target
+SERVO_KP = Number(0.0, source="1.3.5")
+#: the manual gives the default only (25)
+SERVO_KD = Number(0.0, source="1.3.5")
+#: 1 to 100 in the manual, 1 to 10 in the vendor's code, where 10 is the default
+SERVO_SMOOTH_VELOCITY = Number(1.0, 100.0, source="1.3.5")
+SERVO_SMOOTH_ACCELERATION = Number(0.0, 1.0, source="1.3.5")
+
+#: manual 3.8; in manual 4.3 and in a C++ header 0 is positive and 1 negative for move_jog
+JOG_DIRECTION = Choice({-1: "negative", 1: "positive"}, source="1.3.5")
+JOG_SPEED = Number(0.0, 100.0, "%", open_low=True, source="1.3.5")
+FRAME_TYPE = Choice({0: "world", 1: "base", 2: "tool", 3: "work object"}, source="1.3.5")
+TEACH_SPACE = Choice({0: "joints", 1: "Cartesian"}, source="1.3.5")
+#: compliance of hand guiding; the manual gives the number of elements, not their range
+TEACH_SCALE = Integers(Integer(0, 2**31 - 1, source="1.3.5"), length=6, source="1.3.5")
+TEACH_DIRECTIONS = Flags(6, source="1.3.5")
+#: percent of the set speed, (0, 100] in the manual, whole on the wire
+REPLAY_SPEED = Integer(1, 100, "%", source="1.3.5")
+REPLAY_MODE = Choice({0: "in joint space", 1: "in Cartesian space"}, source="1.3.5")
+BLEND_AHEAD = Integer(0, 100, "%", source="1.3.5")
+BLEND_AHEAD_MOVES = Integer(1, 3, "moves", source="1.3.5")
+
+# -- 1.3.6 CAN and RS-485 ----------------------------------------------------------------------
+
+#: the manual lists no rates
+BAUD_RATE = Integer(1, 2**31 - 1, "bit/s", source="1.3.6")
+READ_LENGTH = Integer(1, 2**31 - 1, "bytes", source="1.3.6")
+#: bytes 0 to 255, signed on the wire
+BYTES = Signed(8, "bytes", source="1.3.6")
+#: the largest identifier of an extended CAN frame has 29 bits
+CAN_ID = Integer(0, 2**29 - 1, source="1.3.6")
+
+# -- 1.3.7 system functions and peripherals ----------------------------------------------------
+
+STANDARD_IO = Integer(1, 16, source="1.3.7")
+TOOL_IO = Integer(1, 2, source="1.3.7")
+FUNCTION_IO = Integer(1, 8, source="1.3.7")
+FUNCTION_REGISTER = Integer(1, 16, source="1.3.7")
+#: not in the manual
+CONFIG_IO = Integer(1, 2**15 - 1, source="i16 on the wire")
+ANALOG_IO = Integer(1, 4, source="1.3.7")
+TOOL_ANALOG_IO = Integer(1, 2, source="1.3.7")
+OUTPUT_MODE = Choice({0: "level", 1: "pulses"}, source="1.3.7")
+PULSE_FREQUENCY = Integer(1, 100, "Hz", source="1.3.7")
+PULSE_DUTY = Integer(1, 100, "%", source="1.3.7")
+VOLTAGE = Number(0.0, 10.0, "V", source="1.3.7")
+CURRENT = Number(4.0, 20.0, "mA", source="1.3.7")
+BOOL_REGISTER = Integer(1, 64, source="1.3.7")
+WORD_REGISTER = Integer(1, 32, source="1.3.7")
+FLOAT_REGISTER = Integer(1, 32, source="1.3.7")
+#: the manual gives no range; a word has 16 bits, with or without a sign
+WORD = Integer(-(2**15), 2**16 - 1, source="1.3.7")
+
+_COORDINATE = Number(unit="m", source="1.3.7")
+#: mass in kg, then its centre in m; the manual gives no range, no mass is negative
+PAYLOAD = Vector(Number(0.0, unit="kg", source="1.3.7"), *[_COORDINATE] * 3)
+#: mass in kg up to 35, then its centre in m, in the tool's frame
+LOAD = Vector(Number(0.0, 35.0, "kg", source="1.3.7"), *[_COORDINATE] * 3)
+#: xx, xy, xz, yy, yz, zz
+INERTIA = Vector(Number(unit="kg·m²", source="1.3.7"), length=6)
+CHECK_POINTS = Points(POSE, 1, 2**31 - 1, source="1.3.7")
+#: speed() of the whole robot
+GLOBAL_SPEED = Number(1.0, 100.0, "%", source="1.3.7")
+TEACH_SPEED = Integer(1, 100, "%", source="1.3.7")
+TRACK_MODE = Choice({0: "by position", 1: "by time"}, source="1.3.7")
+#: start_record_track: degrees (mode 0) or seconds (mode 1) on the wire; not in the manual
+TRACK_INTERVAL = Number(0.0, open_low=True, source="vendor's generated client")
+COLLISION_LEVEL = Integer(0, 5, source="1.3.7")
+SWITCH_MODE = Choice({0: "manual", 1: "automatic"}, source="1.3.7")
+
+# -- 1.3.9 Modbus ------------------------------------------------------------------------------
+
+#: a register takes 0 to 65535, a coil 0 or 1: which of them a signal is, only the controller knows
+MODBUS_VALUE = Integer(0, 65535, source="1.3.9")
+MODBUS_FREQUENCY = Integer(1, 100, "Hz", source="1.3.9")
+#: the manual gives no range; a unit's number is one byte in Modbus
+MODBUS_UNIT = Integer(0, 255, source="1.3.9")
+#: words 0 to 65535, signed on the wire
+MODBUS_WORDS = Signed(16, "words", source="1.3.9")
+MODBUS_COILS = Integers(Choice({0: "off", 1: "on"}, source="1.3.9"), source="1.3.9")
+
+# -- 1.3.10 force control ----------------------------------------------------------------------
+
+DIRECTIONS = Flags(6, source="1.3.10")
+#: N in x, y, z, Nm about them; signed
+WRENCH = Vector(
+    *[Number(-1000.0, 1000.0, "N", source="1.3.10")] * 3,
+    *[Number(-1000.0, 1000.0, "N·m", source="1.3.10")] * 3,
+)
+#: dead band; the manual allows negative numbers, though it compares with an amount
+FORCE_DEAD_BAND = WRENCH
+#: fc_guard_act: an amount, whatever the direction; the manual gives no range
+GUARD_WRENCH = Vector(
+    *[Number(0.0, unit="N", source="1.3.10")] * 3,
+    *[Number(0.0, unit="N·m", source="1.3.10")] * 3,
+)
+#: fc_force_set_value, for which the manual gives no range
+SENSOR_WRENCH = Vector(
+    *[Number(unit="N", source="1.3.10")] * 3,
+    *[Number(unit="N·m", source="1.3.10")] * 3,
+)
+#: the speed of the correction is the force's error divided by this: a negative one runs away.
+#: 0 passes only for directions that are off, which the caller checks
+DAMPING = Vector(
+    *[Number(0.0, unit="N/(m/s)", source="1.3.10")] * 3,
+    *[Number(0.0, unit="N·m/(rad/s)", source="1.3.10")] * 3,
+)
+#: the manual allows negative numbers, though it is the largest amount of a speed
+FORCE_SPEED = Vector(
+    *[Number(-5.0, 5.0, "m/s", source="1.3.10")] * 3,
+    *[Number(-5.0, 5.0, "rad/s", source="1.3.10")] * 3,
+)
+FORCE_FRAME = Choice({0: "tool", 1: "work object"}, source="1.3.10")
+FORCE_PROPERTY = Choice({0: "load and external force", 1: "external force"}, source="1.3.10")
+WAIT_POSITION = Vector(
+    *[Number(unit="m", source="1.3.10")] * 3, *[Number(unit="rad", source="1.3.10")] * 3
+)
+WAIT_VELOCITY = Vector(
+    *[Number(-5.0, 5.0, "m/s", source="1.3.10")] * 3,
+    *[Number(-2 * pi, 2 * pi, "rad/s", source="1.3.10")] * 3,
+)
+WAIT_WRENCH = WRENCH
+#: the widths around the middle values; the manual gives no range, no width is negative
+WAIT_POSITION_RANGE = Vector(
+    *[Number(0.0, unit="m", source="1.3.10")] * 3, *[Number(0.0, unit="rad", source="1.3.10")] * 3
+)
+WAIT_VELOCITY_RANGE = Vector(
+    *[Number(0.0, unit="m/s", source="1.3.10")] * 3,
+    *[Number(0.0, unit="rad/s", source="1.3.10")] * 3,
+)
+WAIT_WRENCH_RANGE = GUARD_WRENCH
+WAIT_DURATION = Duration(source="1.3.10")
+WAIT_TIMEOUT = Duration(source="1.3.10")
+#: of position, velocity and force
+WAIT_LOGIC = Integers(
+    Choice({0: "off", 1: "and", 2: "or"}, source="1.3.10"), length=3, source="1.3.10"
+)
+
+# -- 1.3.12 track pool -------------------------------------------------------------------------
+
+#: joints or poses, as the motion that follows takes them; the pool holds 1000
+_TRACK_POINT = Vector(FINITE, length=6, source="1.3.12")
+TRACK_POINTS = Points(_TRACK_POINT, 1, 1000, source="1.3.12")
+TRACK_JOINTS = Points(JOINTS, 1, 1000, source="1.3.12")
+TRACK_POSES = Points(POSE, 1, 1000, source="1.3.12")
+TRACK_COUNT = Integer(1, 1000, "points", source="1.3.12")
+TRACK_JOINT_SPEED = Number(0.01 * pi / 180, 1.25 * pi, "rad/s", source="1.3.12")
+TRACK_JOINT_ACCELERATION = Number(0.01 * pi / 180, 12.5 * pi, "rad/s²", source="1.3.12")
+TRACK_SPEED = Number(0.00001, 5.0, "m/s", source="1.3.12")
+TRACK_ACCELERATION = Number(0.00001, unit="m/s²", source="1.3.12")
+#: not in the manual; the vendor's client sends 0.005
+TRACK_RADIUS = Number(0.0, unit="m", source="vendor's generated client")
+
+# -- 1.3.13 combined motion --------------------------------------------------------------------
+
+WEAVE_TYPE = Choice(
+    {1: "triangle", 2: "sine", 3: "circle", 4: "trapezoid", 5: "figure of eight"}, source="1.3.13"
+)
+WEAVE_PLANE = Choice(
+    {
+        0: "tool XOY",
+        1: "tool XOZ",
+        2: "tool YOZ",
+        3: "work object XOY",
+        4: "work object XOZ",
+        5: "work object YOZ",
+    },
+    source="1.3.13",
+)
+#: the manual gives no range
+WEAVE_FREQUENCY = Number(0.0, unit="Hz", open_low=True, source="1.3.13")
+WEAVE_AMPLITUDE = Number(0.0, unit="m", source="1.3.13")
+WEAVE_OFFSET = Number(unit="m", source="1.3.13")
+#: one dwell at a side; milliseconds on the wire by manual 4.3
+WEAVE_DWELL = Duration(source="1.3.13")
+
+# -- 1.3.14 external axes ----------------------------------------------------------------------
+
+#: up to three values in rad or m, as the scheme says
+EAXIS_POSITION = Vector(Number(unit="rad or m", source="1.3.14"), length=3)
+#: the manual gives no range
+EAXIS_SPEED = Number(0.0, unit="rad/s or m/s", open_low=True, source="1.3.14")
+#: the manual's lower bound for movel and movec with external axes is 0, itself out
+EAXIS_LINE_SPEED = Number(0.0, 5.0, "m/s", open_low=True, source="1.3.14")
+EAXIS_LINE_ACCELERATION = Number(0.0, unit="m/s²", open_low=True, source="1.3.14")
+#: the manual gives no range for the joints' speed with external axes: that of 1.3.5 holds
+EAXIS_JOINT_SPEED = JOINT_SPEED
+EAXIS_JOINT_ACCELERATION = JOINT_ACCELERATION
+EAXIS_NUMBER = Integer(0, 2**31 - 1, source="i32 on the wire")
+
+# -- 1.3.15 realtime ---------------------------------------------------------------------------
+
+REALTIME_MODE = Choice(
+    {
+        0: "joint position",
+        1: "joint velocity",
+        2: "joint torque",
+        3: "Cartesian position",
+        4: "Cartesian velocity",
+    },
+    source="1.3.15",
+)
+#: the manual gives the default only (100)
+REALTIME_BANDWIDTH = Number(0.0, unit="Hz", open_low=True, source="1.3.15")
+#: the manual gives the default only (0.02); seconds on the wire as well
+REALTIME_LOST_TIME = Number(0.0, unit="s", open_low=True, source="1.3.15")
+
+# -- only on the wire --------------------------------------------------------------------------
+
+AXIS_NUMBER = Integer(0, 2**31 - 1, source="i32 on the wire")
+MATRIX = Points(FINITES, 0, 2**31 - 1, source="list<list<double>> on the wire")

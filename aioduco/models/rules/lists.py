@@ -1,0 +1,241 @@
+"""Rules of lists: vectors, poses, points, flags, bytes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence, Set
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aioduco.errors import ParameterError
+from aioduco.models.rules.scalars import Choice, Flag, Integer, Number, Real, Rule, Whole
+
+VectorLike: TypeAlias = Sequence[Real] | NDArray[np.floating[Any]] | NDArray[np.integer[Any]]
+WholesLike: TypeAlias = Sequence[Whole] | NDArray[np.integer[Any]]
+FlagsLike: TypeAlias = Sequence[bool] | NDArray[np.bool_]
+BytesLike: TypeAlias = bytes | bytearray | memoryview | Sequence[Whole] | NDArray[np.integer[Any]]
+
+
+def ordered(name: str, value: object, expected: str) -> Sequence[Any]:
+    """The elements of whatever ordered thing was given; a mapping, a set, a text is none."""
+    if isinstance(value, np.ndarray):
+        if value.ndim == 1:
+            return list(value.tolist())
+    elif isinstance(value, Sequence):
+        if not isinstance(value, (str, bytes, bytearray, memoryview)):
+            return tuple(value)
+    elif hasattr(value, "__array__"):
+        return ordered(name, np.asarray(value), expected)
+    raise ParameterError(name, value, expected)
+
+
+class Vector(Rule):
+    """A list of numbers, each with bounds of its own.
+
+    Attributes:
+        element: the rules of the elements, in order; one rule for all if the length is free.
+        length: the number of elements, None if it is free.
+        low: the smallest value of each element.
+        high: the largest value of each element.
+        unit: the unit, or the units of the parts in their order.
+    """
+
+    __slots__ = ("_highs", "_lows", "_open", "element", "high", "length", "low", "unit")
+
+    def __init__(self, *element: Number, length: int | None = None, source: str = "") -> None:
+        if length is not None:
+            element = element * length
+        self.element = element
+        self.length = None if length is None and len(element) == 1 else len(element)
+        self.low = tuple(rule.low for rule in element)
+        self.high = tuple(rule.high for rule in element)
+        self.unit = ", ".join(dict.fromkeys(rule.unit for rule in element if rule.unit))
+        self.source = source or element[0].source
+        self._lows = tuple(rule._low for rule in element)
+        self._highs = tuple(rule._high for rule in element)
+        count = "numbers" if self.length is None else f"{self.length} numbers"
+        self.expected = f"{count} ({self.unit})" if self.unit else count
+
+    def __call__(self, name: str, value: VectorLike) -> list[float]:
+        """Check `value` and return it as a list of floats."""
+        if isinstance(value, (list, tuple)):
+            items: Sequence[Any] = value
+        else:
+            items = ordered(name, value, self.expected)
+        if self.length is None:
+            rule = self.element[0]
+            return [rule(f"{name}[{i}]", item) for i, item in enumerate(items)]
+        if len(items) != self.length:
+            raise ParameterError(name, value, self.expected)
+        for item, low, high in zip(items, self._lows, self._highs, strict=True):
+            if type(item) is not float or not low <= item <= high:
+                break
+        else:
+            return list(items)
+        rules = zip(self.element, items, strict=True)
+        return [rule(f"{name}[{i}]", item) for i, (rule, item) in enumerate(rules)]
+
+
+class PoseRule(Vector):
+    """A pose: x, y, z in m, then rx, ry, rz in rad, where R = Rz(rz)·Ry(ry)·Rx(rx)."""
+
+    __slots__ = ()
+
+    def __init__(self, *, source: str) -> None:
+        position = Number(unit="m", source=source)
+        angle = Number(-2 * math.pi, 2 * math.pi, "rad", source=source)
+        super().__init__(position, position, position, angle, angle, angle, source=source)
+        self.expected = "a pose: x, y, z in m, then rx, ry, rz in rad"
+
+
+class OrCurrent(Rule):
+    """A vector, or None or an empty list for what the controller has at present.
+
+    Attributes:
+        rule: the rule of a vector that is given.
+        length: the number of elements of a vector that is given.
+    """
+
+    __slots__ = ("rule",)
+
+    def __init__(self, rule: Vector) -> None:
+        self.rule = rule
+        self.source = rule.source
+        self.expected = f"{rule.expected}, or None for the controller's present value"
+
+    @property
+    def length(self) -> int | None:
+        """The number of elements of a vector that is given."""
+        return self.rule.length
+
+    def __call__(self, name: str, value: VectorLike | None) -> list[float]:
+        """Check `value` and return it as a list of floats, empty for the present value."""
+        if value is None or (isinstance(value, (list, tuple)) and not value):
+            return []
+        if isinstance(value, np.ndarray) and value.shape == (0,):
+            return []
+        return self.rule(name, value)
+
+
+class Points(Rule):
+    """A list of vectors.
+
+    Attributes:
+        element: the rule of each vector.
+        low: the fewest vectors.
+        high: the most vectors.
+    """
+
+    __slots__ = ("element", "high", "low")
+
+    def __init__(self, element: Vector, low: int, high: int, *, source: str) -> None:
+        self.element = element
+        self.low = low
+        self.high = high
+        self.source = source
+        self.expected = f"{low} to {high} points, each {element.expected}"
+
+    def __call__(
+        self, name: str, value: Iterable[VectorLike] | NDArray[np.floating[Any]]
+    ) -> list[list[float]]:
+        """Check `value` and return it as a list of lists of floats."""
+        if isinstance(value, (str, bytes, bytearray, Mapping, Set)):
+            raise ParameterError(name, value, self.expected)
+        try:
+            points: list[Any] = value.tolist() if isinstance(value, np.ndarray) else list(value)
+        except TypeError as exc:
+            raise ParameterError(name, value, self.expected) from exc
+        if not self.low <= len(points) <= self.high:
+            raise ParameterError(name, f"{len(points)} points", self.expected)
+        element = self.element
+        return [element(f"{name}[{i}]", point) for i, point in enumerate(points)]
+
+
+class Integers(Rule):
+    """A list of whole numbers.
+
+    Attributes:
+        element: the rule of each element.
+        length: the number of elements, None if it is free.
+    """
+
+    __slots__ = ("element", "length")
+
+    def __init__(
+        self, element: Integer | Choice, *, length: int | None = None, source: str
+    ) -> None:
+        self.element = element
+        self.length = length
+        self.source = source
+        count = "a list" if length is None else f"a list of {length}"
+        self.expected = f"{count}, each {element.expected}"
+
+    def __call__(self, name: str, value: WholesLike) -> list[int]:
+        """Check `value` and return it as a list of ints."""
+        items = ordered(name, value, self.expected)
+        if self.length is not None and len(items) != self.length:
+            raise ParameterError(name, value, self.expected)
+        element = self.element
+        return [element(f"{name}[{i}]", item) for i, item in enumerate(items)]
+
+
+class Flags(Rule):
+    """A list of True and False.
+
+    Attributes:
+        length: the number of elements.
+    """
+
+    __slots__ = ("_element", "length")
+
+    def __init__(self, length: int, *, source: str) -> None:
+        self._element = Flag(source=source)
+        self.length = length
+        self.source = source
+        self.expected = f"a list of {length}, each True or False"
+
+    def __call__(self, name: str, value: FlagsLike) -> list[bool]:
+        """Check `value` and return it as a list of bools."""
+        items = ordered(name, value, self.expected)
+        if len(items) != self.length:
+            raise ParameterError(name, value, self.expected)
+        return [self._element(f"{name}[{i}]", item) for i, item in enumerate(items)]
+
+
+class Signed(Rule):
+    """Unsigned numbers of a few bits, sent as the signed numbers that have the same bits.
+
+    Attributes:
+        bits: how many bits each has.
+        low: 0.
+        high: the largest value of each.
+        min_length: the fewest elements.
+    """
+
+    __slots__ = ("_bytes", "_element", "bits", "high", "low", "min_length")
+
+    def __init__(self, bits: int, words: str, *, min_length: int = 1, source: str) -> None:
+        self.bits = bits
+        self.low = 0
+        self.high = (1 << bits) - 1
+        self.min_length = min_length
+        self.source = source
+        self._bytes = bits == 8
+        self._element = Integer(self.low, self.high, source=source)
+        amount = f"at least {min_length}" if min_length else "any number of"
+        self.expected = f"{words}, {amount}, each {self._element.expected}"
+
+    def __call__(self, name: str, value: BytesLike) -> list[int]:
+        """Check `value` and return it as a list of signed ints."""
+        if self._bytes and isinstance(value, (bytes, bytearray, memoryview)):
+            items: Sequence[Any] = bytes(value)
+        else:
+            items = ordered(name, value, self.expected)
+        if len(items) < self.min_length:
+            raise ParameterError(name, value, self.expected)
+        half, whole = 1 << (self.bits - 1), 1 << self.bits
+        element = self._element
+        numbers = (element(f"{name}[{i}]", item) for i, item in enumerate(items))
+        return [number - whole if number >= half else number for number in numbers]

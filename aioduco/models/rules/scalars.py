@@ -1,0 +1,264 @@
+"""Rules of single values: numbers, choices, flags, texts, times."""
+
+from __future__ import annotations
+
+import math
+import sys
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from aioduco.errors import ParameterError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+Real: TypeAlias = float | np.floating[Any] | np.integer[Any]
+Whole: TypeAlias = int | np.integer[Any]
+
+_MAX = sys.float_info.max
+#: how far rounding may carry a value over a bound, relative to the bound; it is put back onto it
+_SLACK = 1e-9
+
+
+def shown(value: float) -> str:
+    """A bound as it reads in a message."""
+    return str(int(value)) if value == int(value) else f"{value:.4g}"
+
+
+def _plain(value: object) -> object:
+    """A numpy scalar or array without dimensions as Python's own scalar."""
+    if isinstance(value, (np.generic, np.ndarray)) and value.ndim == 0:
+        return value.item()
+    return value
+
+
+class Rule:
+    """What all rules have.
+
+    Attributes:
+        source: where the limits come from: the section of manual 3.8, or another document.
+        expected: what is allowed, in words and with the unit, as errors say it.
+    """
+
+    __slots__ = ("expected", "source")
+
+    expected: str
+    source: str
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.expected} [{self.source}]>"
+
+
+class Number(Rule):
+    """A finite number within bounds.
+
+    Attributes:
+        low: the smallest value, -inf if there is none.
+        high: the largest value, inf if there is none.
+        open_low: whether `low` itself is out.
+        unit: unit of the value, "" if it has none.
+    """
+
+    __slots__ = ("_high", "_low", "high", "low", "open_low", "unit")
+
+    def __init__(
+        self,
+        low: float = -math.inf,
+        high: float = math.inf,
+        unit: str = "",
+        *,
+        open_low: bool = False,
+        source: str,
+    ) -> None:
+        self.low = low
+        self.high = high
+        self.open_low = open_low
+        self.unit = unit
+        self.source = source
+        self._low = math.nextafter(low, math.inf) if open_low else max(low, -_MAX)
+        self._high = min(high, _MAX)
+        self.expected = f"{self._words()} {unit}".rstrip()
+
+    def _words(self) -> str:
+        above, below = self.low > -math.inf, self.high < math.inf
+        if not above and not below:
+            return "a finite number"
+        if not above:
+            return f"a number of at most {shown(self.high)}"
+        if self.open_low:
+            more = f"a number above {shown(self.low)}"
+            return f"{more}, up to {shown(self.high)}" if below else more
+        if not below:
+            return f"a number of at least {shown(self.low)}"
+        return f"a number from {shown(self.low)} to {shown(self.high)}"
+
+    def __call__(self, name: str, value: Real) -> float:
+        """Check `value` and return it as a float."""
+        if type(value) is float and self._low <= value <= self._high:
+            return value
+        return self._other(name, value)
+
+    def _other(self, name: str, value: object) -> float:
+        number = _plain(value)
+        if isinstance(number, bool) or not isinstance(number, (int, float)):
+            raise ParameterError(name, value, self.expected)
+        if self._low <= number <= self._high:
+            return float(number)
+        if self.low - abs(self.low) * _SLACK <= number < self.low and not self.open_low:
+            return self.low
+        if self.high < number <= self.high + abs(self.high) * _SLACK:
+            return self.high
+        hint = ""
+        if self.unit == "rad" and 2 * math.pi < abs(number) < 2000:
+            hint = " (radians, not degrees)"
+        raise ParameterError(name, value, self.expected + hint)
+
+
+class Integer(Rule):
+    """A whole number within bounds.
+
+    Attributes:
+        low: the smallest value.
+        high: the largest value.
+        unit: unit of the value, "" if it has none.
+    """
+
+    __slots__ = ("high", "low", "unit")
+
+    def __init__(self, low: int, high: int, unit: str = "", *, source: str) -> None:
+        self.low = low
+        self.high = high
+        self.unit = unit
+        self.source = source
+        self.expected = f"a whole number from {low} to {high} {unit}".rstrip()
+
+    def __call__(self, name: str, value: Whole) -> int:
+        """Check `value` and return it as an int."""
+        if type(value) is int and self.low <= value <= self.high:
+            return value
+        number = _plain(value)
+        if isinstance(number, bool) or not isinstance(number, int):
+            raise ParameterError(name, value, self.expected)
+        if not self.low <= number <= self.high:
+            raise ParameterError(name, value, self.expected)
+        return int(number)
+
+
+class Choice(Rule):
+    """One of a few whole numbers; a member of an IntEnum counts as its number.
+
+    Attributes:
+        choices: what each number means.
+    """
+
+    __slots__ = ("choices",)
+
+    def __init__(self, choices: Mapping[int, str], *, source: str) -> None:
+        self.choices = dict(choices)
+        self.source = source
+        self.expected = " or ".join(f"{key} ({words})" for key, words in self.choices.items())
+
+    def __call__(self, name: str, value: Whole) -> int:
+        """Check `value` and return it as an int."""
+        number = _plain(value)
+        if isinstance(number, bool) or not isinstance(number, int) or number not in self.choices:
+            raise ParameterError(name, value, self.expected)
+        return int(number)
+
+
+class Flag(Rule):
+    """True or False; numbers are refused, so that swapped arguments are found."""
+
+    __slots__ = ()
+
+    def __init__(self, *, source: str) -> None:
+        self.source = source
+        self.expected = "True or False"
+
+    def __call__(self, name: str, value: bool | np.bool_) -> bool:
+        """Check `value` and return it as a bool."""
+        if value is True or value is False:
+            return value
+        flag = _plain(value)
+        if not isinstance(flag, bool):
+            raise ParameterError(name, value, self.expected)
+        return flag
+
+
+class Text(Rule):
+    """A string, limited in bytes of UTF-8.
+
+    Attributes:
+        min_bytes: the fewest bytes.
+        max_bytes: the most bytes, None if there is no limit.
+    """
+
+    __slots__ = ("max_bytes", "min_bytes")
+
+    def __init__(self, *, min_bytes: int = 0, max_bytes: int | None = None, source: str) -> None:
+        self.min_bytes = min_bytes
+        self.max_bytes = max_bytes
+        self.source = source
+        words = "a string" if min_bytes == 0 else "a string that is not empty"
+        self.expected = words + (f" of at most {max_bytes} bytes in UTF-8" if max_bytes else "")
+
+    def __call__(self, name: str, value: str) -> str:
+        """Check `value` and return it."""
+        if not isinstance(value, str):
+            raise ParameterError(name, value, self.expected)
+        try:
+            size = len(value.encode())
+        except UnicodeEncodeError as exc:  # a lone surrogate has no bytes on the wire
+            raise ParameterError(name, value, self.expected) from exc
+        if size < self.min_bytes or (self.max_bytes is not None and size > self.max_bytes):
+            raise ParameterError(name, value, self.expected)
+        return str(value)
+
+
+class Duration(Rule):
+    """A time in seconds, sent in whole milliseconds.
+
+    Attributes:
+        low: the shortest time, in seconds.
+        high: the longest time, in seconds.
+        unit: "s".
+    """
+
+    __slots__ = ("_number", "high", "low", "unit")
+
+    def __init__(self, low: float = 0.0, high: float = 2147483.647, *, source: str) -> None:
+        self._number = Number(low, high, "s", source=source)
+        self.low = low
+        self.high = high
+        self.unit = "s"
+        self.source = source
+        self.expected = self._number.expected
+
+    def __call__(self, name: str, value: Real) -> int:
+        """Check `value` and return it in milliseconds."""
+        return round(self._number(name, value) * 1000)
+
+
+class OrForever(Rule):
+    """A time in seconds, or None for no end, which is -1 on the wire.
+
+    Attributes:
+        rule: the rule of a time that is not None.
+    """
+
+    __slots__ = ("rule",)
+
+    def __init__(self, rule: Duration) -> None:
+        self.rule = rule
+        self.source = rule.source
+        self.expected = f"{rule.expected}, or None for no end"
+
+    def __call__(self, name: str, value: Real | None) -> int:
+        """Check `value` and return it in milliseconds, -1 for None."""
+        if value is None:
+            return -1
+        try:
+            return self.rule(name, value)
+        except ParameterError as exc:
+            raise ParameterError(name, value, self.expected) from exc
