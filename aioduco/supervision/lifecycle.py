@@ -1,0 +1,136 @@
+"""The life of one task as a state machine: no clock, no connection, no event loop in it.
+
+It is fed with what was seen (`observe`) and with what the program did (`successor_…`,
+`stop_sent`), and says how the task ended.
+
+Rules:
+- An end is final. What is seen afterwards changes nothing.
+- State 5 (interrupted) is also how a motion ends that blended into the next one. It counts as
+  blended only if the motion asked for blending, another motion was accepted after it, and no
+  stop was sent in the meantime. In doubt it is an interruption, which is an error.
+- While the next motion is on its way to the controller, state 5 is not judged: whether that
+  motion was accepted decides.
+- A state that the manual does not list, or a task that ran and is idle again (the controller
+  was restarted), has no known outcome.
+"""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+
+from aioduco.models.enums import Outcome, TaskState
+
+#: Observations of "idle" in a row, after the task has run, until it counts as lost. One alone
+#: may be the controller changing over from one state to the next.
+IDLE_AGAIN_LIMIT = 20
+
+_OUTCOMES = {
+    TaskState.STOPPED: Outcome.STOPPED,
+    TaskState.FINISHED: Outcome.FINISHED,
+    TaskState.ERROR: Outcome.FAILED,
+    TaskState.ILLEGAL: Outcome.ILLEGAL,
+    TaskState.PARAMETER_MISMATCH: Outcome.PARAMETER_MISMATCH,
+}
+
+
+class Successor(Enum):
+    """What is known of the motion after this one."""
+
+    NONE = auto()
+    SENT = auto()
+    ACCEPTED = auto()
+
+
+class Lifecycle:
+    """What is known of one task of the controller.
+
+    Attributes:
+        state: the state that was seen last.
+        outcome: how the task ended; None while it lives, or while its end cannot be judged.
+        started: whether it was seen in any state other than idle.
+        successor: what is known of the motion after this one.
+        stop_seen: whether a stop was sent while the task lived.
+    """
+
+    __slots__ = ("_blends", "_idle_again", "outcome", "started", "state", "stop_seen", "successor")
+
+    def __init__(self, *, blends: bool = False) -> None:
+        self._blends = blends
+        self._idle_again = 0
+        self.state = TaskState.IDLE
+        self.outcome: Outcome | None = None
+        self.started = False
+        self.successor = Successor.NONE
+        self.stop_seen = False
+
+    def __repr__(self) -> str:
+        end = self.outcome.value if self.outcome else "live"
+        return f"<Lifecycle {self.state.name} {end}, successor {self.successor.name.lower()}>"
+
+    @property
+    def ended(self) -> bool:
+        """Whether the task has ended, or was lost sight of."""
+        return self.outcome is not None
+
+    @property
+    def undecided(self) -> bool:
+        """Whether the task has ended, but the next motion's acceptance decides how."""
+        return self.outcome is None and self.state is TaskState.INTERRUPT
+
+    def observe(self, state: TaskState) -> bool:
+        """Take in a state that the controller reported. Returns whether anything changed."""
+        if self.ended or self.undecided:
+            return False
+        if state is TaskState.IDLE and self.started:
+            self._idle_again += 1
+            if self._idle_again < IDLE_AGAIN_LIMIT:
+                return False
+            self.outcome = Outcome.UNKNOWN
+            return True
+        self._idle_again = 0
+        changed = state != self.state
+        self.state = state
+        self.started = self.started or state is not TaskState.IDLE
+        if state is TaskState.INTERRUPT:
+            self._judge()
+        elif state.ended:
+            self.outcome = _OUTCOMES[state]
+        elif not state.known:
+            self.outcome = Outcome.UNKNOWN
+        return changed
+
+    def successor_sent(self) -> None:
+        """Another motion is about to be sent to the controller."""
+        if not self.ended and self.successor is Successor.NONE:
+            self.successor = Successor.SENT
+
+    def successor_accepted(self) -> None:
+        """The controller accepted the motion after this one."""
+        if not self.ended:
+            self.successor = Successor.ACCEPTED
+            self._judge()
+
+    def successor_refused(self) -> None:
+        """The motion after this one never came to be."""
+        if not self.ended and self.successor is Successor.SENT:
+            self.successor = Successor.NONE
+            self._judge()
+
+    def stop_sent(self) -> None:
+        """A stop is about to be sent to the controller."""
+        if not self.ended:
+            self.stop_seen = True
+            self._judge()
+
+    def lose(self) -> None:
+        """The task was lost sight of."""
+        if not self.ended:
+            self.outcome = Outcome.UNKNOWN
+
+    def _judge(self) -> None:
+        if self.state is not TaskState.INTERRUPT:
+            return
+        if not self._blends or self.stop_seen or self.successor is Successor.NONE:
+            self.outcome = Outcome.INTERRUPTED
+        elif self.successor is Successor.ACCEPTED:
+            self.outcome = Outcome.BLENDED

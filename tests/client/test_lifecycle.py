@@ -1,0 +1,178 @@
+"""The life of a task as a pure state machine."""
+
+from __future__ import annotations
+
+import hypothesis.strategies as st
+import pytest
+from hypothesis import given
+
+from aioduco.models.enums import Outcome, TaskState
+from aioduco.supervision.lifecycle import IDLE_AGAIN_LIMIT, Lifecycle
+
+
+@pytest.mark.parametrize(
+    ("state", "outcome"),
+    [
+        (TaskState.STOPPED, Outcome.STOPPED),
+        (TaskState.FINISHED, Outcome.FINISHED),
+        (TaskState.INTERRUPT, Outcome.INTERRUPTED),
+        (TaskState.ERROR, Outcome.FAILED),
+        (TaskState.ILLEGAL, Outcome.ILLEGAL),
+        (TaskState.PARAMETER_MISMATCH, Outcome.PARAMETER_MISMATCH),
+        (TaskState(9), Outcome.UNKNOWN),
+        (TaskState(-1), Outcome.UNKNOWN),
+    ],
+)
+def test_each_terminal_state_has_its_outcome(state: TaskState, outcome: Outcome) -> None:
+    life = Lifecycle()
+    assert life.observe(TaskState.RUNNING)
+    assert life.outcome is None
+    assert life.observe(state)
+    assert life.outcome is outcome
+
+
+def test_the_same_state_twice_is_no_change() -> None:
+    life = Lifecycle()
+    assert not life.observe(TaskState.IDLE)
+    assert not life.started
+    assert life.observe(TaskState.RUNNING)
+    assert not life.observe(TaskState.RUNNING)
+    assert life.started
+
+
+@pytest.mark.parametrize("late", list(TaskState))
+def test_an_end_is_final(late: TaskState) -> None:
+    life = Lifecycle()
+    life.observe(TaskState.FINISHED)
+    life.stop_sent()
+    life.lose()
+    assert not life.observe(late)
+    assert life.outcome is Outcome.FINISHED
+    assert life.state is TaskState.FINISHED
+
+
+def blending() -> Lifecycle:
+    life = Lifecycle(blends=True)
+    life.observe(TaskState.RUNNING)
+    return life
+
+
+def test_interrupted_is_blended_when_the_next_motion_was_accepted() -> None:
+    life = blending()
+    life.successor_sent()
+    life.successor_accepted()
+    life.observe(TaskState.INTERRUPT)
+    assert life.outcome is Outcome.BLENDED
+
+
+def test_interrupted_waits_for_the_next_motion_that_is_on_its_way() -> None:
+    life = blending()
+    life.successor_sent()
+    life.observe(TaskState.INTERRUPT)
+    assert life.undecided
+    assert life.outcome is None
+    life.successor_accepted()
+    assert life.outcome is Outcome.BLENDED
+
+
+def test_interrupted_is_an_interruption_when_the_next_motion_was_refused() -> None:
+    life = blending()
+    life.successor_sent()
+    life.observe(TaskState.INTERRUPT)
+    life.successor_refused()
+    assert life.outcome is Outcome.INTERRUPTED
+
+
+def test_interrupted_is_an_interruption_without_a_next_motion() -> None:
+    life = blending()
+    life.observe(TaskState.INTERRUPT)
+    assert life.outcome is Outcome.INTERRUPTED
+
+
+def test_interrupted_is_an_interruption_without_a_blend_radius() -> None:
+    life = Lifecycle(blends=False)
+    life.observe(TaskState.RUNNING)
+    life.successor_sent()
+    life.successor_accepted()
+    life.observe(TaskState.INTERRUPT)
+    assert life.outcome is Outcome.INTERRUPTED
+
+
+@pytest.mark.parametrize("when", ["before", "after"])
+def test_interrupted_is_an_interruption_once_a_stop_was_sent(when: str) -> None:
+    life = blending()
+    life.successor_sent()
+    if when == "before":
+        life.stop_sent()
+    life.observe(TaskState.INTERRUPT)
+    if when == "after":
+        life.stop_sent()
+    life.successor_accepted()
+    assert life.outcome is Outcome.INTERRUPTED
+
+
+def test_a_second_successor_that_is_refused_does_not_take_the_first_away() -> None:
+    life = blending()
+    life.successor_sent()
+    life.successor_accepted()
+    life.successor_sent()
+    life.successor_refused()
+    life.observe(TaskState.INTERRUPT)
+    assert life.outcome is Outcome.BLENDED
+
+
+def test_idle_for_long_after_running_means_that_the_controller_forgot_the_task() -> None:
+    life = Lifecycle()
+    life.observe(TaskState.RUNNING)
+    for _ in range(IDLE_AGAIN_LIMIT - 1):
+        assert not life.observe(TaskState.IDLE)
+    assert life.outcome is None
+    assert life.observe(TaskState.IDLE)
+    assert life.outcome is Outcome.UNKNOWN
+
+
+def test_idle_now_and_then_after_running_does_not() -> None:
+    life = Lifecycle()
+    for _ in range(2 * IDLE_AGAIN_LIMIT):
+        life.observe(TaskState.RUNNING)
+        life.observe(TaskState.IDLE)
+    assert life.outcome is None
+
+
+def test_a_task_that_was_lost_has_no_known_outcome() -> None:
+    life = Lifecycle()
+    life.lose()
+    assert life.outcome is Outcome.UNKNOWN
+
+
+DEEDS = st.sampled_from(
+    ["successor_sent", "successor_accepted", "successor_refused", "stop_sent", "lose"]
+)
+STATES = st.integers(-1, 10).map(TaskState)
+
+
+@given(st.booleans(), st.lists(st.one_of(STATES, DEEDS), max_size=60))
+def test_no_sequence_of_events_makes_a_false_success(
+    blends: bool, events: list[TaskState | str]
+) -> None:
+    life = Lifecycle(blends=blends)
+    seen: list[TaskState] = []
+    first: Outcome | None = None
+    for event in events:
+        if isinstance(event, str):
+            getattr(life, event)()
+        else:
+            life.observe(event)
+            seen.append(event)
+        if first is None:
+            first = life.outcome
+        assert life.outcome is first
+    if first is Outcome.FINISHED:
+        assert TaskState.FINISHED in seen
+    if first is Outcome.BLENDED:
+        assert blends
+        assert not life.stop_seen
+        assert TaskState.INTERRUPT in seen
+        assert "successor_accepted" in events
+    if any(state.ended for state in seen) and not life.undecided:
+        assert first is not None

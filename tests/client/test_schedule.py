@@ -1,0 +1,109 @@
+"""When tasks are asked about: pure functions of times."""
+
+from __future__ import annotations
+
+import random
+import statistics
+
+import hypothesis.strategies as st
+from hypothesis import given
+
+from aioduco.supervision.schedule import FAST, FRESH, SLOW, STEADY, Roster, interval
+
+AGES = st.floats(0, 1e6)
+REMAINING = st.one_of(st.none(), st.floats(-1e6, 1e6))
+
+
+@given(AGES, REMAINING)
+def test_every_interval_is_within_its_bounds(age: float, remaining: float | None) -> None:
+    assert FAST <= interval(age, remaining) <= SLOW
+
+
+@given(st.floats(0, FRESH, exclude_max=True), REMAINING)
+def test_a_fresh_task_is_asked_about_often(age: float, remaining: float | None) -> None:
+    assert interval(age, remaining) == FAST
+
+
+@given(st.floats(FRESH, 1e6), st.floats(0, 1e6))
+def test_an_expected_end_is_never_slept_through(age: float, remaining: float) -> None:
+    assert interval(age, remaining) <= max(remaining, FAST)
+
+
+def test_far_from_an_expected_end_it_is_slow_and_near_it_fast() -> None:
+    assert interval(1.0, 2.0) == SLOW
+    assert interval(1.0, 0.004) == FAST
+    assert interval(1.0, -0.05) == FAST
+    assert interval(1.0, -1.0) == STEADY
+    assert interval(1.0) == STEADY
+
+
+def lateness(duration: float, expected: float | None, late: float) -> float:
+    """How late the end of a task is seen if each poll happens `late` after its due time."""
+    roster: Roster[int] = Roster()
+    roster.add(1, 0.0)
+    while True:
+        first = roster.first()
+        assert first is not None
+        now = first[1] + late
+        if now >= duration:
+            return now - duration
+        roster.asked(1, now, interval(now, None if expected is None else expected - now))
+
+
+def test_the_end_is_seen_within_five_milliseconds_at_the_median() -> None:
+    rng = random.Random(1)
+    durations = [rng.uniform(0.01, 5.0) for _ in range(400)]
+    late = 0.0012  # what an event loop and a round trip cost on top of the schedule
+    unexpected = [lateness(d, None, late) for d in durations]
+    expected = [lateness(d, d * rng.uniform(0.98, 1.02), late) for d in durations]
+    assert statistics.median(unexpected) < 0.005
+    assert statistics.median(expected) < 0.005
+    # An end that comes much before the one expected is still seen within one slow interval.
+    early = [lateness(d, d * 3, late) for d in durations]
+    assert max(early) <= SLOW + late + 1e-9
+
+
+def test_a_known_end_costs_fewer_polls_than_an_unknown_one() -> None:
+    def polls(expected: float | None) -> int:
+        now, count = 0.0, 0
+        while now < 3.0:
+            now += interval(now, None if expected is None else expected - now)
+            count += 1
+        return count
+
+    assert polls(3.0) < polls(None) / 2
+
+
+def test_due_times_are_absolute() -> None:
+    roster: Roster[str] = Roster()
+    roster.add("a", 10.0)
+    roster.asked("a", 10.003, 0.005)  # asked late, but within the interval: no drift
+    assert roster.first() == ("a", 10.005)
+    roster.asked("a", 10.5, 0.005)  # far behind: the missed ones are left out
+    assert roster.first() == ("a", 10.505)
+
+
+def test_more_tasks_than_time_are_asked_in_turn() -> None:
+    roster: Roster[int] = Roster()
+    for key in range(50):
+        roster.add(key, 0.0)
+    asked: list[int] = []
+    now = 0.0
+    for _ in range(200):
+        now += 0.001  # one poll takes longer than 50 of them may
+        first = roster.first()
+        assert first is not None
+        asked.append(first[0])
+        roster.asked(first[0], now, 0.005)
+    assert {asked.count(key) for key in range(50)} == {4}
+
+
+def test_a_task_that_is_taken_out_is_not_asked_any_more() -> None:
+    roster: Roster[int] = Roster()
+    roster.add(1, 0.0)
+    roster.remove(1)
+    roster.remove(1)
+    roster.asked(1, 1.0, 1.0)
+    assert roster.first() is None
+    assert len(roster) == 0
+    assert 1 not in roster
