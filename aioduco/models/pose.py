@@ -1,0 +1,408 @@
+"""Poses, joint vectors, and the way into SI units: `Pose`, `Joints`, `deg`, `mm`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from numbers import Real
+from typing import Any, Literal, Self, TypeAlias, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aioduco.errors import ParameterError
+from aioduco.models.rotation import (
+    Array,
+    matrix_from_quaternion,
+    matrix_from_rotvec,
+    matrix_from_rpy,
+    quaternion_from_matrix,
+    rotvec_from_matrix,
+    rpy_from_matrix,
+    slerp,
+)
+
+__all__ = ["Joints", "JointsLike", "Pose", "PoseLike", "QuaternionOrder", "deg", "mm"]
+
+QuaternionOrder: TypeAlias = Literal["wxyz", "xyzw"]
+
+_ORTHONORMAL = 1e-6  # how far a given rotation may be from one: digits lost in a file, not more
+
+
+@overload
+def deg(value: float, /) -> float: ...
+@overload
+def deg(value: float, second: float, /, *more: float) -> tuple[float, ...]: ...
+def deg(value: float, /, *more: float) -> float | tuple[float, ...]:
+    """Convert degrees to radians: `deg(90)`, or several at once, `Pose(x, y, z, *deg(180, 0, 90))`.
+
+    Args:
+        value: an angle [deg].
+        more: further angles [deg].
+
+    Returns:
+        The angle [rad], or a tuple of them when several were given.
+    """
+    if more:
+        return tuple(math.radians(angle) for angle in (value, *more))
+    return math.radians(value)
+
+
+@overload
+def mm(value: float, /) -> float: ...
+@overload
+def mm(value: float, second: float, /, *more: float) -> tuple[float, ...]: ...
+def mm(value: float, /, *more: float) -> float | tuple[float, ...]:
+    """Convert millimetres to metres: `mm(50)`, or several at once, `Pose(*mm(692, 164, 660), …)`.
+
+    Args:
+        value: a length [mm].
+        more: further lengths [mm].
+
+    Returns:
+        The length [m], or a tuple of them when several were given.
+    """
+    if more:
+        return tuple(length / 1000.0 for length in (value, *more))
+    return value / 1000.0
+
+
+class _Six(Sequence[float]):
+    """What `Pose` and `Joints` share: a frozen sequence of six finite floats."""
+
+    __slots__ = ()
+
+    _expected = "six finite numbers"
+
+    def __post_init__(self) -> None:
+        for field in fields(self):  # type: ignore[arg-type]  # the subclasses are dataclasses
+            value = getattr(self, field.name)
+            if type(value) is not float:
+                if isinstance(value, bool) or not isinstance(value, Real):
+                    raise ParameterError(field.name, value, f"a number, as one of {self._expected}")
+                value = float(value)
+                object.__setattr__(self, field.name, value)
+            if not math.isfinite(value):
+                raise ParameterError(field.name, value, f"finite, as one of {self._expected}")
+
+    @classmethod
+    def of(cls, values: Sequence[float] | NDArray[Any]) -> Self:
+        """Take any six numbers: a list, a tuple, an array, or one of this class, returned as it is.
+
+        Args:
+            values: six finite numbers, in the order and the units of the class.
+
+        Raises:
+            ParameterError: there are not six of them, or one is no finite number.
+        """
+        if type(values) is cls:
+            return values
+        name = cls.__name__.lower()
+        if isinstance(values, np.ndarray):
+            if values.shape != (6,) or values.dtype.kind not in "fiu":
+                found = f"an array of shape {values.shape} and type {values.dtype}"
+                raise ParameterError(name, found, cls._expected)
+            values = values.tolist()
+        elif isinstance(values, _Six) or not isinstance(values, Sequence):
+            # A pose is no joint vector, although both have six numbers.
+            raise ParameterError(name, values, cls._expected)
+        if len(values) != 6:
+            raise ParameterError(name, values, cls._expected)
+        return cls(*values)
+
+    @property
+    def array(self) -> Array:
+        """The six numbers as a new array. Shape (6,)."""
+        return np.array(self._values())
+
+    def _values(self) -> tuple[float, ...]:
+        raise NotImplementedError
+
+    def __array__(
+        self, dtype: np.dtype[Any] | None = None, copy: bool | None = None
+    ) -> NDArray[Any]:
+        if copy is False:
+            raise ValueError(
+                f"a {type(self).__name__} has no array to share; it can only be copied"
+            )
+        return np.array(self._values(), dtype=dtype)
+
+    def __len__(self) -> int:
+        return 6
+
+    def __iter__(self) -> Iterator[float]:
+        return iter(self._values())
+
+    @overload
+    def __getitem__(self, index: int) -> float: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[float, ...]: ...
+    def __getitem__(self, index: int | slice) -> float | tuple[float, ...]:
+        return self._values()[index]
+
+
+def _short(value: float) -> str:
+    # Micrometres and microradians: finer than any arm, and still readable.
+    text = f"{value:.6f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Pose(_Six):
+    """A position and an orientation (位姿), as the controller writes them.
+
+    The orientation is R = Rz(rz)·Ry(ry)·Rx(rx). A pose is a sequence of its six numbers, converts
+    to and from arrays, matrices, quaternions and rotation vectors, and cannot be changed.
+    Manual section 1.3.5.
+
+    Args:
+        x: position along x [m].
+        y: position along y [m].
+        z: position along z [m].
+        rx: turn about x, made first [rad].
+        ry: turn about y, made second [rad].
+        rz: turn about z, made last [rad].
+
+    Raises:
+        ParameterError: one of them is no finite number.
+    """
+
+    x: float
+    y: float
+    z: float
+    rx: float
+    ry: float
+    rz: float
+
+    _expected = "six finite numbers x, y, z [m], rx, ry, rz [rad]"
+
+    def _values(self) -> tuple[float, ...]:
+        return (self.x, self.y, self.z, self.rx, self.ry, self.rz)
+
+    def __repr__(self) -> str:
+        x, y, z, rx, ry, rz = map(_short, self._values())
+        return f"Pose(x={x}, y={y}, z={z} [m], rx={rx}, ry={ry}, rz={rz} [rad])"
+
+    @property
+    def position(self) -> Array:
+        """The position [m]. Shape (3,)."""
+        return np.array((self.x, self.y, self.z))
+
+    @property
+    def rotation(self) -> Array:
+        """The orientation as a rotation matrix. Shape (3, 3)."""
+        return matrix_from_rpy(np.array((self.rx, self.ry, self.rz)))
+
+    @property
+    def matrix(self) -> Array:
+        """The homogeneous matrix (齐次变换矩阵). Shape (4, 4)."""
+        matrix = np.eye(4)
+        matrix[:3, :3] = self.rotation
+        matrix[:3, 3] = self.x, self.y, self.z
+        return matrix
+
+    @property
+    def rotvec(self) -> Array:
+        """The orientation as axis times angle, the angle in [0, π] [rad]. Shape (3,)."""
+        return rotvec_from_matrix(self.rotation)
+
+    def quaternion(self, order: QuaternionOrder) -> Array:
+        """Give the orientation as a unit quaternion.
+
+        Args:
+            order: "wxyz" (MuJoCo, Eigen's constructor) or "xyzw" (ROS, SciPy).
+
+        Returns:
+            The quaternion with w not negative. Shape (4,).
+        """
+        quaternion = quaternion_from_matrix(self.rotation)
+        return quaternion if _order(order) == "wxyz" else np.roll(quaternion, -1)
+
+    @classmethod
+    def from_rotation(cls, position: Sequence[float] | NDArray[Any], rotation: Array) -> Self:
+        """Make a pose of a position [m], shape (3,), and a rotation matrix, shape (3, 3)."""
+        point = _finite("position", position, (3,), "three numbers [m]")
+        matrix = _finite("rotation", rotation, (3, 3), "a rotation matrix of shape (3, 3)")
+        off = np.abs(matrix @ matrix.T - np.eye(3)).max()
+        if off > _ORTHONORMAL or np.linalg.det(matrix) < 0:
+            raise ParameterError(
+                "rotation", matrix.tolist(), "a rotation: orthonormal, with determinant one"
+            )
+        return cls(*point.tolist(), *rpy_from_matrix(matrix).tolist())
+
+    @classmethod
+    def from_matrix(cls, matrix: Sequence[Sequence[float]] | NDArray[Any]) -> Self:
+        """Make a pose of a homogeneous matrix.
+
+        Args:
+            matrix: rotation and position [m]. Shape (4, 4), last row 0, 0, 0, 1.
+
+        Raises:
+            ParameterError: the shape is wrong, or it holds no rotation.
+        """
+        full = _finite("matrix", matrix, (4, 4), "a homogeneous matrix of shape (4, 4)")
+        if np.abs(full[3] - (0, 0, 0, 1)).max() > _ORTHONORMAL:
+            raise ParameterError("matrix", full.tolist(), "a matrix whose last row is 0, 0, 0, 1")
+        return cls.from_rotation(full[:3, 3], full[:3, :3])
+
+    @classmethod
+    def from_quaternion(
+        cls,
+        position: Sequence[float] | NDArray[Any],
+        quaternion: Sequence[float] | NDArray[Any],
+        order: QuaternionOrder,
+    ) -> Self:
+        """Make a pose of a position and a quaternion.
+
+        Args:
+            position: x, y, z [m].
+            quaternion: four numbers of any length but zero; they are normalised.
+            order: "wxyz" (MuJoCo, Eigen's constructor) or "xyzw" (ROS, SciPy).
+
+        Raises:
+            ParameterError: wrong lengths, values that are not finite, or a quaternion of zeros.
+        """
+        values = _finite("quaternion", quaternion, (4,), f"four numbers in the order {order}")
+        length = float(np.linalg.norm(values))
+        if length < 1e-9:
+            raise ParameterError("quaternion", values.tolist(), "not zero")
+        if _order(order) == "xyzw":
+            values = np.roll(values, 1)
+        return cls.from_rotation(position, matrix_from_quaternion(values / length))
+
+    @classmethod
+    def from_rotvec(
+        cls, position: Sequence[float] | NDArray[Any], rotvec: Sequence[float] | NDArray[Any]
+    ) -> Self:
+        """Make a pose of a position [m] and a rotation vector, axis times angle [rad]."""
+        turn = _finite("rotvec", rotvec, (3,), "three numbers [rad]")
+        return cls.from_rotation(position, matrix_from_rotvec(turn))
+
+    def __matmul__(self, other: Pose) -> Pose:
+        """Give `other`, written in this frame, in the frame in which this one is written."""
+        if not isinstance(other, Pose):
+            # Not NotImplemented: numpy would then try it with the six numbers as an array.
+            raise TypeError("a Pose composes with a Pose; take .matrix to multiply by an array")
+        rotation = self.rotation
+        position = self.position + rotation @ other.position
+        return Pose(*position.tolist(), *rpy_from_matrix(rotation @ other.rotation).tolist())
+
+    def inverse(self) -> Pose:
+        """Give the pose that undoes this one: `pose @ pose.inverse()` is the identity."""
+        back = self.rotation.T
+        return Pose(*(-back @ self.position).tolist(), *rpy_from_matrix(back).tolist())
+
+    def shifted(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Pose:
+        """Give this pose moved along the axes of the frame in which it is written [m]."""
+        return Pose(self.x + x, self.y + y, self.z + z, self.rx, self.ry, self.rz)
+
+    def interpolate(self, other: Pose, t: float) -> Pose:
+        """Give the pose a part of the way to another one.
+
+        Args:
+            other: the pose at t = 1.
+            t: 0 to 1. The position goes straight, the orientation turns at a constant rate the
+                shorter way, as a linear move does.
+
+        Raises:
+            ParameterError: t is outside 0 to 1.
+        """
+        if not 0.0 <= t <= 1.0:
+            raise ParameterError("t", t, "a number from 0 to 1")
+        position = (1.0 - t) * self.position + t * other.position
+        return Pose.from_rotation(position, slerp(self.rotation, other.rotation, np.array(t)))
+
+    def distance(self, other: Pose) -> tuple[float, float]:
+        """Give the distance of the positions [m] and the angle between the orientations [rad]."""
+        turn = rotvec_from_matrix(self.rotation.T @ other.rotation)
+        return math.dist(self[:3], other[:3]), float(np.linalg.norm(turn))
+
+    def almost_equal(self, other: Pose, *, position: float = 1e-6, rotation: float = 1e-6) -> bool:
+        """Tell whether two poses are the same within tolerances.
+
+        Orientations are compared, not angles: rx = π and rx = -π are the same.
+
+        Args:
+            other: the pose to compare with.
+            position: largest distance [m].
+            rotation: largest angle between the orientations [rad].
+        """
+        apart, turned = self.distance(other)
+        return apart <= position and turned <= rotation
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Joints(_Six):
+    """Six joint angles (关节角) [rad], base first. A sequence of six, which cannot be changed.
+
+    Args:
+        j1: angle of joint 1 [rad].
+        j2: angle of joint 2 [rad].
+        j3: angle of joint 3 [rad].
+        j4: angle of joint 4 [rad].
+        j5: angle of joint 5 [rad].
+        j6: angle of joint 6 [rad].
+
+    Raises:
+        ParameterError: one of them is no finite number.
+    """
+
+    j1: float
+    j2: float
+    j3: float
+    j4: float
+    j5: float
+    j6: float
+
+    _expected = "six finite numbers, the joint angles [rad]"
+
+    def _values(self) -> tuple[float, ...]:
+        return (self.j1, self.j2, self.j3, self.j4, self.j5, self.j6)
+
+    def __repr__(self) -> str:
+        return f"Joints({', '.join(map(_short, self._values()))} [rad])"
+
+    @classmethod
+    def deg(cls, *angles: float) -> Self:
+        """Make a joint vector of six angles in degrees: `Joints.deg(0, 0, 90, 0, -90, 0)`."""
+        return cls.of([math.radians(angle) for angle in angles])
+
+    @property
+    def degrees(self) -> tuple[float, ...]:
+        """The six angles [deg]."""
+        return tuple(map(math.degrees, self._values()))
+
+    def distance(self, other: JointsLike) -> float:
+        """Give the largest difference of one joint [rad]. Whole turns count: 2π is not 0."""
+        return max(abs(a - b) for a, b in zip(self, Joints.of(other), strict=True))
+
+    def almost_equal(self, other: JointsLike, tolerance: float = 1e-6) -> bool:
+        """Tell whether no joint differs by more than `tolerance` [rad]."""
+        return self.distance(other) <= tolerance
+
+    def interpolate(self, other: JointsLike, t: float) -> Joints:
+        """Give the joint vector a part t, 0 to 1, of the straight way in joint space."""
+        if not 0.0 <= t <= 1.0:
+            raise ParameterError("t", t, "a number from 0 to 1")
+        return Joints(*((1 - t) * a + t * b for a, b in zip(self, Joints.of(other), strict=True)))
+
+
+PoseLike: TypeAlias = Pose | Sequence[float] | NDArray[Any]
+JointsLike: TypeAlias = Joints | Sequence[float] | NDArray[Any]
+
+
+def _order(order: str) -> str:
+    if order not in ("wxyz", "xyzw"):
+        raise ParameterError("order", order, "'wxyz' or 'xyzw'")
+    return order
+
+
+def _finite(name: str, values: object, shape: tuple[int, ...], expected: str) -> Array:
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as exc:
+        raise ParameterError(name, values, expected) from exc
+    if array.shape != shape or not np.isfinite(array).all():
+        raise ParameterError(name, array.tolist(), f"finite, {expected}")
+    return array
