@@ -18,7 +18,7 @@ Spec = dict[int, tuple[Any, ...]]
 
 @dataclass(slots=True)
 class Op:
-    """Op."""
+    """Outputs that a motion sets: 1 after its start, 2 around its end, 3 when it pauses or stops."""
 
     thrift_spec: ClassVar[Spec] = {}
     time_or_dist_1: int = 0
@@ -43,7 +43,7 @@ class Op:
 
 @dataclass(slots=True)
 class PointOp:
-    """PointOp."""
+    """A point of a spline or of the track pool, with what is triggered there."""
 
     thrift_spec: ClassVar[Spec] = {}
     pos: list[float] = field(default_factory=list)
@@ -52,7 +52,7 @@ class PointOp:
 
 @dataclass(slots=True)
 class RobotStatus:
-    """RobotStatus."""
+    """The arm at one moment; Cartesian values are the tool's in the world frame."""
 
     thrift_spec: ClassVar[Spec] = {}
     jointExpectPosition: list[float] = field(default_factory=list)
@@ -80,7 +80,7 @@ class RobotStatus:
 
 @dataclass(slots=True)
 class IOStatus:
-    """IOStatus."""
+    """All inputs, outputs and registers at one moment."""
 
     thrift_spec: ClassVar[Spec] = {}
     analogCurrentOutputs: list[float] = field(default_factory=list)
@@ -104,7 +104,7 @@ class IOStatus:
 
 @dataclass(slots=True)
 class MoveJogTaskParam:
-    """MoveJogTaskParam."""
+    """One jog."""
 
     thrift_spec: ClassVar[Spec] = {}
     jog_direction: int = 0
@@ -119,7 +119,7 @@ class MoveJogTaskParam:
 
 @dataclass(slots=True)
 class ReachabilityParam:
-    """ReachabilityParam."""
+    """What reach_check found."""
 
     thrift_spec: ClassVar[Spec] = {}
     result: bool = False
@@ -128,7 +128,7 @@ class ReachabilityParam:
 
 @dataclass(slots=True)
 class EAxissInfo:
-    """EAxissInfo."""
+    """A scheme of external axes."""
 
     thrift_spec: ClassVar[Spec] = {}
     scheme_name: str = ""
@@ -138,7 +138,7 @@ class EAxissInfo:
 
 @dataclass(slots=True)
 class RealTimeControlData:
-    """RealTimeControlData."""
+    """One command of realtime control; only the list of the chosen mode counts."""
 
     thrift_spec: ClassVar[Spec] = {}
     joint_pos_cmd: list[float] = field(default_factory=list)
@@ -152,7 +152,7 @@ class RealTimeControlData:
 
 @dataclass(slots=True)
 class EAxisParam:
-    """EAxisParam."""
+    """Parameters of an external axis. Not in the manual."""
 
     thrift_spec: ClassVar[Spec] = {}
     type: int = 0
@@ -172,7 +172,7 @@ class EAxisParam:
 
 @dataclass(slots=True)
 class EAxisSchemeParam:
-    """EAxisSchemeParam."""
+    """Parameters of a scheme of external axes. Not in the manual."""
 
     thrift_spec: ClassVar[Spec] = {}
     type: int = 0
@@ -190,834 +190,73 @@ class RpcClient:
     def __init__(self, call: Callable[[str, tuple[Any, ...]], Any]) -> None:
         self._call = call
 
-    def abort(self, block: bool) -> int:
-        """abort."""
-        result: int = self._call("abort", (block,))
+    def rpc_heartbeat(self, time: int) -> None:
+        """Report that this client lives; the arm stops if none follows within `time` ms."""
+        self._call("rpc_heartbeat", (time,))
+
+    def power_on(self, block: bool) -> int:
+        """Power the arm on. Returns the task's end state if `block`, else its id."""
+        result: int = self._call("power_on", (block,))
         return result
 
-    def add_eaxis_scheme(self, num: int, block: bool) -> int:
-        """add_eaxis_scheme."""
-        result: int = self._call("add_eaxis_scheme", (num, block))
-        return result
-
-    def apply_servo_config(self, axis_num: int, block: bool) -> int:
-        """apply_servo_config."""
-        result: int = self._call("apply_servo_config", (axis_num, block))
-        return result
-
-    def cal_fkine(
-        self,
-        joints_position: Sequence[float],
-        tool: Sequence[float],
-        wobj: Sequence[float],
-    ) -> list[float]:
-        """cal_fkine."""
-        result: list[float] = self._call("cal_fkine", (joints_position, tool, wobj))
-        return result
-
-    def cal_ikine(
-        self,
-        p: Sequence[float],
-        q_near: Sequence[float],
-        tool: Sequence[float],
-        wobj: Sequence[float],
-    ) -> list[float]:
-        """cal_ikine."""
-        result: list[float] = self._call("cal_ikine", (p, q_near, tool, wobj))
-        return result
-
-    def change_recipe(self) -> None:
-        """change_recipe."""
-        self._call("change_recipe", ())
-
-    def clear_realtime_data_queue(self) -> int:
-        """clear_realtime_data_queue."""
-        result: int = self._call("clear_realtime_data_queue", ())
-        return result
-
-    def collision_detect(self, value: int) -> int:
-        """collision_detect."""
-        result: int = self._call("collision_detect", (value,))
-        return result
-
-    def collision_detection_reset(self) -> int:
-        """collision_detection_reset."""
-        result: int = self._call("collision_detection_reset", ())
-        return result
-
-    def combine_motion_config(
-        self,
-        type: int,
-        ref_plane: int,
-        fq: float,
-        amp: float,
-        el_offset: float,
-        az_offset: float,
-        up_height: float,
-        time: Sequence[int],
-        path_dwell: bool,
-        op_list: Sequence[Op],
-    ) -> int:
-        """combine_motion_config."""
-        result: int = self._call(
-            "combine_motion_config",
-            (type, ref_plane, fq, amp, el_offset, az_offset, up_height, time, path_dwell, op_list),
-        )
-        return result
-
-    def delete_eaxis_scheme(self, num: int, block: bool) -> int:
-        """delete_eaxis_scheme."""
-        result: int = self._call("delete_eaxis_scheme", (num, block))
-        return result
-
-    def disable(self, block: bool) -> int:
-        """disable."""
-        result: int = self._call("disable", (block,))
-        return result
-
-    def disable_acc_optimization(self) -> int:
-        """disable_acc_optimization."""
-        result: int = self._call("disable_acc_optimization", ())
-        return result
-
-    def disable_combine_motion(self) -> int:
-        """disable_combine_motion."""
-        result: int = self._call("disable_combine_motion", ())
-        return result
-
-    def disable_eaxis_scheme(self, scheme_name: str) -> int:
-        """disable_eaxis_scheme."""
-        result: int = self._call("disable_eaxis_scheme", (scheme_name,))
-        return result
-
-    def disable_singularity_control(self) -> int:
-        """disable_singularity_control."""
-        result: int = self._call("disable_singularity_control", ())
-        return result
-
-    def disable_speed_optimization(self) -> int:
-        """disable_speed_optimization."""
-        result: int = self._call("disable_speed_optimization", ())
-        return result
-
-    def disable_vibration_control(self) -> int:
-        """disable_vibration_control."""
-        result: int = self._call("disable_vibration_control", ())
+    def power_off(self, block: bool) -> int:
+        """Power the arm off. Returns the task's end state if `block`, else its id."""
+        result: int = self._call("power_off", (block,))
         return result
 
     def enable(self, block: bool) -> int:
-        """enable."""
+        """Enable the servos. Returns the task's end state if `block`, else its id."""
         result: int = self._call("enable", (block,))
         return result
 
-    def enable_acc_optimization(self) -> int:
-        """enable_acc_optimization."""
-        result: int = self._call("enable_acc_optimization", ())
+    def disable(self, block: bool) -> int:
+        """Disable the servos. Returns the task's end state if `block`, else its id."""
+        result: int = self._call("disable", (block,))
         return result
 
-    def enable_combine_motion(self) -> int:
-        """enable_combine_motion."""
-        result: int = self._call("enable_combine_motion", ())
+    def shutdown(self, block: bool) -> int:
+        """Shut the controller down. Returns the task's end state if `block`, else its id."""
+        result: int = self._call("shutdown", (block,))
         return result
 
-    def enable_eaxis_scheme(self, scheme_name: str) -> int:
-        """enable_eaxis_scheme."""
-        result: int = self._call("enable_eaxis_scheme", (scheme_name,))
+    def restart(self, block: bool) -> int:
+        """Restart the controller. Returns the task's end state if `block`, else its id."""
+        result: int = self._call("restart", (block,))
         return result
 
-    def enable_singularity_control(self) -> int:
-        """enable_singularity_control."""
-        result: int = self._call("enable_singularity_control", ())
+    def stop(self, block: bool) -> int:
+        """Stop all tasks. Returns the end state if `block`, else a task id."""
+        result: int = self._call("stop", (block,))
         return result
 
-    def enable_speed_optimization(self) -> int:
-        """enable_speed_optimization."""
-        result: int = self._call("enable_speed_optimization", ())
+    def pause(self, block: bool) -> int:
+        """Pause all tasks. Returns the end state if `block`, else a task id."""
+        result: int = self._call("pause", (block,))
         return result
 
-    def enable_vibration_control(self) -> int:
-        """enable_vibration_control."""
-        result: int = self._call("enable_vibration_control", ())
+    def resume(self, block: bool) -> int:
+        """Resume all paused tasks. Returns the end state if `block`, else a task id."""
+        result: int = self._call("resume", (block,))
         return result
 
-    def end_realtime_mode(self) -> int:
-        """end_realtime_mode."""
-        result: int = self._call("end_realtime_mode", ())
+    def abort(self, block: bool) -> int:
+        """End the running motion and those read ahead. Not in manual 3.8, in 4.3."""
+        result: int = self._call("abort", (block,))
         return result
 
-    def end_teach_mode(self, block: bool) -> int:
-        """end_teach_mode."""
-        result: int = self._call("end_teach_mode", (block,))
-        return result
-
-    def fc_config(
-        self,
-        direction: Sequence[bool],
-        ref_ft: Sequence[float],
-        damp: Sequence[float],
-        max_vel: Sequence[float],
-        number_list: Sequence[float],
-        tool: str,
-        wobj: str,
-        value: int,
-    ) -> int:
-        """fc_config."""
-        result: int = self._call(
-            "fc_config",
-            (direction, ref_ft, damp, max_vel, number_list, tool, wobj, value),
-        )
-        return result
-
-    def fc_force_set_value(self, direction: Sequence[bool], ref_ft: Sequence[float]) -> int:
-        """fc_force_set_value."""
-        result: int = self._call("fc_force_set_value", (direction, ref_ft))
-        return result
-
-    def fc_get_ft(self) -> list[float]:
-        """fc_get_ft."""
-        result: list[float] = self._call("fc_get_ft", ())
-        return result
-
-    def fc_guard_act(
-        self,
-        direction: Sequence[bool],
-        ref_ft: Sequence[float],
-        tool: str,
-        wobj: str,
-        type: int,
-        force_property: int,
-    ) -> int:
-        """fc_guard_act."""
-        result: int = self._call(
-            "fc_guard_act",
-            (direction, ref_ft, tool, wobj, type, force_property),
-        )
-        return result
-
-    def fc_guard_deact(self) -> int:
-        """fc_guard_deact."""
-        result: int = self._call("fc_guard_deact", ())
-        return result
-
-    def fc_mode_is_active(self) -> bool:
-        """fc_mode_is_active."""
-        result: bool = self._call("fc_mode_is_active", ())
-        return result
-
-    def fc_move(self, block: bool) -> int:
-        """fc_move."""
-        result: int = self._call("fc_move", (block,))
-        return result
-
-    def fc_start(self) -> int:
-        """fc_start."""
-        result: int = self._call("fc_start", ())
-        return result
-
-    def fc_stop(self) -> int:
-        """fc_stop."""
-        result: int = self._call("fc_stop", ())
-        return result
-
-    def fc_wait_ft(
-        self,
-        middle: Sequence[float],
-        range: Sequence[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int:
-        """fc_wait_ft."""
-        result: int = self._call("fc_wait_ft", (middle, range, absolute, duration, timeout))
-        return result
-
-    def fc_wait_logic(self, value: Sequence[int]) -> int:
-        """fc_wait_logic."""
-        result: int = self._call("fc_wait_logic", (value,))
-        return result
-
-    def fc_wait_pos(
-        self,
-        middle: Sequence[float],
-        range: Sequence[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int:
-        """fc_wait_pos."""
-        result: int = self._call("fc_wait_pos", (middle, range, absolute, duration, timeout))
-        return result
-
-    def fc_wait_vel(
-        self,
-        middle: Sequence[float],
-        range: Sequence[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int:
-        """fc_wait_vel."""
-        result: int = self._call("fc_wait_vel", (middle, range, absolute, duration, timeout))
-        return result
-
-    def getQueueSize(self) -> int:
-        """getQueueSize."""
-        result: int = self._call("getQueueSize", ())
-        return result
-
-    def getRobotIOStatus(self) -> IOStatus:
-        """getRobotIOStatus."""
-        result: IOStatus = self._call("getRobotIOStatus", ())
-        return result
-
-    def getRobotStatus(self) -> RobotStatus:
-        """getRobotStatus."""
-        result: RobotStatus = self._call("getRobotStatus", ())
-        return result
-
-    def get_actual_joints_acceleration(self) -> list[float]:
-        """get_actual_joints_acceleration."""
-        result: list[float] = self._call("get_actual_joints_acceleration", ())
-        return result
-
-    def get_actual_joints_position(self) -> list[float]:
-        """get_actual_joints_position."""
-        result: list[float] = self._call("get_actual_joints_position", ())
-        return result
-
-    def get_actual_joints_speed(self) -> list[float]:
-        """get_actual_joints_speed."""
-        result: list[float] = self._call("get_actual_joints_speed", ())
-        return result
-
-    def get_actual_joints_torque(self) -> list[float]:
-        """get_actual_joints_torque."""
-        result: list[float] = self._call("get_actual_joints_torque", ())
-        return result
-
-    def get_axis_motor_kt(self) -> list[float]:
-        """get_axis_motor_kt."""
-        result: list[float] = self._call("get_axis_motor_kt", ())
-        return result
-
-    def get_axis_motor_rated_current(self) -> list[float]:
-        """get_axis_motor_rated_current."""
-        result: list[float] = self._call("get_axis_motor_rated_current", ())
-        return result
-
-    def get_axis_ratio(self) -> list[int]:
-        """get_axis_ratio."""
-        result: list[int] = self._call("get_axis_ratio", ())
-        return result
-
-    def get_calib_DH(self) -> list[list[float]]:
-        """get_calib_DH."""
-        result: list[list[float]] = self._call("get_calib_DH", ())
-        return result
-
-    def get_config_digital_in(self, num: int) -> bool:
-        """get_config_digital_in."""
-        result: bool = self._call("get_config_digital_in", (num,))
+    def run_program(self, name: str, block: bool) -> int:
+        """Run a program of the controller by name. Returns end state or task id."""
+        result: int = self._call("run_program", (name, block))
         return result
 
     def get_current_project(self) -> str:
-        """get_current_project."""
+        """Path of the project that is loaded."""
         result: str = self._call("get_current_project", ())
         return result
 
-    def get_dynamic_calibration_params(self) -> list[list[float]]:
-        """get_dynamic_calibration_params."""
-        result: list[list[float]] = self._call("get_dynamic_calibration_params", ())
-        return result
-
-    def get_eaxis_info(self) -> list[EAxissInfo]:
-        """get_eaxis_info."""
-        result: list[EAxissInfo] = self._call("get_eaxis_info", ())
-        return result
-
-    def get_ext_torque(self) -> list[float]:
-        """get_ext_torque."""
-        result: list[float] = self._call("get_ext_torque", ())
-        return result
-
     def get_files_list(self, path: str) -> dict[str, int]:
-        """get_files_list."""
+        """Files below `path`: name to kind, 0 a folder, 1 a file."""
         result: dict[str, int] = self._call("get_files_list", (path,))
-        return result
-
-    def get_flange_acceleration(self) -> list[float]:
-        """get_flange_acceleration."""
-        result: list[float] = self._call("get_flange_acceleration", ())
-        return result
-
-    def get_flange_pose(self) -> list[float]:
-        """get_flange_pose."""
-        result: list[float] = self._call("get_flange_pose", ())
-        return result
-
-    def get_flange_speed(self) -> list[float]:
-        """get_flange_speed."""
-        result: list[float] = self._call("get_flange_speed", ())
-        return result
-
-    def get_function_digital_in(self, num: int) -> bool:
-        """get_function_digital_in."""
-        result: bool = self._call("get_function_digital_in", (num,))
-        return result
-
-    def get_function_digital_out(self, num: int) -> bool:
-        """get_function_digital_out."""
-        result: bool = self._call("get_function_digital_out", (num,))
-        return result
-
-    def get_function_reg_in(self, num: int) -> bool:
-        """get_function_reg_in."""
-        result: bool = self._call("get_function_reg_in", (num,))
-        return result
-
-    def get_function_reg_out(self, num: int) -> bool:
-        """get_function_reg_out."""
-        result: bool = self._call("get_function_reg_out", (num,))
-        return result
-
-    def get_global_speed(self) -> int:
-        """get_global_speed."""
-        result: int = self._call("get_global_speed", ())
-        return result
-
-    def get_last_error(self) -> list[str]:
-        """get_last_error."""
-        result: list[str] = self._call("get_last_error", ())
-        return result
-
-    def get_motor_pole_pair_number(self) -> list[int]:
-        """get_motor_pole_pair_number."""
-        result: list[int] = self._call("get_motor_pole_pair_number", ())
-        return result
-
-    def get_motor_stator_slots(self) -> list[int]:
-        """get_motor_stator_slots."""
-        result: list[int] = self._call("get_motor_stator_slots", ())
-        return result
-
-    def get_noneblock_taskstate(self, id: int) -> int:
-        """get_noneblock_taskstate."""
-        result: int = self._call("get_noneblock_taskstate", (id,))
-        return result
-
-    def get_origin_DH(self) -> list[list[float]]:
-        """get_origin_DH."""
-        result: list[list[float]] = self._call("get_origin_DH", ())
-        return result
-
-    def get_pos_bias(self) -> list[float]:
-        """get_pos_bias."""
-        result: list[float] = self._call("get_pos_bias", ())
-        return result
-
-    def get_realtime_data_queue_size(self) -> int:
-        """get_realtime_data_queue_size."""
-        result: int = self._call("get_realtime_data_queue_size", ())
-        return result
-
-    def get_robot_state(self) -> list[int]:
-        """get_robot_state."""
-        result: list[int] = self._call("get_robot_state", ())
-        return result
-
-    def get_robot_type(self) -> list[str]:
-        """get_robot_type."""
-        result: list[str] = self._call("get_robot_type", ())
-        return result
-
-    def get_robot_version(self) -> str:
-        """get_robot_version."""
-        result: str = self._call("get_robot_version", ())
-        return result
-
-    def get_standard_analog_current_in(self, num: int) -> float:
-        """get_standard_analog_current_in."""
-        result: float = self._call("get_standard_analog_current_in", (num,))
-        return result
-
-    def get_standard_analog_voltage_in(self, num: int) -> float:
-        """get_standard_analog_voltage_in."""
-        result: float = self._call("get_standard_analog_voltage_in", (num,))
-        return result
-
-    def get_standard_digital_in(self, num: int) -> bool:
-        """get_standard_digital_in."""
-        result: bool = self._call("get_standard_digital_in", (num,))
-        return result
-
-    def get_standard_digital_out(self, num: int) -> bool:
-        """get_standard_digital_out."""
-        result: bool = self._call("get_standard_digital_out", (num,))
-        return result
-
-    def get_system_value_bool(self, name: str) -> bool:
-        """get_system_value_bool."""
-        result: bool = self._call("get_system_value_bool", (name,))
-        return result
-
-    def get_system_value_double(self, name: str) -> float:
-        """get_system_value_double."""
-        result: float = self._call("get_system_value_double", (name,))
-        return result
-
-    def get_system_value_list(self, name: str) -> list[float]:
-        """get_system_value_list."""
-        result: list[float] = self._call("get_system_value_list", (name,))
-        return result
-
-    def get_system_value_lists(self, name: str) -> list[list[float]]:
-        """get_system_value_lists."""
-        result: list[list[float]] = self._call("get_system_value_lists", (name,))
-        return result
-
-    def get_system_value_str(self, name: str) -> str:
-        """get_system_value_str."""
-        result: str = self._call("get_system_value_str", (name,))
-        return result
-
-    def get_target_joints_acceleration(self) -> list[float]:
-        """get_target_joints_acceleration."""
-        result: list[float] = self._call("get_target_joints_acceleration", ())
-        return result
-
-    def get_target_joints_position(self) -> list[float]:
-        """get_target_joints_position."""
-        result: list[float] = self._call("get_target_joints_position", ())
-        return result
-
-    def get_target_joints_speed(self) -> list[float]:
-        """get_target_joints_speed."""
-        result: list[float] = self._call("get_target_joints_speed", ())
-        return result
-
-    def get_target_joints_torque(self) -> list[float]:
-        """get_target_joints_torque."""
-        result: list[float] = self._call("get_target_joints_torque", ())
-        return result
-
-    def get_tcp_acceleration(self) -> list[float]:
-        """get_tcp_acceleration."""
-        result: list[float] = self._call("get_tcp_acceleration", ())
-        return result
-
-    def get_tcp_force(self) -> list[float]:
-        """get_tcp_force."""
-        result: list[float] = self._call("get_tcp_force", ())
-        return result
-
-    def get_tcp_force_tool(self, tool: str) -> list[float]:
-        """get_tcp_force_tool."""
-        result: list[float] = self._call("get_tcp_force_tool", (tool,))
-        return result
-
-    def get_tcp_offset(self) -> list[float]:
-        """get_tcp_offset."""
-        result: list[float] = self._call("get_tcp_offset", ())
-        return result
-
-    def get_tcp_pose(self) -> list[float]:
-        """get_tcp_pose."""
-        result: list[float] = self._call("get_tcp_pose", ())
-        return result
-
-    def get_tcp_pose_coord(self, tool: str, wobj: str) -> list[float]:
-        """get_tcp_pose_coord."""
-        result: list[float] = self._call("get_tcp_pose_coord", (tool, wobj))
-        return result
-
-    def get_tcp_speed(self) -> list[float]:
-        """get_tcp_speed."""
-        result: list[float] = self._call("get_tcp_speed", ())
-        return result
-
-    def get_teach_speed(self) -> int:
-        """get_teach_speed."""
-        result: int = self._call("get_teach_speed", ())
-        return result
-
-    def get_tool_analog_voltage_in(self, num: int) -> float:
-        """get_tool_analog_voltage_in."""
-        result: float = self._call("get_tool_analog_voltage_in", (num,))
-        return result
-
-    def get_tool_digital_in(self, num: int) -> bool:
-        """get_tool_digital_in."""
-        result: bool = self._call("get_tool_digital_in", (num,))
-        return result
-
-    def get_tool_digital_out(self, num: int) -> bool:
-        """get_tool_digital_out."""
-        result: bool = self._call("get_tool_digital_out", (num,))
-        return result
-
-    def get_tool_load(self) -> list[float]:
-        """get_tool_load."""
-        result: list[float] = self._call("get_tool_load", ())
-        return result
-
-    def get_vibration_calibration_params(self) -> list[list[float]]:
-        """get_vibration_calibration_params."""
-        result: list[list[float]] = self._call("get_vibration_calibration_params", ())
-        return result
-
-    def get_wobj(self) -> list[float]:
-        """get_wobj."""
-        result: list[float] = self._call("get_wobj", ())
-        return result
-
-    def log_error(self, message: str) -> None:
-        """log_error."""
-        self._call("log_error", (message,))
-
-    def log_info(self, message: str) -> None:
-        """log_info."""
-        self._call("log_info", (message,))
-
-    def modbus_add_signal(
-        self,
-        ip: str,
-        slave_number: int,
-        signal_address: int,
-        signal_type: int,
-        signal_name: str,
-    ) -> int:
-        """modbus_add_signal."""
-        result: int = self._call(
-            "modbus_add_signal",
-            (ip, slave_number, signal_address, signal_type, signal_name),
-        )
-        return result
-
-    def modbus_delete_signal(self, signal_name: str) -> int:
-        """modbus_delete_signal."""
-        result: int = self._call("modbus_delete_signal", (signal_name,))
-        return result
-
-    def modbus_read(self, signal_name: str) -> int:
-        """modbus_read."""
-        result: int = self._call("modbus_read", (signal_name,))
-        return result
-
-    def modbus_set_frequency(self, signal_name: str, frequence: int) -> None:
-        """modbus_set_frequency."""
-        self._call("modbus_set_frequency", (signal_name, frequence))
-
-    def modbus_write(self, signal_name: str, value: int) -> int:
-        """modbus_write."""
-        result: int = self._call("modbus_write", (signal_name, value))
-        return result
-
-    def modbus_write_multiple_coils(
-        self,
-        slave_num: int,
-        name: str,
-        len: int,
-        byte_list: Sequence[int],
-    ) -> int:
-        """modbus_write_multiple_coils."""
-        result: int = self._call("modbus_write_multiple_coils", (slave_num, name, len, byte_list))
-        return result
-
-    def modbus_write_multiple_regs(
-        self,
-        slave_num: int,
-        name: str,
-        len: int,
-        word_list: Sequence[int],
-    ) -> int:
-        """modbus_write_multiple_regs."""
-        result: int = self._call("modbus_write_multiple_regs", (slave_num, name, len, word_list))
-        return result
-
-    def move_circle(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        mode: int,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """move_circle."""
-        result: int = self._call(
-            "move_circle",
-            (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc),
-        )
-        return result
-
-    def move_circle_eaxis(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        mode: int,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """move_circle_eaxis."""
-        result: int = self._call(
-            "move_circle_eaxis",
-            (
-                p1,
-                p2,
-                v,
-                a,
-                rad,
-                mode,
-                qnear,
-                tool,
-                wobj,
-                scheme_name,
-                epose,
-                eaxis_v,
-                block,
-                op,
-                def_acc,
-            ),
-        )
-        return result
-
-    def move_eaxis(
-        self,
-        scheme_name: str,
-        epose: Sequence[float],
-        v: float,
-        block: bool,
-        op: Op,
-    ) -> int:
-        """move_eaxis."""
-        result: int = self._call("move_eaxis", (scheme_name, epose, v, block, op))
-        return result
-
-    def move_jog(self, param: MoveJogTaskParam, block: bool) -> int:
-        """move_jog."""
-        result: int = self._call("move_jog", (param, block))
-        return result
-
-    def move_jog_eaxis(self, name: str, direction: int, vel: float, block: bool) -> int:
-        """move_jog_eaxis."""
-        result: int = self._call("move_jog_eaxis", (name, direction, vel, block))
-        return result
-
-    def move_spiral(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        rev: float,
-        len: float,
-        r: float,
-        mode: int,
-        v: float,
-        a: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """move_spiral."""
-        result: int = self._call(
-            "move_spiral",
-            (p1, p2, rev, len, r, mode, v, a, q_near, tool, wobj, block, op, def_acc),
-        )
-        return result
-
-    def movec(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        mode: int,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """movec."""
-        result: int = self._call(
-            "movec",
-            (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc),
-        )
-        return result
-
-    def movec_eaxis(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-        mode: int,
-    ) -> int:
-        """movec_eaxis."""
-        result: int = self._call(
-            "movec_eaxis",
-            (
-                p1,
-                p2,
-                v,
-                a,
-                rad,
-                qnear,
-                tool,
-                wobj,
-                scheme_name,
-                epose,
-                eaxis_v,
-                block,
-                op,
-                def_acc,
-                mode,
-            ),
-        )
-        return result
-
-    def movej(
-        self,
-        joints_list: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """movej."""
-        result: int = self._call("movej", (joints_list, v, a, r, block, op, def_acc))
         return result
 
     def movej2(
@@ -1030,68 +269,8 @@ class RpcClient:
         op: Op,
         def_acc: bool,
     ) -> int:
-        """movej2."""
+        """Move the joints to `joints_list` rad; v rad/s, a rad/s², r m of blending."""
         result: int = self._call("movej2", (joints_list, v, a, r, block, op, def_acc))
-        return result
-
-    def movej2_eaxis(
-        self,
-        joints_list: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """movej2_eaxis."""
-        result: int = self._call(
-            "movej2_eaxis",
-            (joints_list, v, a, rad, scheme_name, epose, eaxis_v, block, op, def_acc),
-        )
-        return result
-
-    def movej2_pose_eaxis(
-        self,
-        p: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """movej2_pose_eaxis."""
-        result: int = self._call(
-            "movej2_pose_eaxis",
-            (p, v, a, rad, qnear, tool, wobj, scheme_name, epose, eaxis_v, block, op, def_acc),
-        )
-        return result
-
-    def movej_pose(
-        self,
-        p: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """movej_pose."""
-        result: int = self._call("movej_pose", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
         return result
 
     def movej_pose2(
@@ -1107,7 +286,7 @@ class RpcClient:
         op: Op,
         def_acc: bool,
     ) -> int:
-        """movej_pose2."""
+        """Move the joints to the pose p m, rad; v rad/s, a rad/s², r m of blending."""
         result: int = self._call(
             "movej_pose2",
             (p, v, a, r, q_near, tool, wobj, block, op, def_acc),
@@ -1127,178 +306,193 @@ class RpcClient:
         op: Op,
         def_acc: bool,
     ) -> int:
-        """movel."""
+        """Move the tool along a line to the pose p m, rad; v m/s, a m/s², r m of blending."""
         result: int = self._call("movel", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
         return result
 
-    def movel_eaxis(
+    def movec(
         self,
-        p: Sequence[float],
+        p1: Sequence[float],
+        p2: Sequence[float],
         v: float,
         a: float,
-        rad: float,
-        qnear: Sequence[float],
+        r: float,
+        mode: int,
+        q_near: Sequence[float],
         tool: str,
         wobj: str,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
         block: bool,
         op: Op,
         def_acc: bool,
     ) -> int:
-        """movel_eaxis."""
+        """Move the tool along an arc through p1 to p2 m, rad; v m/s, a m/s², r m of blending."""
         result: int = self._call(
-            "movel_eaxis",
-            (p, v, a, rad, qnear, tool, wobj, scheme_name, epose, eaxis_v, block, op, def_acc),
+            "movec",
+            (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc),
         )
         return result
 
-    def pause(self, block: bool) -> int:
-        """pause."""
-        result: int = self._call("pause", (block,))
-        return result
-
-    def power_off(self, block: bool) -> int:
-        """power_off."""
-        result: int = self._call("power_off", (block,))
-        return result
-
-    def power_on(self, block: bool) -> int:
-        """power_on."""
-        result: int = self._call("power_on", (block,))
-        return result
-
-    def reach_check(
+    def move_circle(
         self,
-        base: Sequence[float],
-        wobj: Sequence[float],
-        tool: Sequence[float],
-        ref_pos: Sequence[float],
-        check_points: Sequence[Sequence[float]],
-    ) -> ReachabilityParam:
-        """reach_check."""
-        result: ReachabilityParam = self._call(
-            "reach_check",
-            (base, wobj, tool, ref_pos, check_points),
-        )
-        return result
-
-    def read_bool_reg(self, num: int) -> bool:
-        """read_bool_reg."""
-        result: bool = self._call("read_bool_reg", (num,))
-        return result
-
-    def read_data_485(self) -> list[int]:
-        """read_data_485."""
-        result: list[int] = self._call("read_data_485", ())
-        return result
-
-    def read_data_can(self) -> list[int]:
-        """read_data_can."""
-        result: list[int] = self._call("read_data_can", ())
-        return result
-
-    def read_encoder_count(self) -> int:
-        """read_encoder_count."""
-        result: int = self._call("read_encoder_count", ())
-        return result
-
-    def read_float_reg(self, num: int) -> float:
-        """read_float_reg."""
-        result: float = self._call("read_float_reg", (num,))
-        return result
-
-    def read_raw_data_485(self, len: int) -> list[int]:
-        """read_raw_data_485."""
-        result: list[int] = self._call("read_raw_data_485", (len,))
-        return result
-
-    def read_raw_data_485_h(self, head: Sequence[int], len: int) -> list[int]:
-        """read_raw_data_485_h."""
-        result: list[int] = self._call("read_raw_data_485_h", (head, len))
-        return result
-
-    def read_raw_data_485_ht(self, head: Sequence[int], tail: Sequence[int]) -> list[int]:
-        """read_raw_data_485_ht."""
-        result: list[int] = self._call("read_raw_data_485_ht", (head, tail))
-        return result
-
-    def read_raw_data_can(self) -> list[int]:
-        """read_raw_data_can."""
-        result: list[int] = self._call("read_raw_data_can", ())
-        return result
-
-    def read_word_reg(self, num: int) -> int:
-        """read_word_reg."""
-        result: int = self._call("read_word_reg", (num,))
-        return result
-
-    def realtime_data_enqueue(
-        self,
-        realtime_data: Sequence[RealTimeControlData],
+        p1: Sequence[float],
+        p2: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        mode: int,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
         block: bool,
+        op: Op,
+        def_acc: bool,
     ) -> int:
-        """realtime_data_enqueue."""
-        result: int = self._call("realtime_data_enqueue", (realtime_data, block))
+        """Move the tool along the full circle through p1 and p2; v m/s, a m/s², r m."""
+        result: int = self._call(
+            "move_circle",
+            (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc),
+        )
         return result
 
-    def replay(self, name: str, value: int, mode: int) -> int:
-        """replay."""
-        result: int = self._call("replay", (name, value, mode))
-        return result
-
-    def restart(self, block: bool) -> int:
-        """restart."""
-        result: int = self._call("restart", (block,))
-        return result
-
-    def resume(self, block: bool) -> int:
-        """resume."""
-        result: int = self._call("resume", (block,))
-        return result
-
-    def robotmoving(self) -> bool:
-        """robotmoving."""
-        result: bool = self._call("robotmoving", ())
-        return result
-
-    def rpc_heartbeat(self, time: int) -> None:
-        """rpc_heartbeat."""
-        self._call("rpc_heartbeat", (time,))
-
-    def run_program(self, name: str, block: bool) -> int:
-        """run_program."""
-        result: int = self._call("run_program", (name, block))
-        return result
-
-    def save_dynamic_calibration_params(self, passwd: str) -> int:
-        """save_dynamic_calibration_params."""
-        result: int = self._call("save_dynamic_calibration_params", (passwd,))
-        return result
-
-    def save_kinematic_calibration_params(self, passwd: str) -> int:
-        """save_kinematic_calibration_params."""
-        result: int = self._call("save_kinematic_calibration_params", (passwd,))
-        return result
-
-    def servo_tcp(
+    def tcp_move(
         self,
         pose_offset: Sequence[float],
         v: float,
         a: float,
+        r: float,
         tool: str,
         block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
+        op: Op,
+        def_acc: bool,
     ) -> int:
-        """servo_tcp."""
+        """Move along a line by an offset m, rad in the tool's frame; v m/s, a m/s², r m."""
+        result: int = self._call("tcp_move", (pose_offset, v, a, r, tool, block, op, def_acc))
+        return result
+
+    def tcp_move_2p(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """Move along a line by the offset from p1 to p2 in the tool's frame; v m/s, a m/s²."""
+        result: int = self._call("tcp_move_2p", (p1, p2, v, a, r, tool, wobj, block, op, def_acc))
+        return result
+
+    def wobj_move(
+        self,
+        pose_offset: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """Move along a line by an offset m, rad in the work object's frame; v m/s, a m/s²."""
+        result: int = self._call("wobj_move", (pose_offset, v, a, r, wobj, block, op, def_acc))
+        return result
+
+    def wobj_move_2p(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """Move along a line by the offset from p1 to p2 in the work object's frame."""
+        result: int = self._call("wobj_move_2p", (p1, p2, v, a, r, tool, wobj, block, op, def_acc))
+        return result
+
+    def speedj(self, joints_list: Sequence[float], a: float, time: int, block: bool) -> int:
+        """Turn the joints at `joints_list` rad/s for `time` ms, -1 for no end; a rad/s²."""
+        result: int = self._call("speedj", (joints_list, a, time, block))
+        return result
+
+    def speedl(self, pose_list: Sequence[float], a: float, time: int, block: bool) -> int:
+        """Move the tool at `pose_list` m/s, rad/s for `time` ms, -1 for no end; a m/s²."""
+        result: int = self._call("speedl", (pose_list, a, time, block))
+        return result
+
+    def speed_stop(self, block: bool) -> int:
+        """End speedj and speedl."""
+        result: int = self._call("speed_stop", (block,))
+        return result
+
+    def teach_mode(self, block: bool) -> int:
+        """Enter hand guiding."""
+        result: int = self._call("teach_mode", (block,))
+        return result
+
+    def end_teach_mode(self, block: bool) -> int:
+        """Leave hand guiding."""
+        result: int = self._call("end_teach_mode", (block,))
+        return result
+
+    def set_hand_teach_parameter(
+        self,
+        space: int,
+        joint_scale: Sequence[int],
+        cart_scale: Sequence[int],
+        coord_type: int,
+        direction: Sequence[bool],
+    ) -> int:
+        """Set hand guiding: space, compliance of joints or of x to rz, frame, directions."""
         result: int = self._call(
-            "servo_tcp",
-            (pose_offset, v, a, tool, block, kp, kd, smooth_vel, smooth_acc),
+            "set_hand_teach_parameter",
+            (space, joint_scale, cart_scale, coord_type, direction),
         )
+        return result
+
+    def replay(self, name: str, value: int, mode: int) -> int:
+        """Run a recorded track at `value` percent; mode 0 by joints, 1 by poses."""
+        result: int = self._call("replay", (name, value, mode))
+        return result
+
+    def spline(
+        self,
+        pose_list: Sequence[Sequence[float]],
+        v: float,
+        a: float,
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        r: float,
+        def_acc: bool,
+    ) -> int:
+        """Move the tool along a spline through up to 50 poses m, rad; v m/s, a m/s², r m."""
+        result: int = self._call("spline", (pose_list, v, a, tool, wobj, block, op, r, def_acc))
+        return result
+
+    def spline_op(
+        self,
+        pose_list: Sequence[PointOp],
+        v: float,
+        a: float,
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        r: float,
+        def_acc: bool,
+    ) -> int:
+        """Move along a spline of up to 50 poses with triggers at the points; v m/s, a m/s²."""
+        result: int = self._call("spline_op", (pose_list, v, a, tool, wobj, block, op, r, def_acc))
         return result
 
     def servoj(
@@ -1312,7 +506,7 @@ class RpcClient:
         smooth_vel: float,
         smooth_acc: float,
     ) -> int:
-        """servoj."""
+        """Follow joint targets rad that come one after another; v rad/s, a rad/s²."""
         result: int = self._call(
             "servoj",
             (joints_list, v, a, block, kp, kd, smooth_vel, smooth_acc),
@@ -1333,10 +527,29 @@ class RpcClient:
         smooth_vel: float,
         smooth_acc: float,
     ) -> int:
-        """servoj_pose."""
+        """Follow poses m, rad that come one after another, by the joints; v rad/s, a rad/s²."""
         result: int = self._call(
             "servoj_pose",
             (pose_list, v, a, q_near, tool, wobj, block, kp, kd, smooth_vel, smooth_acc),
+        )
+        return result
+
+    def servo_tcp(
+        self,
+        pose_offset: Sequence[float],
+        v: float,
+        a: float,
+        tool: str,
+        block: bool,
+        kp: float,
+        kd: float,
+        smooth_vel: float,
+        smooth_acc: float,
+    ) -> int:
+        """Follow offsets m, rad of the tool that come one after another."""
+        result: int = self._call(
+            "servo_tcp",
+            (pose_offset, v, a, tool, block, kp, kd, smooth_vel, smooth_acc),
         )
         return result
 
@@ -1354,1135 +567,12 @@ class RpcClient:
         smooth_vel: float,
         smooth_acc: float,
     ) -> int:
-        """servol."""
+        """Follow poses m, rad that come one after another, by the Cartesian directions."""
         result: int = self._call(
             "servol",
             (pose_list, v, a, q_near, tool, wobj, block, kp, kd, smooth_vel, smooth_acc),
         )
         return result
-
-    def set_analog_output_mode(self, num: int, mode: int, block: bool) -> int:
-        """set_analog_output_mode."""
-        result: int = self._call("set_analog_output_mode", (num, mode, block))
-        return result
-
-    def set_baudrate_485(self, value: int, block: bool) -> int:
-        """set_baudrate_485."""
-        result: int = self._call("set_baudrate_485", (value, block))
-        return result
-
-    def set_baudrate_can(self, value: int, block: bool) -> int:
-        """set_baudrate_can."""
-        result: int = self._call("set_baudrate_can", (value, block))
-        return result
-
-    def set_blend_ahead(self, per: int, num: int) -> int:
-        """set_blend_ahead."""
-        result: int = self._call("set_blend_ahead", (per, num))
-        return result
-
-    def set_digital_output_mode(self, num: int, type: int, freq: int, duty_cycle: int) -> int:
-        """set_digital_output_mode."""
-        result: int = self._call("set_digital_output_mode", (num, type, freq, duty_cycle))
-        return result
-
-    def set_dynamic_calibration_info(self, passwd: str, info: str) -> int:
-        """set_dynamic_calibration_info."""
-        result: int = self._call("set_dynamic_calibration_info", (passwd, info))
-        return result
-
-    def set_dynamic_calibration_params(self, params: Sequence[Sequence[float]]) -> int:
-        """set_dynamic_calibration_params."""
-        result: int = self._call("set_dynamic_calibration_params", (params,))
-        return result
-
-    def set_eaxis_param(self, num: int, param: EAxisParam, block: bool) -> int:
-        """set_eaxis_param."""
-        result: int = self._call("set_eaxis_param", (num, param, block))
-        return result
-
-    def set_eaxiss_scheme_param(self, num: int, param: EAxisSchemeParam, block: bool) -> int:
-        """set_eaxiss_scheme_param."""
-        result: int = self._call("set_eaxiss_scheme_param", (num, param, block))
-        return result
-
-    def set_hand_teach_parameter(
-        self,
-        space: int,
-        joint_scale: Sequence[int],
-        cart_scale: Sequence[int],
-        coord_type: int,
-        direction: Sequence[bool],
-    ) -> int:
-        """set_hand_teach_parameter."""
-        result: int = self._call(
-            "set_hand_teach_parameter",
-            (space, joint_scale, cart_scale, coord_type, direction),
-        )
-        return result
-
-    def set_kinematic_calibration_info(self, passwd: str, info: str) -> int:
-        """set_kinematic_calibration_info."""
-        result: int = self._call("set_kinematic_calibration_info", (passwd, info))
-        return result
-
-    def set_kinematic_calibration_params(self, params: Sequence[Sequence[float]]) -> int:
-        """set_kinematic_calibration_params."""
-        result: int = self._call("set_kinematic_calibration_params", (params,))
-        return result
-
-    def set_load_data(self, value: Sequence[float]) -> int:
-        """set_load_data."""
-        result: int = self._call("set_load_data", (value,))
-        return result
-
-    def set_pendant_type(self, type: int) -> int:
-        """set_pendant_type."""
-        result: int = self._call("set_pendant_type", (type,))
-        return result
-
-    def set_servo_config(
-        self,
-        axis_num: int,
-        id: int,
-        value: int,
-        qfmt: int,
-        block: bool,
-    ) -> int:
-        """set_servo_config."""
-        result: int = self._call("set_servo_config", (axis_num, id, value, qfmt, block))
-        return result
-
-    def set_servo_file_params(
-        self,
-        axis_num: int,
-        id: int,
-        name: str,
-        value: float,
-        qfmt: float,
-    ) -> int:
-        """set_servo_file_params."""
-        result: int = self._call("set_servo_file_params", (axis_num, id, name, value, qfmt))
-        return result
-
-    def set_standard_analog_current_out(self, num: int, value: float, block: bool) -> int:
-        """set_standard_analog_current_out."""
-        result: int = self._call("set_standard_analog_current_out", (num, value, block))
-        return result
-
-    def set_standard_analog_voltage_out(self, num: int, value: float, block: bool) -> int:
-        """set_standard_analog_voltage_out."""
-        result: int = self._call("set_standard_analog_voltage_out", (num, value, block))
-        return result
-
-    def set_standard_digital_out(self, num: int, value: bool, block: bool) -> int:
-        """set_standard_digital_out."""
-        result: int = self._call("set_standard_digital_out", (num, value, block))
-        return result
-
-    def set_system_value_bool(self, name: str, value: bool) -> int:
-        """set_system_value_bool."""
-        result: int = self._call("set_system_value_bool", (name, value))
-        return result
-
-    def set_system_value_double(self, name: str, value: float) -> int:
-        """set_system_value_double."""
-        result: int = self._call("set_system_value_double", (name, value))
-        return result
-
-    def set_system_value_list(self, name: str, value: Sequence[float]) -> int:
-        """set_system_value_list."""
-        result: int = self._call("set_system_value_list", (name, value))
-        return result
-
-    def set_system_value_str(self, name: str, value: str) -> int:
-        """set_system_value_str."""
-        result: int = self._call("set_system_value_str", (name, value))
-        return result
-
-    def set_teach_pendant(self, enable: bool) -> int:
-        """set_teach_pendant."""
-        result: int = self._call("set_teach_pendant", (enable,))
-        return result
-
-    def set_teach_speed(self, v: int) -> int:
-        """set_teach_speed."""
-        result: int = self._call("set_teach_speed", (v,))
-        return result
-
-    def set_tool_data(
-        self,
-        name: str,
-        tool_offset: Sequence[float],
-        payload: Sequence[float],
-        inertia_tensor: Sequence[float],
-    ) -> int:
-        """set_tool_data."""
-        result: int = self._call("set_tool_data", (name, tool_offset, payload, inertia_tensor))
-        return result
-
-    def set_tool_digital_out(self, num: int, value: bool, block: bool) -> int:
-        """set_tool_digital_out."""
-        result: int = self._call("set_tool_digital_out", (num, value, block))
-        return result
-
-    def set_vibration_calibration_info(self, passwd: str, info: str) -> int:
-        """set_vibration_calibration_info."""
-        result: int = self._call("set_vibration_calibration_info", (passwd, info))
-        return result
-
-    def set_wobj(self, name: str, wobj: Sequence[float]) -> int:
-        """set_wobj."""
-        result: int = self._call("set_wobj", (name, wobj))
-        return result
-
-    def set_wobj_offset(self, wobj: Sequence[float], active: bool) -> int:
-        """set_wobj_offset."""
-        result: int = self._call("set_wobj_offset", (wobj, active))
-        return result
-
-    def shutdown(self, block: bool) -> int:
-        """shutdown."""
-        result: int = self._call("shutdown", (block,))
-        return result
-
-    def simulation(self, sim: bool, block: bool) -> int:
-        """simulation."""
-        result: int = self._call("simulation", (sim, block))
-        return result
-
-    def speed(self, val: float) -> int:
-        """speed."""
-        result: int = self._call("speed", (val,))
-        return result
-
-    def speed_stop(self, block: bool) -> int:
-        """speed_stop."""
-        result: int = self._call("speed_stop", (block,))
-        return result
-
-    def speedj(self, joints_list: Sequence[float], a: float, time: int, block: bool) -> int:
-        """speedj."""
-        result: int = self._call("speedj", (joints_list, a, time, block))
-        return result
-
-    def speedl(self, pose_list: Sequence[float], a: float, time: int, block: bool) -> int:
-        """speedl."""
-        result: int = self._call("speedl", (pose_list, a, time, block))
-        return result
-
-    def spline(
-        self,
-        pose_list: Sequence[Sequence[float]],
-        v: float,
-        a: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        r: float,
-        def_acc: bool,
-    ) -> int:
-        """spline."""
-        result: int = self._call("spline", (pose_list, v, a, tool, wobj, block, op, r, def_acc))
-        return result
-
-    def spline_op(
-        self,
-        pose_list: Sequence[PointOp],
-        v: float,
-        a: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        r: float,
-        def_acc: bool,
-    ) -> int:
-        """spline_op."""
-        result: int = self._call("spline_op", (pose_list, v, a, tool, wobj, block, op, r, def_acc))
-        return result
-
-    def start_realtime_mode(
-        self,
-        mode: int,
-        fileter_bandwidth: float,
-        com_lost_time: float,
-    ) -> int:
-        """start_realtime_mode."""
-        result: int = self._call("start_realtime_mode", (mode, fileter_bandwidth, com_lost_time))
-        return result
-
-    def start_record_track(
-        self,
-        name: str,
-        mode: int,
-        tool: str,
-        wobj: str,
-        interval: float,
-    ) -> int:
-        """start_record_track."""
-        result: int = self._call("start_record_track", (name, mode, tool, wobj, interval))
-        return result
-
-    def stop(self, block: bool) -> int:
-        """stop."""
-        result: int = self._call("stop", (block,))
-        return result
-
-    def stop_manual_move(self, block: bool) -> int:
-        """stop_manual_move."""
-        result: int = self._call("stop_manual_move", (block,))
-        return result
-
-    def stop_record_track(self) -> int:
-        """stop_record_track."""
-        result: int = self._call("stop_record_track", ())
-        return result
-
-    def switch_mode(self, mode: int) -> int:
-        """switch_mode."""
-        result: int = self._call("switch_mode", (mode,))
-        return result
-
-    def tcp_move(
-        self,
-        pose_offset: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        tool: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """tcp_move."""
-        result: int = self._call("tcp_move", (pose_offset, v, a, r, tool, block, op, def_acc))
-        return result
-
-    def tcp_move_2p(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """tcp_move_2p."""
-        result: int = self._call("tcp_move_2p", (p1, p2, v, a, r, tool, wobj, block, op, def_acc))
-        return result
-
-    def teach_mode(self, block: bool) -> int:
-        """teach_mode."""
-        result: int = self._call("teach_mode", (block,))
-        return result
-
-    def tool_read_data_485(self) -> list[int]:
-        """tool_read_data_485."""
-        result: list[int] = self._call("tool_read_data_485", ())
-        return result
-
-    def tool_read_raw_data_485(self, len: int) -> list[int]:
-        """tool_read_raw_data_485."""
-        result: list[int] = self._call("tool_read_raw_data_485", (len,))
-        return result
-
-    def tool_read_raw_data_485_h(self, head: Sequence[int], len: int) -> list[int]:
-        """tool_read_raw_data_485_h."""
-        result: list[int] = self._call("tool_read_raw_data_485_h", (head, len))
-        return result
-
-    def tool_read_raw_data_485_ht(self, head: Sequence[int], tail: Sequence[int]) -> list[int]:
-        """tool_read_raw_data_485_ht."""
-        result: list[int] = self._call("tool_read_raw_data_485_ht", (head, tail))
-        return result
-
-    def tool_write_data_485(self, data: Sequence[int]) -> bool:
-        """tool_write_data_485."""
-        result: bool = self._call("tool_write_data_485", (data,))
-        return result
-
-    def tool_write_raw_data_485(self, data: Sequence[int]) -> bool:
-        """tool_write_raw_data_485."""
-        result: bool = self._call("tool_write_raw_data_485", (data,))
-        return result
-
-    def tool_write_raw_data_485_h(self, data: Sequence[int], head: Sequence[int]) -> bool:
-        """tool_write_raw_data_485_h."""
-        result: bool = self._call("tool_write_raw_data_485_h", (data, head))
-        return result
-
-    def tool_write_raw_data_485_ht(
-        self,
-        data: Sequence[int],
-        head: Sequence[int],
-        tail: Sequence[int],
-    ) -> bool:
-        """tool_write_raw_data_485_ht."""
-        result: bool = self._call("tool_write_raw_data_485_ht", (data, head, tail))
-        return result
-
-    def trackCartMotion(
-        self,
-        speed: float,
-        acc: float,
-        block: bool,
-        tool: str,
-        wobj: str,
-        radius: float,
-    ) -> int:
-        """trackCartMotion."""
-        result: int = self._call("trackCartMotion", (speed, acc, block, tool, wobj, radius))
-        return result
-
-    def trackClearQueue(self) -> int:
-        """trackClearQueue."""
-        result: int = self._call("trackClearQueue", ())
-        return result
-
-    def trackEnqueue(self, track: Sequence[Sequence[float]], block: bool) -> int:
-        """trackEnqueue."""
-        result: int = self._call("trackEnqueue", (track, block))
-        return result
-
-    def trackEnqueueOp(self, track: Sequence[PointOp], block: bool) -> int:
-        """trackEnqueueOp."""
-        result: int = self._call("trackEnqueueOp", (track, block))
-        return result
-
-    def trackJointMotion(self, speed: float, acc: float, block: bool) -> int:
-        """trackJointMotion."""
-        result: int = self._call("trackJointMotion", (speed, acc, block))
-        return result
-
-    def upload_robot_param_to_toolboard(self, passwd: str) -> int:
-        """upload_robot_param_to_toolboard."""
-        result: int = self._call("upload_robot_param_to_toolboard", (passwd,))
-        return result
-
-    def wobj_move(
-        self,
-        pose_offset: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """wobj_move."""
-        result: int = self._call("wobj_move", (pose_offset, v, a, r, wobj, block, op, def_acc))
-        return result
-
-    def wobj_move_2p(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """wobj_move_2p."""
-        result: int = self._call("wobj_move_2p", (p1, p2, v, a, r, tool, wobj, block, op, def_acc))
-        return result
-
-    def write_bool_reg(self, num: int, value: bool) -> int:
-        """write_bool_reg."""
-        result: int = self._call("write_bool_reg", (num, value))
-        return result
-
-    def write_data_485(self, data: Sequence[int]) -> bool:
-        """write_data_485."""
-        result: bool = self._call("write_data_485", (data,))
-        return result
-
-    def write_data_can(self, id: int, data: Sequence[int]) -> bool:
-        """write_data_can."""
-        result: bool = self._call("write_data_can", (id, data))
-        return result
-
-    def write_float_reg(self, num: int, value: float) -> int:
-        """write_float_reg."""
-        result: int = self._call("write_float_reg", (num, value))
-        return result
-
-    def write_raw_data_485(self, data: Sequence[int]) -> bool:
-        """write_raw_data_485."""
-        result: bool = self._call("write_raw_data_485", (data,))
-        return result
-
-    def write_raw_data_485_h(self, data: Sequence[int], head: Sequence[int]) -> bool:
-        """write_raw_data_485_h."""
-        result: bool = self._call("write_raw_data_485_h", (data, head))
-        return result
-
-    def write_raw_data_485_ht(
-        self,
-        data: Sequence[int],
-        head: Sequence[int],
-        tail: Sequence[int],
-    ) -> bool:
-        """write_raw_data_485_ht."""
-        result: bool = self._call("write_raw_data_485_ht", (data, head, tail))
-        return result
-
-    def write_raw_data_can(self, id: int, data: Sequence[int]) -> bool:
-        """write_raw_data_can."""
-        result: bool = self._call("write_raw_data_can", (id, data))
-        return result
-
-    def write_word_reg(self, num: int, value: int) -> int:
-        """write_word_reg."""
-        result: int = self._call("write_word_reg", (num, value))
-        return result
-
-
-class AsyncRpc:
-    """Every function of the wire, awaited; `call` is a coroutine function."""
-
-    __slots__ = ("_call",)
-
-    def __init__(self, call: Callable[[str, tuple[Any, ...]], Coroutine[Any, Any, Any]]) -> None:
-        self._call = call
-
-    def abort(self, block: bool) -> Coroutine[Any, Any, int]:
-        """abort."""
-        return self._call("abort", (block,))
-
-    def add_eaxis_scheme(self, num: int, block: bool) -> Coroutine[Any, Any, int]:
-        """add_eaxis_scheme."""
-        return self._call("add_eaxis_scheme", (num, block))
-
-    def apply_servo_config(self, axis_num: int, block: bool) -> Coroutine[Any, Any, int]:
-        """apply_servo_config."""
-        return self._call("apply_servo_config", (axis_num, block))
-
-    def cal_fkine(
-        self,
-        joints_position: Sequence[float],
-        tool: Sequence[float],
-        wobj: Sequence[float],
-    ) -> Coroutine[Any, Any, list[float]]:
-        """cal_fkine."""
-        return self._call("cal_fkine", (joints_position, tool, wobj))
-
-    def cal_ikine(
-        self,
-        p: Sequence[float],
-        q_near: Sequence[float],
-        tool: Sequence[float],
-        wobj: Sequence[float],
-    ) -> Coroutine[Any, Any, list[float]]:
-        """cal_ikine."""
-        return self._call("cal_ikine", (p, q_near, tool, wobj))
-
-    def change_recipe(self) -> Coroutine[Any, Any, None]:
-        """change_recipe."""
-        return self._call("change_recipe", ())
-
-    def clear_realtime_data_queue(self) -> Coroutine[Any, Any, int]:
-        """clear_realtime_data_queue."""
-        return self._call("clear_realtime_data_queue", ())
-
-    def collision_detect(self, value: int) -> Coroutine[Any, Any, int]:
-        """collision_detect."""
-        return self._call("collision_detect", (value,))
-
-    def collision_detection_reset(self) -> Coroutine[Any, Any, int]:
-        """collision_detection_reset."""
-        return self._call("collision_detection_reset", ())
-
-    def combine_motion_config(
-        self,
-        type: int,
-        ref_plane: int,
-        fq: float,
-        amp: float,
-        el_offset: float,
-        az_offset: float,
-        up_height: float,
-        time: Sequence[int],
-        path_dwell: bool,
-        op_list: Sequence[Op],
-    ) -> Coroutine[Any, Any, int]:
-        """combine_motion_config."""
-        return self._call(
-            "combine_motion_config",
-            (type, ref_plane, fq, amp, el_offset, az_offset, up_height, time, path_dwell, op_list),
-        )
-
-    def delete_eaxis_scheme(self, num: int, block: bool) -> Coroutine[Any, Any, int]:
-        """delete_eaxis_scheme."""
-        return self._call("delete_eaxis_scheme", (num, block))
-
-    def disable(self, block: bool) -> Coroutine[Any, Any, int]:
-        """disable."""
-        return self._call("disable", (block,))
-
-    def disable_acc_optimization(self) -> Coroutine[Any, Any, int]:
-        """disable_acc_optimization."""
-        return self._call("disable_acc_optimization", ())
-
-    def disable_combine_motion(self) -> Coroutine[Any, Any, int]:
-        """disable_combine_motion."""
-        return self._call("disable_combine_motion", ())
-
-    def disable_eaxis_scheme(self, scheme_name: str) -> Coroutine[Any, Any, int]:
-        """disable_eaxis_scheme."""
-        return self._call("disable_eaxis_scheme", (scheme_name,))
-
-    def disable_singularity_control(self) -> Coroutine[Any, Any, int]:
-        """disable_singularity_control."""
-        return self._call("disable_singularity_control", ())
-
-    def disable_speed_optimization(self) -> Coroutine[Any, Any, int]:
-        """disable_speed_optimization."""
-        return self._call("disable_speed_optimization", ())
-
-    def disable_vibration_control(self) -> Coroutine[Any, Any, int]:
-        """disable_vibration_control."""
-        return self._call("disable_vibration_control", ())
-
-    def enable(self, block: bool) -> Coroutine[Any, Any, int]:
-        """enable."""
-        return self._call("enable", (block,))
-
-    def enable_acc_optimization(self) -> Coroutine[Any, Any, int]:
-        """enable_acc_optimization."""
-        return self._call("enable_acc_optimization", ())
-
-    def enable_combine_motion(self) -> Coroutine[Any, Any, int]:
-        """enable_combine_motion."""
-        return self._call("enable_combine_motion", ())
-
-    def enable_eaxis_scheme(self, scheme_name: str) -> Coroutine[Any, Any, int]:
-        """enable_eaxis_scheme."""
-        return self._call("enable_eaxis_scheme", (scheme_name,))
-
-    def enable_singularity_control(self) -> Coroutine[Any, Any, int]:
-        """enable_singularity_control."""
-        return self._call("enable_singularity_control", ())
-
-    def enable_speed_optimization(self) -> Coroutine[Any, Any, int]:
-        """enable_speed_optimization."""
-        return self._call("enable_speed_optimization", ())
-
-    def enable_vibration_control(self) -> Coroutine[Any, Any, int]:
-        """enable_vibration_control."""
-        return self._call("enable_vibration_control", ())
-
-    def end_realtime_mode(self) -> Coroutine[Any, Any, int]:
-        """end_realtime_mode."""
-        return self._call("end_realtime_mode", ())
-
-    def end_teach_mode(self, block: bool) -> Coroutine[Any, Any, int]:
-        """end_teach_mode."""
-        return self._call("end_teach_mode", (block,))
-
-    def fc_config(
-        self,
-        direction: Sequence[bool],
-        ref_ft: Sequence[float],
-        damp: Sequence[float],
-        max_vel: Sequence[float],
-        number_list: Sequence[float],
-        tool: str,
-        wobj: str,
-        value: int,
-    ) -> Coroutine[Any, Any, int]:
-        """fc_config."""
-        return self._call(
-            "fc_config",
-            (direction, ref_ft, damp, max_vel, number_list, tool, wobj, value),
-        )
-
-    def fc_force_set_value(
-        self,
-        direction: Sequence[bool],
-        ref_ft: Sequence[float],
-    ) -> Coroutine[Any, Any, int]:
-        """fc_force_set_value."""
-        return self._call("fc_force_set_value", (direction, ref_ft))
-
-    def fc_get_ft(self) -> Coroutine[Any, Any, list[float]]:
-        """fc_get_ft."""
-        return self._call("fc_get_ft", ())
-
-    def fc_guard_act(
-        self,
-        direction: Sequence[bool],
-        ref_ft: Sequence[float],
-        tool: str,
-        wobj: str,
-        type: int,
-        force_property: int,
-    ) -> Coroutine[Any, Any, int]:
-        """fc_guard_act."""
-        return self._call("fc_guard_act", (direction, ref_ft, tool, wobj, type, force_property))
-
-    def fc_guard_deact(self) -> Coroutine[Any, Any, int]:
-        """fc_guard_deact."""
-        return self._call("fc_guard_deact", ())
-
-    def fc_mode_is_active(self) -> Coroutine[Any, Any, bool]:
-        """fc_mode_is_active."""
-        return self._call("fc_mode_is_active", ())
-
-    def fc_move(self, block: bool) -> Coroutine[Any, Any, int]:
-        """fc_move."""
-        return self._call("fc_move", (block,))
-
-    def fc_start(self) -> Coroutine[Any, Any, int]:
-        """fc_start."""
-        return self._call("fc_start", ())
-
-    def fc_stop(self) -> Coroutine[Any, Any, int]:
-        """fc_stop."""
-        return self._call("fc_stop", ())
-
-    def fc_wait_ft(
-        self,
-        middle: Sequence[float],
-        range: Sequence[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> Coroutine[Any, Any, int]:
-        """fc_wait_ft."""
-        return self._call("fc_wait_ft", (middle, range, absolute, duration, timeout))
-
-    def fc_wait_logic(self, value: Sequence[int]) -> Coroutine[Any, Any, int]:
-        """fc_wait_logic."""
-        return self._call("fc_wait_logic", (value,))
-
-    def fc_wait_pos(
-        self,
-        middle: Sequence[float],
-        range: Sequence[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> Coroutine[Any, Any, int]:
-        """fc_wait_pos."""
-        return self._call("fc_wait_pos", (middle, range, absolute, duration, timeout))
-
-    def fc_wait_vel(
-        self,
-        middle: Sequence[float],
-        range: Sequence[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> Coroutine[Any, Any, int]:
-        """fc_wait_vel."""
-        return self._call("fc_wait_vel", (middle, range, absolute, duration, timeout))
-
-    def getQueueSize(self) -> Coroutine[Any, Any, int]:
-        """getQueueSize."""
-        return self._call("getQueueSize", ())
-
-    def getRobotIOStatus(self) -> Coroutine[Any, Any, IOStatus]:
-        """getRobotIOStatus."""
-        return self._call("getRobotIOStatus", ())
-
-    def getRobotStatus(self) -> Coroutine[Any, Any, RobotStatus]:
-        """getRobotStatus."""
-        return self._call("getRobotStatus", ())
-
-    def get_actual_joints_acceleration(self) -> Coroutine[Any, Any, list[float]]:
-        """get_actual_joints_acceleration."""
-        return self._call("get_actual_joints_acceleration", ())
-
-    def get_actual_joints_position(self) -> Coroutine[Any, Any, list[float]]:
-        """get_actual_joints_position."""
-        return self._call("get_actual_joints_position", ())
-
-    def get_actual_joints_speed(self) -> Coroutine[Any, Any, list[float]]:
-        """get_actual_joints_speed."""
-        return self._call("get_actual_joints_speed", ())
-
-    def get_actual_joints_torque(self) -> Coroutine[Any, Any, list[float]]:
-        """get_actual_joints_torque."""
-        return self._call("get_actual_joints_torque", ())
-
-    def get_axis_motor_kt(self) -> Coroutine[Any, Any, list[float]]:
-        """get_axis_motor_kt."""
-        return self._call("get_axis_motor_kt", ())
-
-    def get_axis_motor_rated_current(self) -> Coroutine[Any, Any, list[float]]:
-        """get_axis_motor_rated_current."""
-        return self._call("get_axis_motor_rated_current", ())
-
-    def get_axis_ratio(self) -> Coroutine[Any, Any, list[int]]:
-        """get_axis_ratio."""
-        return self._call("get_axis_ratio", ())
-
-    def get_calib_DH(self) -> Coroutine[Any, Any, list[list[float]]]:
-        """get_calib_DH."""
-        return self._call("get_calib_DH", ())
-
-    def get_config_digital_in(self, num: int) -> Coroutine[Any, Any, bool]:
-        """get_config_digital_in."""
-        return self._call("get_config_digital_in", (num,))
-
-    def get_current_project(self) -> Coroutine[Any, Any, str]:
-        """get_current_project."""
-        return self._call("get_current_project", ())
-
-    def get_dynamic_calibration_params(self) -> Coroutine[Any, Any, list[list[float]]]:
-        """get_dynamic_calibration_params."""
-        return self._call("get_dynamic_calibration_params", ())
-
-    def get_eaxis_info(self) -> Coroutine[Any, Any, list[EAxissInfo]]:
-        """get_eaxis_info."""
-        return self._call("get_eaxis_info", ())
-
-    def get_ext_torque(self) -> Coroutine[Any, Any, list[float]]:
-        """get_ext_torque."""
-        return self._call("get_ext_torque", ())
-
-    def get_files_list(self, path: str) -> Coroutine[Any, Any, dict[str, int]]:
-        """get_files_list."""
-        return self._call("get_files_list", (path,))
-
-    def get_flange_acceleration(self) -> Coroutine[Any, Any, list[float]]:
-        """get_flange_acceleration."""
-        return self._call("get_flange_acceleration", ())
-
-    def get_flange_pose(self) -> Coroutine[Any, Any, list[float]]:
-        """get_flange_pose."""
-        return self._call("get_flange_pose", ())
-
-    def get_flange_speed(self) -> Coroutine[Any, Any, list[float]]:
-        """get_flange_speed."""
-        return self._call("get_flange_speed", ())
-
-    def get_function_digital_in(self, num: int) -> Coroutine[Any, Any, bool]:
-        """get_function_digital_in."""
-        return self._call("get_function_digital_in", (num,))
-
-    def get_function_digital_out(self, num: int) -> Coroutine[Any, Any, bool]:
-        """get_function_digital_out."""
-        return self._call("get_function_digital_out", (num,))
-
-    def get_function_reg_in(self, num: int) -> Coroutine[Any, Any, bool]:
-        """get_function_reg_in."""
-        return self._call("get_function_reg_in", (num,))
-
-    def get_function_reg_out(self, num: int) -> Coroutine[Any, Any, bool]:
-        """get_function_reg_out."""
-        return self._call("get_function_reg_out", (num,))
-
-    def get_global_speed(self) -> Coroutine[Any, Any, int]:
-        """get_global_speed."""
-        return self._call("get_global_speed", ())
-
-    def get_last_error(self) -> Coroutine[Any, Any, list[str]]:
-        """get_last_error."""
-        return self._call("get_last_error", ())
-
-    def get_motor_pole_pair_number(self) -> Coroutine[Any, Any, list[int]]:
-        """get_motor_pole_pair_number."""
-        return self._call("get_motor_pole_pair_number", ())
-
-    def get_motor_stator_slots(self) -> Coroutine[Any, Any, list[int]]:
-        """get_motor_stator_slots."""
-        return self._call("get_motor_stator_slots", ())
-
-    def get_noneblock_taskstate(self, id: int) -> Coroutine[Any, Any, int]:
-        """get_noneblock_taskstate."""
-        return self._call("get_noneblock_taskstate", (id,))
-
-    def get_origin_DH(self) -> Coroutine[Any, Any, list[list[float]]]:
-        """get_origin_DH."""
-        return self._call("get_origin_DH", ())
-
-    def get_pos_bias(self) -> Coroutine[Any, Any, list[float]]:
-        """get_pos_bias."""
-        return self._call("get_pos_bias", ())
-
-    def get_realtime_data_queue_size(self) -> Coroutine[Any, Any, int]:
-        """get_realtime_data_queue_size."""
-        return self._call("get_realtime_data_queue_size", ())
-
-    def get_robot_state(self) -> Coroutine[Any, Any, list[int]]:
-        """get_robot_state."""
-        return self._call("get_robot_state", ())
-
-    def get_robot_type(self) -> Coroutine[Any, Any, list[str]]:
-        """get_robot_type."""
-        return self._call("get_robot_type", ())
-
-    def get_robot_version(self) -> Coroutine[Any, Any, str]:
-        """get_robot_version."""
-        return self._call("get_robot_version", ())
-
-    def get_standard_analog_current_in(self, num: int) -> Coroutine[Any, Any, float]:
-        """get_standard_analog_current_in."""
-        return self._call("get_standard_analog_current_in", (num,))
-
-    def get_standard_analog_voltage_in(self, num: int) -> Coroutine[Any, Any, float]:
-        """get_standard_analog_voltage_in."""
-        return self._call("get_standard_analog_voltage_in", (num,))
-
-    def get_standard_digital_in(self, num: int) -> Coroutine[Any, Any, bool]:
-        """get_standard_digital_in."""
-        return self._call("get_standard_digital_in", (num,))
-
-    def get_standard_digital_out(self, num: int) -> Coroutine[Any, Any, bool]:
-        """get_standard_digital_out."""
-        return self._call("get_standard_digital_out", (num,))
-
-    def get_system_value_bool(self, name: str) -> Coroutine[Any, Any, bool]:
-        """get_system_value_bool."""
-        return self._call("get_system_value_bool", (name,))
-
-    def get_system_value_double(self, name: str) -> Coroutine[Any, Any, float]:
-        """get_system_value_double."""
-        return self._call("get_system_value_double", (name,))
-
-    def get_system_value_list(self, name: str) -> Coroutine[Any, Any, list[float]]:
-        """get_system_value_list."""
-        return self._call("get_system_value_list", (name,))
-
-    def get_system_value_lists(self, name: str) -> Coroutine[Any, Any, list[list[float]]]:
-        """get_system_value_lists."""
-        return self._call("get_system_value_lists", (name,))
-
-    def get_system_value_str(self, name: str) -> Coroutine[Any, Any, str]:
-        """get_system_value_str."""
-        return self._call("get_system_value_str", (name,))
-
-    def get_target_joints_acceleration(self) -> Coroutine[Any, Any, list[float]]:
-        """get_target_joints_acceleration."""
-        return self._call("get_target_joints_acceleration", ())
-
-    def get_target_joints_position(self) -> Coroutine[Any, Any, list[float]]:
-        """get_target_joints_position."""
-        return self._call("get_target_joints_position", ())
-
-    def get_target_joints_speed(self) -> Coroutine[Any, Any, list[float]]:
-        """get_target_joints_speed."""
-        return self._call("get_target_joints_speed", ())
-
-    def get_target_joints_torque(self) -> Coroutine[Any, Any, list[float]]:
-        """get_target_joints_torque."""
-        return self._call("get_target_joints_torque", ())
-
-    def get_tcp_acceleration(self) -> Coroutine[Any, Any, list[float]]:
-        """get_tcp_acceleration."""
-        return self._call("get_tcp_acceleration", ())
-
-    def get_tcp_force(self) -> Coroutine[Any, Any, list[float]]:
-        """get_tcp_force."""
-        return self._call("get_tcp_force", ())
-
-    def get_tcp_force_tool(self, tool: str) -> Coroutine[Any, Any, list[float]]:
-        """get_tcp_force_tool."""
-        return self._call("get_tcp_force_tool", (tool,))
-
-    def get_tcp_offset(self) -> Coroutine[Any, Any, list[float]]:
-        """get_tcp_offset."""
-        return self._call("get_tcp_offset", ())
-
-    def get_tcp_pose(self) -> Coroutine[Any, Any, list[float]]:
-        """get_tcp_pose."""
-        return self._call("get_tcp_pose", ())
-
-    def get_tcp_pose_coord(self, tool: str, wobj: str) -> Coroutine[Any, Any, list[float]]:
-        """get_tcp_pose_coord."""
-        return self._call("get_tcp_pose_coord", (tool, wobj))
-
-    def get_tcp_speed(self) -> Coroutine[Any, Any, list[float]]:
-        """get_tcp_speed."""
-        return self._call("get_tcp_speed", ())
-
-    def get_teach_speed(self) -> Coroutine[Any, Any, int]:
-        """get_teach_speed."""
-        return self._call("get_teach_speed", ())
-
-    def get_tool_analog_voltage_in(self, num: int) -> Coroutine[Any, Any, float]:
-        """get_tool_analog_voltage_in."""
-        return self._call("get_tool_analog_voltage_in", (num,))
-
-    def get_tool_digital_in(self, num: int) -> Coroutine[Any, Any, bool]:
-        """get_tool_digital_in."""
-        return self._call("get_tool_digital_in", (num,))
-
-    def get_tool_digital_out(self, num: int) -> Coroutine[Any, Any, bool]:
-        """get_tool_digital_out."""
-        return self._call("get_tool_digital_out", (num,))
-
-    def get_tool_load(self) -> Coroutine[Any, Any, list[float]]:
-        """get_tool_load."""
-        return self._call("get_tool_load", ())
-
-    def get_vibration_calibration_params(self) -> Coroutine[Any, Any, list[list[float]]]:
-        """get_vibration_calibration_params."""
-        return self._call("get_vibration_calibration_params", ())
-
-    def get_wobj(self) -> Coroutine[Any, Any, list[float]]:
-        """get_wobj."""
-        return self._call("get_wobj", ())
-
-    def log_error(self, message: str) -> Coroutine[Any, Any, None]:
-        """log_error."""
-        return self._call("log_error", (message,))
-
-    def log_info(self, message: str) -> Coroutine[Any, Any, None]:
-        """log_info."""
-        return self._call("log_info", (message,))
-
-    def modbus_add_signal(
-        self,
-        ip: str,
-        slave_number: int,
-        signal_address: int,
-        signal_type: int,
-        signal_name: str,
-    ) -> Coroutine[Any, Any, int]:
-        """modbus_add_signal."""
-        return self._call(
-            "modbus_add_signal",
-            (ip, slave_number, signal_address, signal_type, signal_name),
-        )
-
-    def modbus_delete_signal(self, signal_name: str) -> Coroutine[Any, Any, int]:
-        """modbus_delete_signal."""
-        return self._call("modbus_delete_signal", (signal_name,))
-
-    def modbus_read(self, signal_name: str) -> Coroutine[Any, Any, int]:
-        """modbus_read."""
-        return self._call("modbus_read", (signal_name,))
-
-    def modbus_set_frequency(
-        self,
-        signal_name: str,
-        frequence: int,
-    ) -> Coroutine[Any, Any, None]:
-        """modbus_set_frequency."""
-        return self._call("modbus_set_frequency", (signal_name, frequence))
-
-    def modbus_write(self, signal_name: str, value: int) -> Coroutine[Any, Any, int]:
-        """modbus_write."""
-        return self._call("modbus_write", (signal_name, value))
-
-    def modbus_write_multiple_coils(
-        self,
-        slave_num: int,
-        name: str,
-        len: int,
-        byte_list: Sequence[int],
-    ) -> Coroutine[Any, Any, int]:
-        """modbus_write_multiple_coils."""
-        return self._call("modbus_write_multiple_coils", (slave_num, name, len, byte_list))
-
-    def modbus_write_multiple_regs(
-        self,
-        slave_num: int,
-        name: str,
-        len: int,
-        word_list: Sequence[int],
-    ) -> Coroutine[Any, Any, int]:
-        """modbus_write_multiple_regs."""
-        return self._call("modbus_write_multiple_regs", (slave_num, name, len, word_list))
-
-    def move_circle(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        mode: int,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """move_circle."""
-        return self._call(
-            "move_circle",
-            (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc),
-        )
-
-    def move_circle_eaxis(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        mode: int,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """move_circle_eaxis."""
-        return self._call(
-            "move_circle_eaxis",
-            (
-                p1,
-                p2,
-                v,
-                a,
-                rad,
-                mode,
-                qnear,
-                tool,
-                wobj,
-                scheme_name,
-                epose,
-                eaxis_v,
-                block,
-                op,
-                def_acc,
-            ),
-        )
-
-    def move_eaxis(
-        self,
-        scheme_name: str,
-        epose: Sequence[float],
-        v: float,
-        block: bool,
-        op: Op,
-    ) -> Coroutine[Any, Any, int]:
-        """move_eaxis."""
-        return self._call("move_eaxis", (scheme_name, epose, v, block, op))
-
-    def move_jog(self, param: MoveJogTaskParam, block: bool) -> Coroutine[Any, Any, int]:
-        """move_jog."""
-        return self._call("move_jog", (param, block))
-
-    def move_jog_eaxis(
-        self,
-        name: str,
-        direction: int,
-        vel: float,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """move_jog_eaxis."""
-        return self._call("move_jog_eaxis", (name, direction, vel, block))
 
     def move_spiral(
         self,
@@ -2500,30 +590,998 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """move_spiral."""
-        return self._call(
+    ) -> int:
+        """Move along a spiral: `rev` turns, `len` m along the axis, `r` m; v m/s, a m/s²."""
+        result: int = self._call(
             "move_spiral",
             (p1, p2, rev, len, r, mode, v, a, q_near, tool, wobj, block, op, def_acc),
         )
+        return result
 
-    def movec(
+    def move_jog(self, param: MoveJogTaskParam, block: bool) -> int:
+        """Jog one joint or one Cartesian direction, continuously or by a step."""
+        result: int = self._call("move_jog", (param, block))
+        return result
+
+    def stop_manual_move(self, block: bool) -> int:
+        """End move_jog."""
+        result: int = self._call("stop_manual_move", (block,))
+        return result
+
+    def set_blend_ahead(self, per: int, num: int) -> int:
+        """Read following motions ahead at `per` percent of the path, or `num` of them."""
+        result: int = self._call("set_blend_ahead", (per, num))
+        return result
+
+    def movej(
         self,
-        p1: Sequence[float],
-        p2: Sequence[float],
+        joints_list: Sequence[float],
         v: float,
         a: float,
         r: float,
-        mode: int,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """Move the joints to `joints_list` rad; v and a in percent. Not in the manual."""
+        result: int = self._call("movej", (joints_list, v, a, r, block, op, def_acc))
+        return result
+
+    def movej_pose(
+        self,
+        p: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
         q_near: Sequence[float],
         tool: str,
         wobj: str,
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """movec."""
-        return self._call("movec", (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc))
+    ) -> int:
+        """Move the joints to the pose p m, rad; v and a in percent. Not in the manual."""
+        result: int = self._call("movej_pose", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
+        return result
+
+    def set_baudrate_485(self, value: int, block: bool) -> int:
+        """Set the rate of the cabinet's RS-485 port, bit/s."""
+        result: int = self._call("set_baudrate_485", (value, block))
+        return result
+
+    def read_raw_data_485(self, len: int) -> list[int]:
+        """Read `len` bytes from RS-485; empty if there is nothing."""
+        result: list[int] = self._call("read_raw_data_485", (len,))
+        return result
+
+    def read_raw_data_485_h(self, head: Sequence[int], len: int) -> list[int]:
+        """Read a frame of `len` bytes that starts with `head` from RS-485."""
+        result: list[int] = self._call("read_raw_data_485_h", (head, len))
+        return result
+
+    def read_raw_data_485_ht(self, head: Sequence[int], tail: Sequence[int]) -> list[int]:
+        """Read a frame from `head` to `tail` from RS-485."""
+        result: list[int] = self._call("read_raw_data_485_ht", (head, tail))
+        return result
+
+    def write_raw_data_485(self, data: Sequence[int]) -> bool:
+        """Write bytes to RS-485."""
+        result: bool = self._call("write_raw_data_485", (data,))
+        return result
+
+    def write_raw_data_485_h(self, data: Sequence[int], head: Sequence[int]) -> bool:
+        """Write `head` and bytes to RS-485."""
+        result: bool = self._call("write_raw_data_485_h", (data, head))
+        return result
+
+    def write_raw_data_485_ht(
+        self,
+        data: Sequence[int],
+        head: Sequence[int],
+        tail: Sequence[int],
+    ) -> bool:
+        """Write `head`, bytes and `tail` to RS-485."""
+        result: bool = self._call("write_raw_data_485_ht", (data, head, tail))
+        return result
+
+    def read_data_485(self) -> list[int]:
+        """Read from RS-485. Not in the manual."""
+        result: list[int] = self._call("read_data_485", ())
+        return result
+
+    def write_data_485(self, data: Sequence[int]) -> bool:
+        """Write to RS-485. Not in the manual."""
+        result: bool = self._call("write_data_485", (data,))
+        return result
+
+    def tool_read_raw_data_485(self, len: int) -> list[int]:
+        """Read `len` bytes from the tool's RS-485; empty if there is nothing."""
+        result: list[int] = self._call("tool_read_raw_data_485", (len,))
+        return result
+
+    def tool_read_raw_data_485_h(self, head: Sequence[int], len: int) -> list[int]:
+        """Read a frame of `len` bytes that starts with `head` from the tool's RS-485."""
+        result: list[int] = self._call("tool_read_raw_data_485_h", (head, len))
+        return result
+
+    def tool_read_raw_data_485_ht(self, head: Sequence[int], tail: Sequence[int]) -> list[int]:
+        """Read a frame from `head` to `tail` from the tool's RS-485."""
+        result: list[int] = self._call("tool_read_raw_data_485_ht", (head, tail))
+        return result
+
+    def tool_write_raw_data_485(self, data: Sequence[int]) -> bool:
+        """Write bytes to the tool's RS-485."""
+        result: bool = self._call("tool_write_raw_data_485", (data,))
+        return result
+
+    def tool_write_raw_data_485_h(self, data: Sequence[int], head: Sequence[int]) -> bool:
+        """Write `head` and bytes to the tool's RS-485."""
+        result: bool = self._call("tool_write_raw_data_485_h", (data, head))
+        return result
+
+    def tool_write_raw_data_485_ht(
+        self,
+        data: Sequence[int],
+        head: Sequence[int],
+        tail: Sequence[int],
+    ) -> bool:
+        """Write `head`, bytes and `tail` to the tool's RS-485."""
+        result: bool = self._call("tool_write_raw_data_485_ht", (data, head, tail))
+        return result
+
+    def tool_read_data_485(self) -> list[int]:
+        """Read from the tool's RS-485. Not in the manual."""
+        result: list[int] = self._call("tool_read_data_485", ())
+        return result
+
+    def tool_write_data_485(self, data: Sequence[int]) -> bool:
+        """Write to the tool's RS-485. Not in the manual."""
+        result: bool = self._call("tool_write_data_485", (data,))
+        return result
+
+    def set_baudrate_can(self, value: int, block: bool) -> int:
+        """Set the rate of the CAN bus, bit/s."""
+        result: int = self._call("set_baudrate_can", (value, block))
+        return result
+
+    def read_raw_data_can(self) -> list[int]:
+        """Read one CAN frame: the sender's id, then the bytes; empty if there is none."""
+        result: list[int] = self._call("read_raw_data_can", ())
+        return result
+
+    def write_raw_data_can(self, id: int, data: Sequence[int]) -> bool:
+        """Write one CAN frame."""
+        result: bool = self._call("write_raw_data_can", (id, data))
+        return result
+
+    def read_data_can(self) -> list[int]:
+        """Read from CAN. Not in the manual."""
+        result: list[int] = self._call("read_data_can", ())
+        return result
+
+    def write_data_can(self, id: int, data: Sequence[int]) -> bool:
+        """Write to CAN. Not in the manual."""
+        result: bool = self._call("write_data_can", (id, data))
+        return result
+
+    def set_digital_output_mode(self, num: int, type: int, freq: int, duty_cycle: int) -> int:
+        """Make a cabinet output a level (type 0) or pulses (1) at freq Hz, duty_cycle percent."""
+        result: int = self._call("set_digital_output_mode", (num, type, freq, duty_cycle))
+        return result
+
+    def set_standard_digital_out(self, num: int, value: bool, block: bool) -> int:
+        """Set cabinet output 1 to 16."""
+        result: int = self._call("set_standard_digital_out", (num, value, block))
+        return result
+
+    def get_standard_digital_out(self, num: int) -> bool:
+        """Level of cabinet output 1 to 16."""
+        result: bool = self._call("get_standard_digital_out", (num,))
+        return result
+
+    def get_standard_digital_in(self, num: int) -> bool:
+        """Level of cabinet input 1 to 16."""
+        result: bool = self._call("get_standard_digital_in", (num,))
+        return result
+
+    def set_tool_digital_out(self, num: int, value: bool, block: bool) -> int:
+        """Set tool output 1 or 2."""
+        result: int = self._call("set_tool_digital_out", (num, value, block))
+        return result
+
+    def get_tool_digital_out(self, num: int) -> bool:
+        """Level of tool output 1 or 2."""
+        result: bool = self._call("get_tool_digital_out", (num,))
+        return result
+
+    def get_tool_digital_in(self, num: int) -> bool:
+        """Level of tool input 1 or 2."""
+        result: bool = self._call("get_tool_digital_in", (num,))
+        return result
+
+    def get_config_digital_in(self, num: int) -> bool:
+        """Level of a configurable cabinet input. Not in the manual."""
+        result: bool = self._call("get_config_digital_in", (num,))
+        return result
+
+    def get_function_digital_in(self, num: int) -> bool:
+        """Level of function input 1 to 8."""
+        result: bool = self._call("get_function_digital_in", (num,))
+        return result
+
+    def get_function_digital_out(self, num: int) -> bool:
+        """Level of function output 1 to 8."""
+        result: bool = self._call("get_function_digital_out", (num,))
+        return result
+
+    def get_standard_analog_voltage_in(self, num: int) -> float:
+        """Voltage at cabinet channel 1 to 4, V."""
+        result: float = self._call("get_standard_analog_voltage_in", (num,))
+        return result
+
+    def set_standard_analog_voltage_out(self, num: int, value: float, block: bool) -> int:
+        """Set the voltage of cabinet channel 1 to 4, 0 to 10 V."""
+        result: int = self._call("set_standard_analog_voltage_out", (num, value, block))
+        return result
+
+    def get_tool_analog_voltage_in(self, num: int) -> float:
+        """Voltage at tool channel 1 or 2, V."""
+        result: float = self._call("get_tool_analog_voltage_in", (num,))
+        return result
+
+    def get_standard_analog_current_in(self, num: int) -> float:
+        """Current at cabinet channel 1 to 4, mA."""
+        result: float = self._call("get_standard_analog_current_in", (num,))
+        return result
+
+    def set_standard_analog_current_out(self, num: int, value: float, block: bool) -> int:
+        """Set the current of cabinet channel 1 to 4, 4 to 20 mA."""
+        result: int = self._call("set_standard_analog_current_out", (num, value, block))
+        return result
+
+    def set_analog_output_mode(self, num: int, mode: int, block: bool) -> int:
+        """Set the kind of an analog output. Not in the manual."""
+        result: int = self._call("set_analog_output_mode", (num, mode, block))
+        return result
+
+    def write_bool_reg(self, num: int, value: bool) -> int:
+        """Write bool register 1 to 64."""
+        result: int = self._call("write_bool_reg", (num, value))
+        return result
+
+    def write_word_reg(self, num: int, value: int) -> int:
+        """Write word register 1 to 32."""
+        result: int = self._call("write_word_reg", (num, value))
+        return result
+
+    def write_float_reg(self, num: int, value: float) -> int:
+        """Write float register 1 to 32."""
+        result: int = self._call("write_float_reg", (num, value))
+        return result
+
+    def read_bool_reg(self, num: int) -> bool:
+        """Read bool register 1 to 64."""
+        result: bool = self._call("read_bool_reg", (num,))
+        return result
+
+    def read_word_reg(self, num: int) -> int:
+        """Read word register 1 to 32."""
+        result: int = self._call("read_word_reg", (num,))
+        return result
+
+    def read_float_reg(self, num: int) -> float:
+        """Read float register 1 to 32."""
+        result: float = self._call("read_float_reg", (num,))
+        return result
+
+    def get_function_reg_in(self, num: int) -> bool:
+        """Read function input register 1 to 16."""
+        result: bool = self._call("get_function_reg_in", (num,))
+        return result
+
+    def get_function_reg_out(self, num: int) -> bool:
+        """Read function output register 1 to 16."""
+        result: bool = self._call("get_function_reg_out", (num,))
+        return result
+
+    def set_wobj_offset(self, wobj: Sequence[float], active: bool) -> int:
+        """Add an offset m, rad to the work object of all following motions, or take it away."""
+        result: int = self._call("set_wobj_offset", (wobj, active))
+        return result
+
+    def set_wobj(self, name: str, wobj: Sequence[float]) -> int:
+        """Set a work object by name, m, rad. Not in the manual."""
+        result: int = self._call("set_wobj", (name, wobj))
+        return result
+
+    def set_tool_data(
+        self,
+        name: str,
+        tool_offset: Sequence[float],
+        payload: Sequence[float],
+        inertia_tensor: Sequence[float],
+    ) -> int:
+        """Set a tool: offset m, rad from the flange, payload kg, m, inertia kg m²."""
+        result: int = self._call("set_tool_data", (name, tool_offset, payload, inertia_tensor))
+        return result
+
+    def cal_ikine(
+        self,
+        p: Sequence[float],
+        q_near: Sequence[float],
+        tool: Sequence[float],
+        wobj: Sequence[float],
+    ) -> list[float]:
+        """Joints rad for the pose p m, rad, near q_near; empty lists mean the present values."""
+        result: list[float] = self._call("cal_ikine", (p, q_near, tool, wobj))
+        return result
+
+    def cal_fkine(
+        self,
+        joints_position: Sequence[float],
+        tool: Sequence[float],
+        wobj: Sequence[float],
+    ) -> list[float]:
+        """Pose m, rad for joints rad; empty tool and wobj mean the present ones."""
+        result: list[float] = self._call("cal_fkine", (joints_position, tool, wobj))
+        return result
+
+    def get_tcp_pose(self) -> list[float]:
+        """Pose of the tool in the base frame, m, rad."""
+        result: list[float] = self._call("get_tcp_pose", ())
+        return result
+
+    def get_tcp_pose_coord(self, tool: str, wobj: str) -> list[float]:
+        """Pose m, rad with the tool and the work object of these names."""
+        result: list[float] = self._call("get_tcp_pose_coord", (tool, wobj))
+        return result
+
+    def get_tcp_speed(self) -> list[float]:
+        """Speed of the tool's origin, m/s, rad/s."""
+        result: list[float] = self._call("get_tcp_speed", ())
+        return result
+
+    def get_tcp_acceleration(self) -> list[float]:
+        """Acceleration of the tool's origin, m/s², rad/s²."""
+        result: list[float] = self._call("get_tcp_acceleration", ())
+        return result
+
+    def get_tcp_force(self) -> list[float]:
+        """Force at the tool's origin, N, N m; needs a force sensor."""
+        result: list[float] = self._call("get_tcp_force", ())
+        return result
+
+    def get_tcp_force_tool(self, tool: str) -> list[float]:
+        """Force in the frame of the tool of this name, N, N m; needs a force sensor."""
+        result: list[float] = self._call("get_tcp_force_tool", (tool,))
+        return result
+
+    def get_tcp_offset(self) -> list[float]:
+        """Offset of the present tool from the flange, m, rad."""
+        result: list[float] = self._call("get_tcp_offset", ())
+        return result
+
+    def get_tool_load(self) -> list[float]:
+        """Mass and centre of mass of the present tool, kg, m."""
+        result: list[float] = self._call("get_tool_load", ())
+        return result
+
+    def get_wobj(self) -> list[float]:
+        """The present work object in the base frame, m, rad."""
+        result: list[float] = self._call("get_wobj", ())
+        return result
+
+    def get_actual_joints_position(self) -> list[float]:
+        """Measured joint positions, rad."""
+        result: list[float] = self._call("get_actual_joints_position", ())
+        return result
+
+    def get_target_joints_position(self) -> list[float]:
+        """Planned joint positions, rad."""
+        result: list[float] = self._call("get_target_joints_position", ())
+        return result
+
+    def get_actual_joints_speed(self) -> list[float]:
+        """Measured joint speeds, rad/s."""
+        result: list[float] = self._call("get_actual_joints_speed", ())
+        return result
+
+    def get_target_joints_speed(self) -> list[float]:
+        """Planned joint speeds, rad/s."""
+        result: list[float] = self._call("get_target_joints_speed", ())
+        return result
+
+    def get_actual_joints_acceleration(self) -> list[float]:
+        """Measured joint accelerations, rad/s²."""
+        result: list[float] = self._call("get_actual_joints_acceleration", ())
+        return result
+
+    def get_target_joints_acceleration(self) -> list[float]:
+        """Planned joint accelerations, rad/s²."""
+        result: list[float] = self._call("get_target_joints_acceleration", ())
+        return result
+
+    def get_actual_joints_torque(self) -> list[float]:
+        """Measured joint torques, N m."""
+        result: list[float] = self._call("get_actual_joints_torque", ())
+        return result
+
+    def get_target_joints_torque(self) -> list[float]:
+        """Planned joint torques, N m; the manual's text says rad/s²."""
+        result: list[float] = self._call("get_target_joints_torque", ())
+        return result
+
+    def get_flange_pose(self) -> list[float]:
+        """Pose of the flange in the base frame, m, rad."""
+        result: list[float] = self._call("get_flange_pose", ())
+        return result
+
+    def get_flange_speed(self) -> list[float]:
+        """Speed of the flange in the base frame, m/s, rad/s."""
+        result: list[float] = self._call("get_flange_speed", ())
+        return result
+
+    def get_flange_acceleration(self) -> list[float]:
+        """Acceleration of the flange in the base frame, m/s², rad/s²."""
+        result: list[float] = self._call("get_flange_acceleration", ())
+        return result
+
+    def get_robot_state(self) -> list[int]:
+        """Four states: robot, program, safety controller, operation mode."""
+        result: list[int] = self._call("get_robot_state", ())
+        return result
+
+    def simulation(self, sim: bool, block: bool) -> int:
+        """Switch between simulation and the real arm; the arm must stand."""
+        result: int = self._call("simulation", (sim, block))
+        return result
+
+    def speed(self, val: float) -> int:
+        """Set the global speed, 1 to 100 percent."""
+        result: int = self._call("speed", (val,))
+        return result
+
+    def set_load_data(self, value: Sequence[float]) -> int:
+        """Set the mass kg and centre m of what the tool holds."""
+        result: int = self._call("set_load_data", (value,))
+        return result
+
+    def start_record_track(
+        self,
+        name: str,
+        mode: int,
+        tool: str,
+        wobj: str,
+        interval: float,
+    ) -> int:
+        """Start to record a track: mode 0 each `interval` degrees, 1 each `interval` seconds."""
+        result: int = self._call("start_record_track", (name, mode, tool, wobj, interval))
+        return result
+
+    def stop_record_track(self) -> int:
+        """End the record of a track."""
+        result: int = self._call("stop_record_track", ())
+        return result
+
+    def collision_detect(self, value: int) -> int:
+        """Set the level of collision detection, 0 off, 1 to 5."""
+        result: int = self._call("collision_detect", (value,))
+        return result
+
+    def collision_detection_reset(self) -> int:
+        """Clear the collision warning."""
+        result: int = self._call("collision_detection_reset", ())
+        return result
+
+    def set_teach_pendant(self, enable: bool) -> int:
+        """Turn the keys of the pendant on or off."""
+        result: int = self._call("set_teach_pendant", (enable,))
+        return result
+
+    def set_teach_speed(self, v: int) -> int:
+        """Set the teaching speed, 1 to 100 percent."""
+        result: int = self._call("set_teach_speed", (v,))
+        return result
+
+    def get_teach_speed(self) -> int:
+        """Teaching speed, percent."""
+        result: int = self._call("get_teach_speed", ())
+        return result
+
+    def get_global_speed(self) -> int:
+        """Global speed, percent."""
+        result: int = self._call("get_global_speed", ())
+        return result
+
+    def reach_check(
+        self,
+        base: Sequence[float],
+        wobj: Sequence[float],
+        tool: Sequence[float],
+        ref_pos: Sequence[float],
+        check_points: Sequence[Sequence[float]],
+    ) -> ReachabilityParam:
+        """Whether poses m, rad can be reached with this base, work object and tool."""
+        result: ReachabilityParam = self._call(
+            "reach_check",
+            (base, wobj, tool, ref_pos, check_points),
+        )
+        return result
+
+    def switch_mode(self, mode: int) -> int:
+        """Switch to manual (0) or automatic (1) operation."""
+        result: int = self._call("switch_mode", (mode,))
+        return result
+
+    def getRobotStatus(self) -> RobotStatus:
+        """The arm's positions, speeds, currents, temperatures and errors at once."""
+        result: RobotStatus = self._call("getRobotStatus", ())
+        return result
+
+    def getRobotIOStatus(self) -> IOStatus:
+        """All inputs, outputs and registers at once."""
+        result: IOStatus = self._call("getRobotIOStatus", ())
+        return result
+
+    def read_encoder_count(self) -> int:
+        """Count of the external incremental encoder."""
+        result: int = self._call("read_encoder_count", ())
+        return result
+
+    def get_origin_DH(self) -> list[list[float]]:
+        """DH parameters of the model: a m, alpha rad, d m, theta rad per joint."""
+        result: list[list[float]] = self._call("get_origin_DH", ())
+        return result
+
+    def get_calib_DH(self) -> list[list[float]]:
+        """DH parameters after calibration: a m, alpha rad, d m, theta rad per joint."""
+        result: list[list[float]] = self._call("get_calib_DH", ())
+        return result
+
+    def get_robot_type(self) -> list[str]:
+        """Series, model, extension and serial number."""
+        result: list[str] = self._call("get_robot_type", ())
+        return result
+
+    def get_ext_torque(self) -> list[float]:
+        """Observed external joint torques."""
+        result: list[float] = self._call("get_ext_torque", ())
+        return result
+
+    def set_system_value_bool(self, name: str, value: bool) -> int:
+        """Set a global variable of type bool."""
+        result: int = self._call("set_system_value_bool", (name, value))
+        return result
+
+    def set_system_value_double(self, name: str, value: float) -> int:
+        """Set a global variable of type number."""
+        result: int = self._call("set_system_value_double", (name, value))
+        return result
+
+    def set_system_value_str(self, name: str, value: str) -> int:
+        """Set a global variable of type string."""
+        result: int = self._call("set_system_value_str", (name, value))
+        return result
+
+    def set_system_value_list(self, name: str, value: Sequence[float]) -> int:
+        """Set a global variable of type list of numbers."""
+        result: int = self._call("set_system_value_list", (name, value))
+        return result
+
+    def get_system_value_bool(self, name: str) -> bool:
+        """Read a global variable of type bool."""
+        result: bool = self._call("get_system_value_bool", (name,))
+        return result
+
+    def get_system_value_double(self, name: str) -> float:
+        """Read a global variable of type number."""
+        result: float = self._call("get_system_value_double", (name,))
+        return result
+
+    def get_system_value_str(self, name: str) -> str:
+        """Read a global variable of type string."""
+        result: str = self._call("get_system_value_str", (name,))
+        return result
+
+    def get_system_value_list(self, name: str) -> list[float]:
+        """Read a global variable of type list of numbers."""
+        result: list[float] = self._call("get_system_value_list", (name,))
+        return result
+
+    def get_system_value_lists(self, name: str) -> list[list[float]]:
+        """Read a global variable of type list of poses. Not in manual 3.8, in 4.3."""
+        result: list[list[float]] = self._call("get_system_value_lists", (name,))
+        return result
+
+    def log_info(self, message: str) -> None:
+        """Write a line into the controller's log."""
+        self._call("log_info", (message,))
+
+    def log_error(self, message: str) -> None:
+        """Show an error on the pendant and pause all tasks."""
+        self._call("log_error", (message,))
+
+    def get_last_error(self) -> list[str]:
+        """The latest errors."""
+        result: list[str] = self._call("get_last_error", ())
+        return result
+
+    def get_noneblock_taskstate(self, id: int) -> int:
+        """State of a task by its id."""
+        result: int = self._call("get_noneblock_taskstate", (id,))
+        return result
+
+    def robotmoving(self) -> bool:
+        """Whether the arm moves."""
+        result: bool = self._call("robotmoving", ())
+        return result
+
+    def modbus_read(self, signal_name: str) -> int:
+        """Read a Modbus signal."""
+        result: int = self._call("modbus_read", (signal_name,))
+        return result
+
+    def modbus_write(self, signal_name: str, value: int) -> int:
+        """Write a Modbus signal: a register 0 to 65535, a coil 0 or 1."""
+        result: int = self._call("modbus_write", (signal_name, value))
+        return result
+
+    def modbus_set_frequency(self, signal_name: str, frequence: int) -> None:
+        """Set how often a Modbus signal is refreshed, 1 to 100 Hz."""
+        self._call("modbus_set_frequency", (signal_name, frequence))
+
+    def modbus_write_multiple_regs(
+        self,
+        slave_num: int,
+        name: str,
+        len: int,
+        word_list: Sequence[int],
+    ) -> int:
+        """Write `len` registers of a Modbus unit."""
+        result: int = self._call("modbus_write_multiple_regs", (slave_num, name, len, word_list))
+        return result
+
+    def modbus_write_multiple_coils(
+        self,
+        slave_num: int,
+        name: str,
+        len: int,
+        byte_list: Sequence[int],
+    ) -> int:
+        """Write `len` coils of a Modbus unit."""
+        result: int = self._call("modbus_write_multiple_coils", (slave_num, name, len, byte_list))
+        return result
+
+    def modbus_add_signal(
+        self,
+        ip: str,
+        slave_number: int,
+        signal_address: int,
+        signal_type: int,
+        signal_name: str,
+    ) -> int:
+        """Add a Modbus signal. Not in the manual."""
+        result: int = self._call(
+            "modbus_add_signal",
+            (ip, slave_number, signal_address, signal_type, signal_name),
+        )
+        return result
+
+    def modbus_delete_signal(self, signal_name: str) -> int:
+        """Delete a Modbus signal. Not in the manual."""
+        result: int = self._call("modbus_delete_signal", (signal_name,))
+        return result
+
+    def fc_start(self) -> int:
+        """Start force control; motions then give way to force."""
+        result: int = self._call("fc_start", ())
+        return result
+
+    def fc_stop(self) -> int:
+        """End force control; the arm must stand."""
+        result: int = self._call("fc_stop", ())
+        return result
+
+    def fc_config(
+        self,
+        direction: Sequence[bool],
+        ref_ft: Sequence[float],
+        damp: Sequence[float],
+        max_vel: Sequence[float],
+        number_list: Sequence[float],
+        tool: str,
+        wobj: str,
+        value: int,
+    ) -> int:
+        """Set force control: directions, target N, N m, damping, greatest speed, dead band, frame."""
+        result: int = self._call(
+            "fc_config",
+            (direction, ref_ft, damp, max_vel, number_list, tool, wobj, value),
+        )
+        return result
+
+    def fc_move(self, block: bool) -> int:
+        """Move by force control alone."""
+        result: int = self._call("fc_move", (block,))
+        return result
+
+    def fc_guard_act(
+        self,
+        direction: Sequence[bool],
+        ref_ft: Sequence[float],
+        tool: str,
+        wobj: str,
+        type: int,
+        force_property: int,
+    ) -> int:
+        """Watch the force, N, N m: the arm stops with an alarm when it is exceeded."""
+        result: int = self._call(
+            "fc_guard_act",
+            (direction, ref_ft, tool, wobj, type, force_property),
+        )
+        return result
+
+    def fc_guard_deact(self) -> int:
+        """End the watch of fc_guard_act."""
+        result: int = self._call("fc_guard_deact", ())
+        return result
+
+    def fc_force_set_value(self, direction: Sequence[bool], ref_ft: Sequence[float]) -> int:
+        """Set the readings of the force sensor to these values, N, N m."""
+        result: int = self._call("fc_force_set_value", (direction, ref_ft))
+        return result
+
+    def fc_wait_pos(
+        self,
+        middle: Sequence[float],
+        range: Sequence[float],
+        absolute: bool,
+        duration: int,
+        timeout: int,
+    ) -> int:
+        """End the motion at a position m, rad held for `duration` ms; give up after `timeout` ms."""
+        result: int = self._call("fc_wait_pos", (middle, range, absolute, duration, timeout))
+        return result
+
+    def fc_wait_vel(
+        self,
+        middle: Sequence[float],
+        range: Sequence[float],
+        absolute: bool,
+        duration: int,
+        timeout: int,
+    ) -> int:
+        """End the motion at a speed m/s, rad/s held for `duration` ms; give up after `timeout` ms."""
+        result: int = self._call("fc_wait_vel", (middle, range, absolute, duration, timeout))
+        return result
+
+    def fc_wait_ft(
+        self,
+        middle: Sequence[float],
+        range: Sequence[float],
+        absolute: bool,
+        duration: int,
+        timeout: int,
+    ) -> int:
+        """End the motion at a force N, N m held for `duration` ms; give up after `timeout` ms."""
+        result: int = self._call("fc_wait_ft", (middle, range, absolute, duration, timeout))
+        return result
+
+    def fc_wait_logic(self, value: Sequence[int]) -> int:
+        """Combine the conditions position, speed, force: 0 off, 1 and, 2 or. Resets them."""
+        result: int = self._call("fc_wait_logic", (value,))
+        return result
+
+    def fc_get_ft(self) -> list[float]:
+        """Readings of the force sensor, N, N m."""
+        result: list[float] = self._call("fc_get_ft", ())
+        return result
+
+    def fc_mode_is_active(self) -> bool:
+        """Whether force control is on."""
+        result: bool = self._call("fc_mode_is_active", ())
+        return result
+
+    def enable_speed_optimization(self) -> int:
+        """Let the controller choose speeds up to the safety limits, in automatic operation."""
+        result: int = self._call("enable_speed_optimization", ())
+        return result
+
+    def disable_speed_optimization(self) -> int:
+        """End enable_speed_optimization."""
+        result: int = self._call("disable_speed_optimization", ())
+        return result
+
+    def enable_acc_optimization(self) -> int:
+        """Let the controller choose accelerations by the arm's dynamics."""
+        result: int = self._call("enable_acc_optimization", ())
+        return result
+
+    def disable_acc_optimization(self) -> int:
+        """End enable_acc_optimization."""
+        result: int = self._call("disable_acc_optimization", ())
+        return result
+
+    def enable_singularity_control(self) -> int:
+        """Pass singularities by joint motion, off the path; vibration control must be off."""
+        result: int = self._call("enable_singularity_control", ())
+        return result
+
+    def disable_singularity_control(self) -> int:
+        """End enable_singularity_control."""
+        result: int = self._call("disable_singularity_control", ())
+        return result
+
+    def enable_vibration_control(self) -> int:
+        """Damp vibration at start and stop; each motion takes 0.2 to 0.4 s longer."""
+        result: int = self._call("enable_vibration_control", ())
+        return result
+
+    def disable_vibration_control(self) -> int:
+        """End enable_vibration_control, until it is enabled again."""
+        result: int = self._call("disable_vibration_control", ())
+        return result
+
+    def trackEnqueue(self, track: Sequence[Sequence[float]], block: bool) -> int:
+        """Put points, joints rad or poses m, rad, into the pool of 1000. -1 if it is full."""
+        result: int = self._call("trackEnqueue", (track, block))
+        return result
+
+    def trackClearQueue(self) -> int:
+        """Empty the pool."""
+        result: int = self._call("trackClearQueue", ())
+        return result
+
+    def getQueueSize(self) -> int:
+        """How many points of the pool are still to come."""
+        result: int = self._call("getQueueSize", ())
+        return result
+
+    def trackJointMotion(self, speed: float, acc: float, block: bool) -> int:
+        """Follow the pool's points as joints; speed rad/s, acc rad/s²."""
+        result: int = self._call("trackJointMotion", (speed, acc, block))
+        return result
+
+    def trackCartMotion(
+        self,
+        speed: float,
+        acc: float,
+        block: bool,
+        tool: str,
+        wobj: str,
+        radius: float,
+    ) -> int:
+        """Follow the pool's points as poses; speed m/s, acc m/s², radius m."""
+        result: int = self._call("trackCartMotion", (speed, acc, block, tool, wobj, radius))
+        return result
+
+    def trackEnqueueOp(self, track: Sequence[PointOp], block: bool) -> int:
+        """Put points with triggers into the pool of 1000. -1 if it is full."""
+        result: int = self._call("trackEnqueueOp", (track, block))
+        return result
+
+    def combine_motion_config(
+        self,
+        type: int,
+        ref_plane: int,
+        fq: float,
+        amp: float,
+        el_offset: float,
+        az_offset: float,
+        up_height: float,
+        time: Sequence[int],
+        path_dwell: bool,
+        op_list: Sequence[Op],
+    ) -> int:
+        """Set the weave that is laid over motions: shape, plane, fq Hz, amp m, dwell ms."""
+        result: int = self._call(
+            "combine_motion_config",
+            (type, ref_plane, fq, amp, el_offset, az_offset, up_height, time, path_dwell, op_list),
+        )
+        return result
+
+    def enable_combine_motion(self) -> int:
+        """Lay the weave over the following motions; the arm must stand."""
+        result: int = self._call("enable_combine_motion", ())
+        return result
+
+    def disable_combine_motion(self) -> int:
+        """End the weave; the arm must stand."""
+        result: int = self._call("disable_combine_motion", ())
+        return result
+
+    def enable_eaxis_scheme(self, scheme_name: str) -> int:
+        """Activate a scheme of external axes."""
+        result: int = self._call("enable_eaxis_scheme", (scheme_name,))
+        return result
+
+    def disable_eaxis_scheme(self, scheme_name: str) -> int:
+        """Deactivate a scheme of external axes."""
+        result: int = self._call("disable_eaxis_scheme", (scheme_name,))
+        return result
+
+    def move_eaxis(
+        self,
+        scheme_name: str,
+        epose: Sequence[float],
+        v: float,
+        block: bool,
+        op: Op,
+    ) -> int:
+        """Move external axes to `epose` rad or m; v rad/s or m/s."""
+        result: int = self._call("move_eaxis", (scheme_name, epose, v, block, op))
+        return result
+
+    def move_jog_eaxis(self, name: str, direction: int, vel: float, block: bool) -> int:
+        """Jog an external axis, direction -1 or 1, at `vel` percent."""
+        result: int = self._call("move_jog_eaxis", (name, direction, vel, block))
+        return result
+
+    def movej2_eaxis(
+        self,
+        joints_list: Sequence[float],
+        v: float,
+        a: float,
+        rad: float,
+        scheme_name: str,
+        epose: Sequence[float],
+        eaxis_v: float,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """movej2 together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
+        result: int = self._call(
+            "movej2_eaxis",
+            (joints_list, v, a, rad, scheme_name, epose, eaxis_v, block, op, def_acc),
+        )
+        return result
+
+    def movej2_pose_eaxis(
+        self,
+        p: Sequence[float],
+        v: float,
+        a: float,
+        rad: float,
+        qnear: Sequence[float],
+        tool: str,
+        wobj: str,
+        scheme_name: str,
+        epose: Sequence[float],
+        eaxis_v: float,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """movej_pose2 together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
+        result: int = self._call(
+            "movej2_pose_eaxis",
+            (p, v, a, rad, qnear, tool, wobj, scheme_name, epose, eaxis_v, block, op, def_acc),
+        )
+        return result
+
+    def movel_eaxis(
+        self,
+        p: Sequence[float],
+        v: float,
+        a: float,
+        rad: float,
+        qnear: Sequence[float],
+        tool: str,
+        wobj: str,
+        scheme_name: str,
+        epose: Sequence[float],
+        eaxis_v: float,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """movel together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
+        result: int = self._call(
+            "movel_eaxis",
+            (p, v, a, rad, qnear, tool, wobj, scheme_name, epose, eaxis_v, block, op, def_acc),
+        )
+        return result
 
     def movec_eaxis(
         self,
@@ -2542,9 +1600,9 @@ class AsyncRpc:
         op: Op,
         def_acc: bool,
         mode: int,
-    ) -> Coroutine[Any, Any, int]:
-        """movec_eaxis."""
-        return self._call(
+    ) -> int:
+        """movec together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
+        result: int = self._call(
             "movec_eaxis",
             (
                 p1,
@@ -2564,19 +1622,295 @@ class AsyncRpc:
                 mode,
             ),
         )
+        return result
 
-    def movej(
+    def move_circle_eaxis(
         self,
-        joints_list: Sequence[float],
+        p1: Sequence[float],
+        p2: Sequence[float],
         v: float,
         a: float,
-        r: float,
+        rad: float,
+        mode: int,
+        qnear: Sequence[float],
+        tool: str,
+        wobj: str,
+        scheme_name: str,
+        epose: Sequence[float],
+        eaxis_v: float,
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """movej."""
-        return self._call("movej", (joints_list, v, a, r, block, op, def_acc))
+    ) -> int:
+        """move_circle together with external axes. Not in the manual."""
+        result: int = self._call(
+            "move_circle_eaxis",
+            (
+                p1,
+                p2,
+                v,
+                a,
+                rad,
+                mode,
+                qnear,
+                tool,
+                wobj,
+                scheme_name,
+                epose,
+                eaxis_v,
+                block,
+                op,
+                def_acc,
+            ),
+        )
+        return result
+
+    def get_eaxis_info(self) -> list[EAxissInfo]:
+        """Schemes of external axes: state and position. Not in manual 3.8, in 4.3."""
+        result: list[EAxissInfo] = self._call("get_eaxis_info", ())
+        return result
+
+    def set_eaxis_param(self, num: int, param: EAxisParam, block: bool) -> int:
+        """Set the parameters of external axis `num`. Not in the manual."""
+        result: int = self._call("set_eaxis_param", (num, param, block))
+        return result
+
+    def set_eaxiss_scheme_param(self, num: int, param: EAxisSchemeParam, block: bool) -> int:
+        """Set the parameters of scheme `num`. Not in the manual."""
+        result: int = self._call("set_eaxiss_scheme_param", (num, param, block))
+        return result
+
+    def add_eaxis_scheme(self, num: int, block: bool) -> int:
+        """Add a scheme of external axes. Not in the manual."""
+        result: int = self._call("add_eaxis_scheme", (num, block))
+        return result
+
+    def delete_eaxis_scheme(self, num: int, block: bool) -> int:
+        """Delete a scheme of external axes. Not in the manual."""
+        result: int = self._call("delete_eaxis_scheme", (num, block))
+        return result
+
+    def start_realtime_mode(
+        self,
+        mode: int,
+        fileter_bandwidth: float,
+        com_lost_time: float,
+    ) -> int:
+        """Follow the realtime queue; filter Hz, stop without data for com_lost_time s."""
+        result: int = self._call("start_realtime_mode", (mode, fileter_bandwidth, com_lost_time))
+        return result
+
+    def end_realtime_mode(self) -> int:
+        """End realtime control."""
+        result: int = self._call("end_realtime_mode", ())
+        return result
+
+    def realtime_data_enqueue(
+        self,
+        realtime_data: Sequence[RealTimeControlData],
+        block: bool,
+    ) -> int:
+        """Put commands into the realtime queue."""
+        result: int = self._call("realtime_data_enqueue", (realtime_data, block))
+        return result
+
+    def clear_realtime_data_queue(self) -> int:
+        """Empty the realtime queue."""
+        result: int = self._call("clear_realtime_data_queue", ())
+        return result
+
+    def get_realtime_data_queue_size(self) -> int:
+        """How many commands wait in the realtime queue."""
+        result: int = self._call("get_realtime_data_queue_size", ())
+        return result
+
+    def get_robot_version(self) -> str:
+        """Version of the controller's software."""
+        result: str = self._call("get_robot_version", ())
+        return result
+
+    def change_recipe(self) -> None:
+        """Change the recipe. Not in the manual."""
+        self._call("change_recipe", ())
+
+    def set_pendant_type(self, type: int) -> int:
+        """Set the kind of pendant. Not in the manual."""
+        result: int = self._call("set_pendant_type", (type,))
+        return result
+
+    def set_servo_config(
+        self,
+        axis_num: int,
+        id: int,
+        value: int,
+        qfmt: int,
+        block: bool,
+    ) -> int:
+        """Set a parameter of an axis' servo drive. Not in the manual."""
+        result: int = self._call("set_servo_config", (axis_num, id, value, qfmt, block))
+        return result
+
+    def apply_servo_config(self, axis_num: int, block: bool) -> int:
+        """Apply the parameters of an axis' servo drive. Not in the manual."""
+        result: int = self._call("apply_servo_config", (axis_num, block))
+        return result
+
+    def set_servo_file_params(
+        self,
+        axis_num: int,
+        id: int,
+        name: str,
+        value: float,
+        qfmt: float,
+    ) -> int:
+        """Set a parameter in an axis' servo file. Not in the manual."""
+        result: int = self._call("set_servo_file_params", (axis_num, id, name, value, qfmt))
+        return result
+
+    def get_axis_motor_kt(self) -> list[float]:
+        """Torque constants of the motors. Not in the manual."""
+        result: list[float] = self._call("get_axis_motor_kt", ())
+        return result
+
+    def get_axis_motor_rated_current(self) -> list[float]:
+        """Rated currents of the motors. Not in the manual."""
+        result: list[float] = self._call("get_axis_motor_rated_current", ())
+        return result
+
+    def get_axis_ratio(self) -> list[int]:
+        """Gear ratios of the axes. Not in the manual."""
+        result: list[int] = self._call("get_axis_ratio", ())
+        return result
+
+    def get_motor_pole_pair_number(self) -> list[int]:
+        """Pole pairs of the motors. Not in the manual."""
+        result: list[int] = self._call("get_motor_pole_pair_number", ())
+        return result
+
+    def get_motor_stator_slots(self) -> list[int]:
+        """Stator slots of the motors. Not in the manual."""
+        result: list[int] = self._call("get_motor_stator_slots", ())
+        return result
+
+    def get_pos_bias(self) -> list[float]:
+        """Position biases of the axes. Not in the manual."""
+        result: list[float] = self._call("get_pos_bias", ())
+        return result
+
+    def get_dynamic_calibration_params(self) -> list[list[float]]:
+        """Parameters of the dynamic calibration. Not in the manual."""
+        result: list[list[float]] = self._call("get_dynamic_calibration_params", ())
+        return result
+
+    def set_dynamic_calibration_params(self, params: Sequence[Sequence[float]]) -> int:
+        """Set the parameters of the dynamic calibration. Not in the manual."""
+        result: int = self._call("set_dynamic_calibration_params", (params,))
+        return result
+
+    def set_dynamic_calibration_info(self, passwd: str, info: str) -> int:
+        """Set the notes of the dynamic calibration. Not in the manual."""
+        result: int = self._call("set_dynamic_calibration_info", (passwd, info))
+        return result
+
+    def save_dynamic_calibration_params(self, passwd: str) -> int:
+        """Save the dynamic calibration. Not in the manual."""
+        result: int = self._call("save_dynamic_calibration_params", (passwd,))
+        return result
+
+    def set_kinematic_calibration_params(self, params: Sequence[Sequence[float]]) -> int:
+        """Set the parameters of the kinematic calibration. Not in the manual."""
+        result: int = self._call("set_kinematic_calibration_params", (params,))
+        return result
+
+    def set_kinematic_calibration_info(self, passwd: str, info: str) -> int:
+        """Set the notes of the kinematic calibration. Not in the manual."""
+        result: int = self._call("set_kinematic_calibration_info", (passwd, info))
+        return result
+
+    def save_kinematic_calibration_params(self, passwd: str) -> int:
+        """Save the kinematic calibration. Not in the manual."""
+        result: int = self._call("save_kinematic_calibration_params", (passwd,))
+        return result
+
+    def get_vibration_calibration_params(self) -> list[list[float]]:
+        """Parameters of the vibration calibration. Not in the manual."""
+        result: list[list[float]] = self._call("get_vibration_calibration_params", ())
+        return result
+
+    def set_vibration_calibration_info(self, passwd: str, info: str) -> int:
+        """Set the notes of the vibration calibration. Not in the manual."""
+        result: int = self._call("set_vibration_calibration_info", (passwd, info))
+        return result
+
+    def upload_robot_param_to_toolboard(self, passwd: str) -> int:
+        """Write the robot's parameters to the tool board. Not in the manual."""
+        result: int = self._call("upload_robot_param_to_toolboard", (passwd,))
+        return result
+
+
+class AsyncRpc:
+    """Every function of the wire, awaited; `call` is a coroutine function."""
+
+    __slots__ = ("_call",)
+
+    def __init__(self, call: Callable[[str, tuple[Any, ...]], Coroutine[Any, Any, Any]]) -> None:
+        self._call = call
+
+    def rpc_heartbeat(self, time: int) -> Coroutine[Any, Any, None]:
+        """Report that this client lives; the arm stops if none follows within `time` ms."""
+        return self._call("rpc_heartbeat", (time,))
+
+    def power_on(self, block: bool) -> Coroutine[Any, Any, int]:
+        """Power the arm on. Returns the task's end state if `block`, else its id."""
+        return self._call("power_on", (block,))
+
+    def power_off(self, block: bool) -> Coroutine[Any, Any, int]:
+        """Power the arm off. Returns the task's end state if `block`, else its id."""
+        return self._call("power_off", (block,))
+
+    def enable(self, block: bool) -> Coroutine[Any, Any, int]:
+        """Enable the servos. Returns the task's end state if `block`, else its id."""
+        return self._call("enable", (block,))
+
+    def disable(self, block: bool) -> Coroutine[Any, Any, int]:
+        """Disable the servos. Returns the task's end state if `block`, else its id."""
+        return self._call("disable", (block,))
+
+    def shutdown(self, block: bool) -> Coroutine[Any, Any, int]:
+        """Shut the controller down. Returns the task's end state if `block`, else its id."""
+        return self._call("shutdown", (block,))
+
+    def restart(self, block: bool) -> Coroutine[Any, Any, int]:
+        """Restart the controller. Returns the task's end state if `block`, else its id."""
+        return self._call("restart", (block,))
+
+    def stop(self, block: bool) -> Coroutine[Any, Any, int]:
+        """Stop all tasks. Returns the end state if `block`, else a task id."""
+        return self._call("stop", (block,))
+
+    def pause(self, block: bool) -> Coroutine[Any, Any, int]:
+        """Pause all tasks. Returns the end state if `block`, else a task id."""
+        return self._call("pause", (block,))
+
+    def resume(self, block: bool) -> Coroutine[Any, Any, int]:
+        """Resume all paused tasks. Returns the end state if `block`, else a task id."""
+        return self._call("resume", (block,))
+
+    def abort(self, block: bool) -> Coroutine[Any, Any, int]:
+        """End the running motion and those read ahead. Not in manual 3.8, in 4.3."""
+        return self._call("abort", (block,))
+
+    def run_program(self, name: str, block: bool) -> Coroutine[Any, Any, int]:
+        """Run a program of the controller by name. Returns end state or task id."""
+        return self._call("run_program", (name, block))
+
+    def get_current_project(self) -> Coroutine[Any, Any, str]:
+        """Path of the project that is loaded."""
+        return self._call("get_current_project", ())
+
+    def get_files_list(self, path: str) -> Coroutine[Any, Any, dict[str, int]]:
+        """Files below `path`: name to kind, 0 a folder, 1 a file."""
+        return self._call("get_files_list", (path,))
 
     def movej2(
         self,
@@ -2588,8 +1922,1160 @@ class AsyncRpc:
         op: Op,
         def_acc: bool,
     ) -> Coroutine[Any, Any, int]:
-        """movej2."""
+        """Move the joints to `joints_list` rad; v rad/s, a rad/s², r m of blending."""
         return self._call("movej2", (joints_list, v, a, r, block, op, def_acc))
+
+    def movej_pose2(
+        self,
+        p: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Move the joints to the pose p m, rad; v rad/s, a rad/s², r m of blending."""
+        return self._call("movej_pose2", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
+
+    def movel(
+        self,
+        p: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Move the tool along a line to the pose p m, rad; v m/s, a m/s², r m of blending."""
+        return self._call("movel", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
+
+    def movec(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        mode: int,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Move the tool along an arc through p1 to p2 m, rad; v m/s, a m/s², r m of blending."""
+        return self._call("movec", (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc))
+
+    def move_circle(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        mode: int,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Move the tool along the full circle through p1 and p2; v m/s, a m/s², r m."""
+        return self._call(
+            "move_circle",
+            (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc),
+        )
+
+    def tcp_move(
+        self,
+        pose_offset: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        tool: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Move along a line by an offset m, rad in the tool's frame; v m/s, a m/s², r m."""
+        return self._call("tcp_move", (pose_offset, v, a, r, tool, block, op, def_acc))
+
+    def tcp_move_2p(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Move along a line by the offset from p1 to p2 in the tool's frame; v m/s, a m/s²."""
+        return self._call("tcp_move_2p", (p1, p2, v, a, r, tool, wobj, block, op, def_acc))
+
+    def wobj_move(
+        self,
+        pose_offset: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Move along a line by an offset m, rad in the work object's frame; v m/s, a m/s²."""
+        return self._call("wobj_move", (pose_offset, v, a, r, wobj, block, op, def_acc))
+
+    def wobj_move_2p(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Move along a line by the offset from p1 to p2 in the work object's frame."""
+        return self._call("wobj_move_2p", (p1, p2, v, a, r, tool, wobj, block, op, def_acc))
+
+    def speedj(
+        self,
+        joints_list: Sequence[float],
+        a: float,
+        time: int,
+        block: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Turn the joints at `joints_list` rad/s for `time` ms, -1 for no end; a rad/s²."""
+        return self._call("speedj", (joints_list, a, time, block))
+
+    def speedl(
+        self,
+        pose_list: Sequence[float],
+        a: float,
+        time: int,
+        block: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Move the tool at `pose_list` m/s, rad/s for `time` ms, -1 for no end; a m/s²."""
+        return self._call("speedl", (pose_list, a, time, block))
+
+    def speed_stop(self, block: bool) -> Coroutine[Any, Any, int]:
+        """End speedj and speedl."""
+        return self._call("speed_stop", (block,))
+
+    def teach_mode(self, block: bool) -> Coroutine[Any, Any, int]:
+        """Enter hand guiding."""
+        return self._call("teach_mode", (block,))
+
+    def end_teach_mode(self, block: bool) -> Coroutine[Any, Any, int]:
+        """Leave hand guiding."""
+        return self._call("end_teach_mode", (block,))
+
+    def set_hand_teach_parameter(
+        self,
+        space: int,
+        joint_scale: Sequence[int],
+        cart_scale: Sequence[int],
+        coord_type: int,
+        direction: Sequence[bool],
+    ) -> Coroutine[Any, Any, int]:
+        """Set hand guiding: space, compliance of joints or of x to rz, frame, directions."""
+        return self._call(
+            "set_hand_teach_parameter",
+            (space, joint_scale, cart_scale, coord_type, direction),
+        )
+
+    def replay(self, name: str, value: int, mode: int) -> Coroutine[Any, Any, int]:
+        """Run a recorded track at `value` percent; mode 0 by joints, 1 by poses."""
+        return self._call("replay", (name, value, mode))
+
+    def spline(
+        self,
+        pose_list: Sequence[Sequence[float]],
+        v: float,
+        a: float,
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        r: float,
+        def_acc: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Move the tool along a spline through up to 50 poses m, rad; v m/s, a m/s², r m."""
+        return self._call("spline", (pose_list, v, a, tool, wobj, block, op, r, def_acc))
+
+    def spline_op(
+        self,
+        pose_list: Sequence[PointOp],
+        v: float,
+        a: float,
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        r: float,
+        def_acc: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Move along a spline of up to 50 poses with triggers at the points; v m/s, a m/s²."""
+        return self._call("spline_op", (pose_list, v, a, tool, wobj, block, op, r, def_acc))
+
+    def servoj(
+        self,
+        joints_list: Sequence[float],
+        v: float,
+        a: float,
+        block: bool,
+        kp: float,
+        kd: float,
+        smooth_vel: float,
+        smooth_acc: float,
+    ) -> Coroutine[Any, Any, int]:
+        """Follow joint targets rad that come one after another; v rad/s, a rad/s²."""
+        return self._call("servoj", (joints_list, v, a, block, kp, kd, smooth_vel, smooth_acc))
+
+    def servoj_pose(
+        self,
+        pose_list: Sequence[float],
+        v: float,
+        a: float,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        kp: float,
+        kd: float,
+        smooth_vel: float,
+        smooth_acc: float,
+    ) -> Coroutine[Any, Any, int]:
+        """Follow poses m, rad that come one after another, by the joints; v rad/s, a rad/s²."""
+        return self._call(
+            "servoj_pose",
+            (pose_list, v, a, q_near, tool, wobj, block, kp, kd, smooth_vel, smooth_acc),
+        )
+
+    def servo_tcp(
+        self,
+        pose_offset: Sequence[float],
+        v: float,
+        a: float,
+        tool: str,
+        block: bool,
+        kp: float,
+        kd: float,
+        smooth_vel: float,
+        smooth_acc: float,
+    ) -> Coroutine[Any, Any, int]:
+        """Follow offsets m, rad of the tool that come one after another."""
+        return self._call(
+            "servo_tcp",
+            (pose_offset, v, a, tool, block, kp, kd, smooth_vel, smooth_acc),
+        )
+
+    def servol(
+        self,
+        pose_list: Sequence[float],
+        v: float,
+        a: float,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        kp: float,
+        kd: float,
+        smooth_vel: float,
+        smooth_acc: float,
+    ) -> Coroutine[Any, Any, int]:
+        """Follow poses m, rad that come one after another, by the Cartesian directions."""
+        return self._call(
+            "servol",
+            (pose_list, v, a, q_near, tool, wobj, block, kp, kd, smooth_vel, smooth_acc),
+        )
+
+    def move_spiral(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        rev: float,
+        len: float,
+        r: float,
+        mode: int,
+        v: float,
+        a: float,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Move along a spiral: `rev` turns, `len` m along the axis, `r` m; v m/s, a m/s²."""
+        return self._call(
+            "move_spiral",
+            (p1, p2, rev, len, r, mode, v, a, q_near, tool, wobj, block, op, def_acc),
+        )
+
+    def move_jog(self, param: MoveJogTaskParam, block: bool) -> Coroutine[Any, Any, int]:
+        """Jog one joint or one Cartesian direction, continuously or by a step."""
+        return self._call("move_jog", (param, block))
+
+    def stop_manual_move(self, block: bool) -> Coroutine[Any, Any, int]:
+        """End move_jog."""
+        return self._call("stop_manual_move", (block,))
+
+    def set_blend_ahead(self, per: int, num: int) -> Coroutine[Any, Any, int]:
+        """Read following motions ahead at `per` percent of the path, or `num` of them."""
+        return self._call("set_blend_ahead", (per, num))
+
+    def movej(
+        self,
+        joints_list: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Move the joints to `joints_list` rad; v and a in percent. Not in the manual."""
+        return self._call("movej", (joints_list, v, a, r, block, op, def_acc))
+
+    def movej_pose(
+        self,
+        p: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Move the joints to the pose p m, rad; v and a in percent. Not in the manual."""
+        return self._call("movej_pose", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
+
+    def set_baudrate_485(self, value: int, block: bool) -> Coroutine[Any, Any, int]:
+        """Set the rate of the cabinet's RS-485 port, bit/s."""
+        return self._call("set_baudrate_485", (value, block))
+
+    def read_raw_data_485(self, len: int) -> Coroutine[Any, Any, list[int]]:
+        """Read `len` bytes from RS-485; empty if there is nothing."""
+        return self._call("read_raw_data_485", (len,))
+
+    def read_raw_data_485_h(
+        self,
+        head: Sequence[int],
+        len: int,
+    ) -> Coroutine[Any, Any, list[int]]:
+        """Read a frame of `len` bytes that starts with `head` from RS-485."""
+        return self._call("read_raw_data_485_h", (head, len))
+
+    def read_raw_data_485_ht(
+        self,
+        head: Sequence[int],
+        tail: Sequence[int],
+    ) -> Coroutine[Any, Any, list[int]]:
+        """Read a frame from `head` to `tail` from RS-485."""
+        return self._call("read_raw_data_485_ht", (head, tail))
+
+    def write_raw_data_485(self, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
+        """Write bytes to RS-485."""
+        return self._call("write_raw_data_485", (data,))
+
+    def write_raw_data_485_h(
+        self,
+        data: Sequence[int],
+        head: Sequence[int],
+    ) -> Coroutine[Any, Any, bool]:
+        """Write `head` and bytes to RS-485."""
+        return self._call("write_raw_data_485_h", (data, head))
+
+    def write_raw_data_485_ht(
+        self,
+        data: Sequence[int],
+        head: Sequence[int],
+        tail: Sequence[int],
+    ) -> Coroutine[Any, Any, bool]:
+        """Write `head`, bytes and `tail` to RS-485."""
+        return self._call("write_raw_data_485_ht", (data, head, tail))
+
+    def read_data_485(self) -> Coroutine[Any, Any, list[int]]:
+        """Read from RS-485. Not in the manual."""
+        return self._call("read_data_485", ())
+
+    def write_data_485(self, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
+        """Write to RS-485. Not in the manual."""
+        return self._call("write_data_485", (data,))
+
+    def tool_read_raw_data_485(self, len: int) -> Coroutine[Any, Any, list[int]]:
+        """Read `len` bytes from the tool's RS-485; empty if there is nothing."""
+        return self._call("tool_read_raw_data_485", (len,))
+
+    def tool_read_raw_data_485_h(
+        self,
+        head: Sequence[int],
+        len: int,
+    ) -> Coroutine[Any, Any, list[int]]:
+        """Read a frame of `len` bytes that starts with `head` from the tool's RS-485."""
+        return self._call("tool_read_raw_data_485_h", (head, len))
+
+    def tool_read_raw_data_485_ht(
+        self,
+        head: Sequence[int],
+        tail: Sequence[int],
+    ) -> Coroutine[Any, Any, list[int]]:
+        """Read a frame from `head` to `tail` from the tool's RS-485."""
+        return self._call("tool_read_raw_data_485_ht", (head, tail))
+
+    def tool_write_raw_data_485(self, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
+        """Write bytes to the tool's RS-485."""
+        return self._call("tool_write_raw_data_485", (data,))
+
+    def tool_write_raw_data_485_h(
+        self,
+        data: Sequence[int],
+        head: Sequence[int],
+    ) -> Coroutine[Any, Any, bool]:
+        """Write `head` and bytes to the tool's RS-485."""
+        return self._call("tool_write_raw_data_485_h", (data, head))
+
+    def tool_write_raw_data_485_ht(
+        self,
+        data: Sequence[int],
+        head: Sequence[int],
+        tail: Sequence[int],
+    ) -> Coroutine[Any, Any, bool]:
+        """Write `head`, bytes and `tail` to the tool's RS-485."""
+        return self._call("tool_write_raw_data_485_ht", (data, head, tail))
+
+    def tool_read_data_485(self) -> Coroutine[Any, Any, list[int]]:
+        """Read from the tool's RS-485. Not in the manual."""
+        return self._call("tool_read_data_485", ())
+
+    def tool_write_data_485(self, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
+        """Write to the tool's RS-485. Not in the manual."""
+        return self._call("tool_write_data_485", (data,))
+
+    def set_baudrate_can(self, value: int, block: bool) -> Coroutine[Any, Any, int]:
+        """Set the rate of the CAN bus, bit/s."""
+        return self._call("set_baudrate_can", (value, block))
+
+    def read_raw_data_can(self) -> Coroutine[Any, Any, list[int]]:
+        """Read one CAN frame: the sender's id, then the bytes; empty if there is none."""
+        return self._call("read_raw_data_can", ())
+
+    def write_raw_data_can(self, id: int, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
+        """Write one CAN frame."""
+        return self._call("write_raw_data_can", (id, data))
+
+    def read_data_can(self) -> Coroutine[Any, Any, list[int]]:
+        """Read from CAN. Not in the manual."""
+        return self._call("read_data_can", ())
+
+    def write_data_can(self, id: int, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
+        """Write to CAN. Not in the manual."""
+        return self._call("write_data_can", (id, data))
+
+    def set_digital_output_mode(
+        self,
+        num: int,
+        type: int,
+        freq: int,
+        duty_cycle: int,
+    ) -> Coroutine[Any, Any, int]:
+        """Make a cabinet output a level (type 0) or pulses (1) at freq Hz, duty_cycle percent."""
+        return self._call("set_digital_output_mode", (num, type, freq, duty_cycle))
+
+    def set_standard_digital_out(
+        self,
+        num: int,
+        value: bool,
+        block: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Set cabinet output 1 to 16."""
+        return self._call("set_standard_digital_out", (num, value, block))
+
+    def get_standard_digital_out(self, num: int) -> Coroutine[Any, Any, bool]:
+        """Level of cabinet output 1 to 16."""
+        return self._call("get_standard_digital_out", (num,))
+
+    def get_standard_digital_in(self, num: int) -> Coroutine[Any, Any, bool]:
+        """Level of cabinet input 1 to 16."""
+        return self._call("get_standard_digital_in", (num,))
+
+    def set_tool_digital_out(
+        self,
+        num: int,
+        value: bool,
+        block: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Set tool output 1 or 2."""
+        return self._call("set_tool_digital_out", (num, value, block))
+
+    def get_tool_digital_out(self, num: int) -> Coroutine[Any, Any, bool]:
+        """Level of tool output 1 or 2."""
+        return self._call("get_tool_digital_out", (num,))
+
+    def get_tool_digital_in(self, num: int) -> Coroutine[Any, Any, bool]:
+        """Level of tool input 1 or 2."""
+        return self._call("get_tool_digital_in", (num,))
+
+    def get_config_digital_in(self, num: int) -> Coroutine[Any, Any, bool]:
+        """Level of a configurable cabinet input. Not in the manual."""
+        return self._call("get_config_digital_in", (num,))
+
+    def get_function_digital_in(self, num: int) -> Coroutine[Any, Any, bool]:
+        """Level of function input 1 to 8."""
+        return self._call("get_function_digital_in", (num,))
+
+    def get_function_digital_out(self, num: int) -> Coroutine[Any, Any, bool]:
+        """Level of function output 1 to 8."""
+        return self._call("get_function_digital_out", (num,))
+
+    def get_standard_analog_voltage_in(self, num: int) -> Coroutine[Any, Any, float]:
+        """Voltage at cabinet channel 1 to 4, V."""
+        return self._call("get_standard_analog_voltage_in", (num,))
+
+    def set_standard_analog_voltage_out(
+        self,
+        num: int,
+        value: float,
+        block: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Set the voltage of cabinet channel 1 to 4, 0 to 10 V."""
+        return self._call("set_standard_analog_voltage_out", (num, value, block))
+
+    def get_tool_analog_voltage_in(self, num: int) -> Coroutine[Any, Any, float]:
+        """Voltage at tool channel 1 or 2, V."""
+        return self._call("get_tool_analog_voltage_in", (num,))
+
+    def get_standard_analog_current_in(self, num: int) -> Coroutine[Any, Any, float]:
+        """Current at cabinet channel 1 to 4, mA."""
+        return self._call("get_standard_analog_current_in", (num,))
+
+    def set_standard_analog_current_out(
+        self,
+        num: int,
+        value: float,
+        block: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Set the current of cabinet channel 1 to 4, 4 to 20 mA."""
+        return self._call("set_standard_analog_current_out", (num, value, block))
+
+    def set_analog_output_mode(
+        self,
+        num: int,
+        mode: int,
+        block: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Set the kind of an analog output. Not in the manual."""
+        return self._call("set_analog_output_mode", (num, mode, block))
+
+    def write_bool_reg(self, num: int, value: bool) -> Coroutine[Any, Any, int]:
+        """Write bool register 1 to 64."""
+        return self._call("write_bool_reg", (num, value))
+
+    def write_word_reg(self, num: int, value: int) -> Coroutine[Any, Any, int]:
+        """Write word register 1 to 32."""
+        return self._call("write_word_reg", (num, value))
+
+    def write_float_reg(self, num: int, value: float) -> Coroutine[Any, Any, int]:
+        """Write float register 1 to 32."""
+        return self._call("write_float_reg", (num, value))
+
+    def read_bool_reg(self, num: int) -> Coroutine[Any, Any, bool]:
+        """Read bool register 1 to 64."""
+        return self._call("read_bool_reg", (num,))
+
+    def read_word_reg(self, num: int) -> Coroutine[Any, Any, int]:
+        """Read word register 1 to 32."""
+        return self._call("read_word_reg", (num,))
+
+    def read_float_reg(self, num: int) -> Coroutine[Any, Any, float]:
+        """Read float register 1 to 32."""
+        return self._call("read_float_reg", (num,))
+
+    def get_function_reg_in(self, num: int) -> Coroutine[Any, Any, bool]:
+        """Read function input register 1 to 16."""
+        return self._call("get_function_reg_in", (num,))
+
+    def get_function_reg_out(self, num: int) -> Coroutine[Any, Any, bool]:
+        """Read function output register 1 to 16."""
+        return self._call("get_function_reg_out", (num,))
+
+    def set_wobj_offset(self, wobj: Sequence[float], active: bool) -> Coroutine[Any, Any, int]:
+        """Add an offset m, rad to the work object of all following motions, or take it away."""
+        return self._call("set_wobj_offset", (wobj, active))
+
+    def set_wobj(self, name: str, wobj: Sequence[float]) -> Coroutine[Any, Any, int]:
+        """Set a work object by name, m, rad. Not in the manual."""
+        return self._call("set_wobj", (name, wobj))
+
+    def set_tool_data(
+        self,
+        name: str,
+        tool_offset: Sequence[float],
+        payload: Sequence[float],
+        inertia_tensor: Sequence[float],
+    ) -> Coroutine[Any, Any, int]:
+        """Set a tool: offset m, rad from the flange, payload kg, m, inertia kg m²."""
+        return self._call("set_tool_data", (name, tool_offset, payload, inertia_tensor))
+
+    def cal_ikine(
+        self,
+        p: Sequence[float],
+        q_near: Sequence[float],
+        tool: Sequence[float],
+        wobj: Sequence[float],
+    ) -> Coroutine[Any, Any, list[float]]:
+        """Joints rad for the pose p m, rad, near q_near; empty lists mean the present values."""
+        return self._call("cal_ikine", (p, q_near, tool, wobj))
+
+    def cal_fkine(
+        self,
+        joints_position: Sequence[float],
+        tool: Sequence[float],
+        wobj: Sequence[float],
+    ) -> Coroutine[Any, Any, list[float]]:
+        """Pose m, rad for joints rad; empty tool and wobj mean the present ones."""
+        return self._call("cal_fkine", (joints_position, tool, wobj))
+
+    def get_tcp_pose(self) -> Coroutine[Any, Any, list[float]]:
+        """Pose of the tool in the base frame, m, rad."""
+        return self._call("get_tcp_pose", ())
+
+    def get_tcp_pose_coord(self, tool: str, wobj: str) -> Coroutine[Any, Any, list[float]]:
+        """Pose m, rad with the tool and the work object of these names."""
+        return self._call("get_tcp_pose_coord", (tool, wobj))
+
+    def get_tcp_speed(self) -> Coroutine[Any, Any, list[float]]:
+        """Speed of the tool's origin, m/s, rad/s."""
+        return self._call("get_tcp_speed", ())
+
+    def get_tcp_acceleration(self) -> Coroutine[Any, Any, list[float]]:
+        """Acceleration of the tool's origin, m/s², rad/s²."""
+        return self._call("get_tcp_acceleration", ())
+
+    def get_tcp_force(self) -> Coroutine[Any, Any, list[float]]:
+        """Force at the tool's origin, N, N m; needs a force sensor."""
+        return self._call("get_tcp_force", ())
+
+    def get_tcp_force_tool(self, tool: str) -> Coroutine[Any, Any, list[float]]:
+        """Force in the frame of the tool of this name, N, N m; needs a force sensor."""
+        return self._call("get_tcp_force_tool", (tool,))
+
+    def get_tcp_offset(self) -> Coroutine[Any, Any, list[float]]:
+        """Offset of the present tool from the flange, m, rad."""
+        return self._call("get_tcp_offset", ())
+
+    def get_tool_load(self) -> Coroutine[Any, Any, list[float]]:
+        """Mass and centre of mass of the present tool, kg, m."""
+        return self._call("get_tool_load", ())
+
+    def get_wobj(self) -> Coroutine[Any, Any, list[float]]:
+        """The present work object in the base frame, m, rad."""
+        return self._call("get_wobj", ())
+
+    def get_actual_joints_position(self) -> Coroutine[Any, Any, list[float]]:
+        """Measured joint positions, rad."""
+        return self._call("get_actual_joints_position", ())
+
+    def get_target_joints_position(self) -> Coroutine[Any, Any, list[float]]:
+        """Planned joint positions, rad."""
+        return self._call("get_target_joints_position", ())
+
+    def get_actual_joints_speed(self) -> Coroutine[Any, Any, list[float]]:
+        """Measured joint speeds, rad/s."""
+        return self._call("get_actual_joints_speed", ())
+
+    def get_target_joints_speed(self) -> Coroutine[Any, Any, list[float]]:
+        """Planned joint speeds, rad/s."""
+        return self._call("get_target_joints_speed", ())
+
+    def get_actual_joints_acceleration(self) -> Coroutine[Any, Any, list[float]]:
+        """Measured joint accelerations, rad/s²."""
+        return self._call("get_actual_joints_acceleration", ())
+
+    def get_target_joints_acceleration(self) -> Coroutine[Any, Any, list[float]]:
+        """Planned joint accelerations, rad/s²."""
+        return self._call("get_target_joints_acceleration", ())
+
+    def get_actual_joints_torque(self) -> Coroutine[Any, Any, list[float]]:
+        """Measured joint torques, N m."""
+        return self._call("get_actual_joints_torque", ())
+
+    def get_target_joints_torque(self) -> Coroutine[Any, Any, list[float]]:
+        """Planned joint torques, N m; the manual's text says rad/s²."""
+        return self._call("get_target_joints_torque", ())
+
+    def get_flange_pose(self) -> Coroutine[Any, Any, list[float]]:
+        """Pose of the flange in the base frame, m, rad."""
+        return self._call("get_flange_pose", ())
+
+    def get_flange_speed(self) -> Coroutine[Any, Any, list[float]]:
+        """Speed of the flange in the base frame, m/s, rad/s."""
+        return self._call("get_flange_speed", ())
+
+    def get_flange_acceleration(self) -> Coroutine[Any, Any, list[float]]:
+        """Acceleration of the flange in the base frame, m/s², rad/s²."""
+        return self._call("get_flange_acceleration", ())
+
+    def get_robot_state(self) -> Coroutine[Any, Any, list[int]]:
+        """Four states: robot, program, safety controller, operation mode."""
+        return self._call("get_robot_state", ())
+
+    def simulation(self, sim: bool, block: bool) -> Coroutine[Any, Any, int]:
+        """Switch between simulation and the real arm; the arm must stand."""
+        return self._call("simulation", (sim, block))
+
+    def speed(self, val: float) -> Coroutine[Any, Any, int]:
+        """Set the global speed, 1 to 100 percent."""
+        return self._call("speed", (val,))
+
+    def set_load_data(self, value: Sequence[float]) -> Coroutine[Any, Any, int]:
+        """Set the mass kg and centre m of what the tool holds."""
+        return self._call("set_load_data", (value,))
+
+    def start_record_track(
+        self,
+        name: str,
+        mode: int,
+        tool: str,
+        wobj: str,
+        interval: float,
+    ) -> Coroutine[Any, Any, int]:
+        """Start to record a track: mode 0 each `interval` degrees, 1 each `interval` seconds."""
+        return self._call("start_record_track", (name, mode, tool, wobj, interval))
+
+    def stop_record_track(self) -> Coroutine[Any, Any, int]:
+        """End the record of a track."""
+        return self._call("stop_record_track", ())
+
+    def collision_detect(self, value: int) -> Coroutine[Any, Any, int]:
+        """Set the level of collision detection, 0 off, 1 to 5."""
+        return self._call("collision_detect", (value,))
+
+    def collision_detection_reset(self) -> Coroutine[Any, Any, int]:
+        """Clear the collision warning."""
+        return self._call("collision_detection_reset", ())
+
+    def set_teach_pendant(self, enable: bool) -> Coroutine[Any, Any, int]:
+        """Turn the keys of the pendant on or off."""
+        return self._call("set_teach_pendant", (enable,))
+
+    def set_teach_speed(self, v: int) -> Coroutine[Any, Any, int]:
+        """Set the teaching speed, 1 to 100 percent."""
+        return self._call("set_teach_speed", (v,))
+
+    def get_teach_speed(self) -> Coroutine[Any, Any, int]:
+        """Teaching speed, percent."""
+        return self._call("get_teach_speed", ())
+
+    def get_global_speed(self) -> Coroutine[Any, Any, int]:
+        """Global speed, percent."""
+        return self._call("get_global_speed", ())
+
+    def reach_check(
+        self,
+        base: Sequence[float],
+        wobj: Sequence[float],
+        tool: Sequence[float],
+        ref_pos: Sequence[float],
+        check_points: Sequence[Sequence[float]],
+    ) -> Coroutine[Any, Any, ReachabilityParam]:
+        """Whether poses m, rad can be reached with this base, work object and tool."""
+        return self._call("reach_check", (base, wobj, tool, ref_pos, check_points))
+
+    def switch_mode(self, mode: int) -> Coroutine[Any, Any, int]:
+        """Switch to manual (0) or automatic (1) operation."""
+        return self._call("switch_mode", (mode,))
+
+    def getRobotStatus(self) -> Coroutine[Any, Any, RobotStatus]:
+        """The arm's positions, speeds, currents, temperatures and errors at once."""
+        return self._call("getRobotStatus", ())
+
+    def getRobotIOStatus(self) -> Coroutine[Any, Any, IOStatus]:
+        """All inputs, outputs and registers at once."""
+        return self._call("getRobotIOStatus", ())
+
+    def read_encoder_count(self) -> Coroutine[Any, Any, int]:
+        """Count of the external incremental encoder."""
+        return self._call("read_encoder_count", ())
+
+    def get_origin_DH(self) -> Coroutine[Any, Any, list[list[float]]]:
+        """DH parameters of the model: a m, alpha rad, d m, theta rad per joint."""
+        return self._call("get_origin_DH", ())
+
+    def get_calib_DH(self) -> Coroutine[Any, Any, list[list[float]]]:
+        """DH parameters after calibration: a m, alpha rad, d m, theta rad per joint."""
+        return self._call("get_calib_DH", ())
+
+    def get_robot_type(self) -> Coroutine[Any, Any, list[str]]:
+        """Series, model, extension and serial number."""
+        return self._call("get_robot_type", ())
+
+    def get_ext_torque(self) -> Coroutine[Any, Any, list[float]]:
+        """Observed external joint torques."""
+        return self._call("get_ext_torque", ())
+
+    def set_system_value_bool(self, name: str, value: bool) -> Coroutine[Any, Any, int]:
+        """Set a global variable of type bool."""
+        return self._call("set_system_value_bool", (name, value))
+
+    def set_system_value_double(self, name: str, value: float) -> Coroutine[Any, Any, int]:
+        """Set a global variable of type number."""
+        return self._call("set_system_value_double", (name, value))
+
+    def set_system_value_str(self, name: str, value: str) -> Coroutine[Any, Any, int]:
+        """Set a global variable of type string."""
+        return self._call("set_system_value_str", (name, value))
+
+    def set_system_value_list(
+        self,
+        name: str,
+        value: Sequence[float],
+    ) -> Coroutine[Any, Any, int]:
+        """Set a global variable of type list of numbers."""
+        return self._call("set_system_value_list", (name, value))
+
+    def get_system_value_bool(self, name: str) -> Coroutine[Any, Any, bool]:
+        """Read a global variable of type bool."""
+        return self._call("get_system_value_bool", (name,))
+
+    def get_system_value_double(self, name: str) -> Coroutine[Any, Any, float]:
+        """Read a global variable of type number."""
+        return self._call("get_system_value_double", (name,))
+
+    def get_system_value_str(self, name: str) -> Coroutine[Any, Any, str]:
+        """Read a global variable of type string."""
+        return self._call("get_system_value_str", (name,))
+
+    def get_system_value_list(self, name: str) -> Coroutine[Any, Any, list[float]]:
+        """Read a global variable of type list of numbers."""
+        return self._call("get_system_value_list", (name,))
+
+    def get_system_value_lists(self, name: str) -> Coroutine[Any, Any, list[list[float]]]:
+        """Read a global variable of type list of poses. Not in manual 3.8, in 4.3."""
+        return self._call("get_system_value_lists", (name,))
+
+    def log_info(self, message: str) -> Coroutine[Any, Any, None]:
+        """Write a line into the controller's log."""
+        return self._call("log_info", (message,))
+
+    def log_error(self, message: str) -> Coroutine[Any, Any, None]:
+        """Show an error on the pendant and pause all tasks."""
+        return self._call("log_error", (message,))
+
+    def get_last_error(self) -> Coroutine[Any, Any, list[str]]:
+        """The latest errors."""
+        return self._call("get_last_error", ())
+
+    def get_noneblock_taskstate(self, id: int) -> Coroutine[Any, Any, int]:
+        """State of a task by its id."""
+        return self._call("get_noneblock_taskstate", (id,))
+
+    def robotmoving(self) -> Coroutine[Any, Any, bool]:
+        """Whether the arm moves."""
+        return self._call("robotmoving", ())
+
+    def modbus_read(self, signal_name: str) -> Coroutine[Any, Any, int]:
+        """Read a Modbus signal."""
+        return self._call("modbus_read", (signal_name,))
+
+    def modbus_write(self, signal_name: str, value: int) -> Coroutine[Any, Any, int]:
+        """Write a Modbus signal: a register 0 to 65535, a coil 0 or 1."""
+        return self._call("modbus_write", (signal_name, value))
+
+    def modbus_set_frequency(
+        self,
+        signal_name: str,
+        frequence: int,
+    ) -> Coroutine[Any, Any, None]:
+        """Set how often a Modbus signal is refreshed, 1 to 100 Hz."""
+        return self._call("modbus_set_frequency", (signal_name, frequence))
+
+    def modbus_write_multiple_regs(
+        self,
+        slave_num: int,
+        name: str,
+        len: int,
+        word_list: Sequence[int],
+    ) -> Coroutine[Any, Any, int]:
+        """Write `len` registers of a Modbus unit."""
+        return self._call("modbus_write_multiple_regs", (slave_num, name, len, word_list))
+
+    def modbus_write_multiple_coils(
+        self,
+        slave_num: int,
+        name: str,
+        len: int,
+        byte_list: Sequence[int],
+    ) -> Coroutine[Any, Any, int]:
+        """Write `len` coils of a Modbus unit."""
+        return self._call("modbus_write_multiple_coils", (slave_num, name, len, byte_list))
+
+    def modbus_add_signal(
+        self,
+        ip: str,
+        slave_number: int,
+        signal_address: int,
+        signal_type: int,
+        signal_name: str,
+    ) -> Coroutine[Any, Any, int]:
+        """Add a Modbus signal. Not in the manual."""
+        return self._call(
+            "modbus_add_signal",
+            (ip, slave_number, signal_address, signal_type, signal_name),
+        )
+
+    def modbus_delete_signal(self, signal_name: str) -> Coroutine[Any, Any, int]:
+        """Delete a Modbus signal. Not in the manual."""
+        return self._call("modbus_delete_signal", (signal_name,))
+
+    def fc_start(self) -> Coroutine[Any, Any, int]:
+        """Start force control; motions then give way to force."""
+        return self._call("fc_start", ())
+
+    def fc_stop(self) -> Coroutine[Any, Any, int]:
+        """End force control; the arm must stand."""
+        return self._call("fc_stop", ())
+
+    def fc_config(
+        self,
+        direction: Sequence[bool],
+        ref_ft: Sequence[float],
+        damp: Sequence[float],
+        max_vel: Sequence[float],
+        number_list: Sequence[float],
+        tool: str,
+        wobj: str,
+        value: int,
+    ) -> Coroutine[Any, Any, int]:
+        """Set force control: directions, target N, N m, damping, greatest speed, dead band, frame."""
+        return self._call(
+            "fc_config",
+            (direction, ref_ft, damp, max_vel, number_list, tool, wobj, value),
+        )
+
+    def fc_move(self, block: bool) -> Coroutine[Any, Any, int]:
+        """Move by force control alone."""
+        return self._call("fc_move", (block,))
+
+    def fc_guard_act(
+        self,
+        direction: Sequence[bool],
+        ref_ft: Sequence[float],
+        tool: str,
+        wobj: str,
+        type: int,
+        force_property: int,
+    ) -> Coroutine[Any, Any, int]:
+        """Watch the force, N, N m: the arm stops with an alarm when it is exceeded."""
+        return self._call("fc_guard_act", (direction, ref_ft, tool, wobj, type, force_property))
+
+    def fc_guard_deact(self) -> Coroutine[Any, Any, int]:
+        """End the watch of fc_guard_act."""
+        return self._call("fc_guard_deact", ())
+
+    def fc_force_set_value(
+        self,
+        direction: Sequence[bool],
+        ref_ft: Sequence[float],
+    ) -> Coroutine[Any, Any, int]:
+        """Set the readings of the force sensor to these values, N, N m."""
+        return self._call("fc_force_set_value", (direction, ref_ft))
+
+    def fc_wait_pos(
+        self,
+        middle: Sequence[float],
+        range: Sequence[float],
+        absolute: bool,
+        duration: int,
+        timeout: int,
+    ) -> Coroutine[Any, Any, int]:
+        """End the motion at a position m, rad held for `duration` ms; give up after `timeout` ms."""
+        return self._call("fc_wait_pos", (middle, range, absolute, duration, timeout))
+
+    def fc_wait_vel(
+        self,
+        middle: Sequence[float],
+        range: Sequence[float],
+        absolute: bool,
+        duration: int,
+        timeout: int,
+    ) -> Coroutine[Any, Any, int]:
+        """End the motion at a speed m/s, rad/s held for `duration` ms; give up after `timeout` ms."""
+        return self._call("fc_wait_vel", (middle, range, absolute, duration, timeout))
+
+    def fc_wait_ft(
+        self,
+        middle: Sequence[float],
+        range: Sequence[float],
+        absolute: bool,
+        duration: int,
+        timeout: int,
+    ) -> Coroutine[Any, Any, int]:
+        """End the motion at a force N, N m held for `duration` ms; give up after `timeout` ms."""
+        return self._call("fc_wait_ft", (middle, range, absolute, duration, timeout))
+
+    def fc_wait_logic(self, value: Sequence[int]) -> Coroutine[Any, Any, int]:
+        """Combine the conditions position, speed, force: 0 off, 1 and, 2 or. Resets them."""
+        return self._call("fc_wait_logic", (value,))
+
+    def fc_get_ft(self) -> Coroutine[Any, Any, list[float]]:
+        """Readings of the force sensor, N, N m."""
+        return self._call("fc_get_ft", ())
+
+    def fc_mode_is_active(self) -> Coroutine[Any, Any, bool]:
+        """Whether force control is on."""
+        return self._call("fc_mode_is_active", ())
+
+    def enable_speed_optimization(self) -> Coroutine[Any, Any, int]:
+        """Let the controller choose speeds up to the safety limits, in automatic operation."""
+        return self._call("enable_speed_optimization", ())
+
+    def disable_speed_optimization(self) -> Coroutine[Any, Any, int]:
+        """End enable_speed_optimization."""
+        return self._call("disable_speed_optimization", ())
+
+    def enable_acc_optimization(self) -> Coroutine[Any, Any, int]:
+        """Let the controller choose accelerations by the arm's dynamics."""
+        return self._call("enable_acc_optimization", ())
+
+    def disable_acc_optimization(self) -> Coroutine[Any, Any, int]:
+        """End enable_acc_optimization."""
+        return self._call("disable_acc_optimization", ())
+
+    def enable_singularity_control(self) -> Coroutine[Any, Any, int]:
+        """Pass singularities by joint motion, off the path; vibration control must be off."""
+        return self._call("enable_singularity_control", ())
+
+    def disable_singularity_control(self) -> Coroutine[Any, Any, int]:
+        """End enable_singularity_control."""
+        return self._call("disable_singularity_control", ())
+
+    def enable_vibration_control(self) -> Coroutine[Any, Any, int]:
+        """Damp vibration at start and stop; each motion takes 0.2 to 0.4 s longer."""
+        return self._call("enable_vibration_control", ())
+
+    def disable_vibration_control(self) -> Coroutine[Any, Any, int]:
+        """End enable_vibration_control, until it is enabled again."""
+        return self._call("disable_vibration_control", ())
+
+    def trackEnqueue(
+        self,
+        track: Sequence[Sequence[float]],
+        block: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Put points, joints rad or poses m, rad, into the pool of 1000. -1 if it is full."""
+        return self._call("trackEnqueue", (track, block))
+
+    def trackClearQueue(self) -> Coroutine[Any, Any, int]:
+        """Empty the pool."""
+        return self._call("trackClearQueue", ())
+
+    def getQueueSize(self) -> Coroutine[Any, Any, int]:
+        """How many points of the pool are still to come."""
+        return self._call("getQueueSize", ())
+
+    def trackJointMotion(
+        self,
+        speed: float,
+        acc: float,
+        block: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Follow the pool's points as joints; speed rad/s, acc rad/s²."""
+        return self._call("trackJointMotion", (speed, acc, block))
+
+    def trackCartMotion(
+        self,
+        speed: float,
+        acc: float,
+        block: bool,
+        tool: str,
+        wobj: str,
+        radius: float,
+    ) -> Coroutine[Any, Any, int]:
+        """Follow the pool's points as poses; speed m/s, acc m/s², radius m."""
+        return self._call("trackCartMotion", (speed, acc, block, tool, wobj, radius))
+
+    def trackEnqueueOp(self, track: Sequence[PointOp], block: bool) -> Coroutine[Any, Any, int]:
+        """Put points with triggers into the pool of 1000. -1 if it is full."""
+        return self._call("trackEnqueueOp", (track, block))
+
+    def combine_motion_config(
+        self,
+        type: int,
+        ref_plane: int,
+        fq: float,
+        amp: float,
+        el_offset: float,
+        az_offset: float,
+        up_height: float,
+        time: Sequence[int],
+        path_dwell: bool,
+        op_list: Sequence[Op],
+    ) -> Coroutine[Any, Any, int]:
+        """Set the weave that is laid over motions: shape, plane, fq Hz, amp m, dwell ms."""
+        return self._call(
+            "combine_motion_config",
+            (type, ref_plane, fq, amp, el_offset, az_offset, up_height, time, path_dwell, op_list),
+        )
+
+    def enable_combine_motion(self) -> Coroutine[Any, Any, int]:
+        """Lay the weave over the following motions; the arm must stand."""
+        return self._call("enable_combine_motion", ())
+
+    def disable_combine_motion(self) -> Coroutine[Any, Any, int]:
+        """End the weave; the arm must stand."""
+        return self._call("disable_combine_motion", ())
+
+    def enable_eaxis_scheme(self, scheme_name: str) -> Coroutine[Any, Any, int]:
+        """Activate a scheme of external axes."""
+        return self._call("enable_eaxis_scheme", (scheme_name,))
+
+    def disable_eaxis_scheme(self, scheme_name: str) -> Coroutine[Any, Any, int]:
+        """Deactivate a scheme of external axes."""
+        return self._call("disable_eaxis_scheme", (scheme_name,))
+
+    def move_eaxis(
+        self,
+        scheme_name: str,
+        epose: Sequence[float],
+        v: float,
+        block: bool,
+        op: Op,
+    ) -> Coroutine[Any, Any, int]:
+        """Move external axes to `epose` rad or m; v rad/s or m/s."""
+        return self._call("move_eaxis", (scheme_name, epose, v, block, op))
+
+    def move_jog_eaxis(
+        self,
+        name: str,
+        direction: int,
+        vel: float,
+        block: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Jog an external axis, direction -1 or 1, at `vel` percent."""
+        return self._call("move_jog_eaxis", (name, direction, vel, block))
 
     def movej2_eaxis(
         self,
@@ -2604,7 +3090,7 @@ class AsyncRpc:
         op: Op,
         def_acc: bool,
     ) -> Coroutine[Any, Any, int]:
-        """movej2_eaxis."""
+        """movej2 together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
         return self._call(
             "movej2_eaxis",
             (joints_list, v, a, rad, scheme_name, epose, eaxis_v, block, op, def_acc),
@@ -2626,59 +3112,11 @@ class AsyncRpc:
         op: Op,
         def_acc: bool,
     ) -> Coroutine[Any, Any, int]:
-        """movej2_pose_eaxis."""
+        """movej_pose2 together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
         return self._call(
             "movej2_pose_eaxis",
             (p, v, a, rad, qnear, tool, wobj, scheme_name, epose, eaxis_v, block, op, def_acc),
         )
-
-    def movej_pose(
-        self,
-        p: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """movej_pose."""
-        return self._call("movej_pose", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
-
-    def movej_pose2(
-        self,
-        p: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """movej_pose2."""
-        return self._call("movej_pose2", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
-
-    def movel(
-        self,
-        p: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """movel."""
-        return self._call("movel", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
 
     def movel_eaxis(
         self,
@@ -2696,236 +3134,95 @@ class AsyncRpc:
         op: Op,
         def_acc: bool,
     ) -> Coroutine[Any, Any, int]:
-        """movel_eaxis."""
+        """movel together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
         return self._call(
             "movel_eaxis",
             (p, v, a, rad, qnear, tool, wobj, scheme_name, epose, eaxis_v, block, op, def_acc),
         )
 
-    def pause(self, block: bool) -> Coroutine[Any, Any, int]:
-        """pause."""
-        return self._call("pause", (block,))
-
-    def power_off(self, block: bool) -> Coroutine[Any, Any, int]:
-        """power_off."""
-        return self._call("power_off", (block,))
-
-    def power_on(self, block: bool) -> Coroutine[Any, Any, int]:
-        """power_on."""
-        return self._call("power_on", (block,))
-
-    def reach_check(
+    def movec_eaxis(
         self,
-        base: Sequence[float],
-        wobj: Sequence[float],
-        tool: Sequence[float],
-        ref_pos: Sequence[float],
-        check_points: Sequence[Sequence[float]],
-    ) -> Coroutine[Any, Any, ReachabilityParam]:
-        """reach_check."""
-        return self._call("reach_check", (base, wobj, tool, ref_pos, check_points))
-
-    def read_bool_reg(self, num: int) -> Coroutine[Any, Any, bool]:
-        """read_bool_reg."""
-        return self._call("read_bool_reg", (num,))
-
-    def read_data_485(self) -> Coroutine[Any, Any, list[int]]:
-        """read_data_485."""
-        return self._call("read_data_485", ())
-
-    def read_data_can(self) -> Coroutine[Any, Any, list[int]]:
-        """read_data_can."""
-        return self._call("read_data_can", ())
-
-    def read_encoder_count(self) -> Coroutine[Any, Any, int]:
-        """read_encoder_count."""
-        return self._call("read_encoder_count", ())
-
-    def read_float_reg(self, num: int) -> Coroutine[Any, Any, float]:
-        """read_float_reg."""
-        return self._call("read_float_reg", (num,))
-
-    def read_raw_data_485(self, len: int) -> Coroutine[Any, Any, list[int]]:
-        """read_raw_data_485."""
-        return self._call("read_raw_data_485", (len,))
-
-    def read_raw_data_485_h(
-        self,
-        head: Sequence[int],
-        len: int,
-    ) -> Coroutine[Any, Any, list[int]]:
-        """read_raw_data_485_h."""
-        return self._call("read_raw_data_485_h", (head, len))
-
-    def read_raw_data_485_ht(
-        self,
-        head: Sequence[int],
-        tail: Sequence[int],
-    ) -> Coroutine[Any, Any, list[int]]:
-        """read_raw_data_485_ht."""
-        return self._call("read_raw_data_485_ht", (head, tail))
-
-    def read_raw_data_can(self) -> Coroutine[Any, Any, list[int]]:
-        """read_raw_data_can."""
-        return self._call("read_raw_data_can", ())
-
-    def read_word_reg(self, num: int) -> Coroutine[Any, Any, int]:
-        """read_word_reg."""
-        return self._call("read_word_reg", (num,))
-
-    def realtime_data_enqueue(
-        self,
-        realtime_data: Sequence[RealTimeControlData],
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """realtime_data_enqueue."""
-        return self._call("realtime_data_enqueue", (realtime_data, block))
-
-    def replay(self, name: str, value: int, mode: int) -> Coroutine[Any, Any, int]:
-        """replay."""
-        return self._call("replay", (name, value, mode))
-
-    def restart(self, block: bool) -> Coroutine[Any, Any, int]:
-        """restart."""
-        return self._call("restart", (block,))
-
-    def resume(self, block: bool) -> Coroutine[Any, Any, int]:
-        """resume."""
-        return self._call("resume", (block,))
-
-    def robotmoving(self) -> Coroutine[Any, Any, bool]:
-        """robotmoving."""
-        return self._call("robotmoving", ())
-
-    def rpc_heartbeat(self, time: int) -> Coroutine[Any, Any, None]:
-        """rpc_heartbeat."""
-        return self._call("rpc_heartbeat", (time,))
-
-    def run_program(self, name: str, block: bool) -> Coroutine[Any, Any, int]:
-        """run_program."""
-        return self._call("run_program", (name, block))
-
-    def save_dynamic_calibration_params(self, passwd: str) -> Coroutine[Any, Any, int]:
-        """save_dynamic_calibration_params."""
-        return self._call("save_dynamic_calibration_params", (passwd,))
-
-    def save_kinematic_calibration_params(self, passwd: str) -> Coroutine[Any, Any, int]:
-        """save_kinematic_calibration_params."""
-        return self._call("save_kinematic_calibration_params", (passwd,))
-
-    def servo_tcp(
-        self,
-        pose_offset: Sequence[float],
+        p1: Sequence[float],
+        p2: Sequence[float],
         v: float,
         a: float,
-        tool: str,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> Coroutine[Any, Any, int]:
-        """servo_tcp."""
-        return self._call(
-            "servo_tcp",
-            (pose_offset, v, a, tool, block, kp, kd, smooth_vel, smooth_acc),
-        )
-
-    def servoj(
-        self,
-        joints_list: Sequence[float],
-        v: float,
-        a: float,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> Coroutine[Any, Any, int]:
-        """servoj."""
-        return self._call("servoj", (joints_list, v, a, block, kp, kd, smooth_vel, smooth_acc))
-
-    def servoj_pose(
-        self,
-        pose_list: Sequence[float],
-        v: float,
-        a: float,
-        q_near: Sequence[float],
+        rad: float,
+        qnear: Sequence[float],
         tool: str,
         wobj: str,
+        scheme_name: str,
+        epose: Sequence[float],
+        eaxis_v: float,
         block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> Coroutine[Any, Any, int]:
-        """servoj_pose."""
-        return self._call(
-            "servoj_pose",
-            (pose_list, v, a, q_near, tool, wobj, block, kp, kd, smooth_vel, smooth_acc),
-        )
-
-    def servol(
-        self,
-        pose_list: Sequence[float],
-        v: float,
-        a: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> Coroutine[Any, Any, int]:
-        """servol."""
-        return self._call(
-            "servol",
-            (pose_list, v, a, q_near, tool, wobj, block, kp, kd, smooth_vel, smooth_acc),
-        )
-
-    def set_analog_output_mode(
-        self,
-        num: int,
+        op: Op,
+        def_acc: bool,
         mode: int,
+    ) -> Coroutine[Any, Any, int]:
+        """movec together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
+        return self._call(
+            "movec_eaxis",
+            (
+                p1,
+                p2,
+                v,
+                a,
+                rad,
+                qnear,
+                tool,
+                wobj,
+                scheme_name,
+                epose,
+                eaxis_v,
+                block,
+                op,
+                def_acc,
+                mode,
+            ),
+        )
+
+    def move_circle_eaxis(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        v: float,
+        a: float,
+        rad: float,
+        mode: int,
+        qnear: Sequence[float],
+        tool: str,
+        wobj: str,
+        scheme_name: str,
+        epose: Sequence[float],
+        eaxis_v: float,
         block: bool,
+        op: Op,
+        def_acc: bool,
     ) -> Coroutine[Any, Any, int]:
-        """set_analog_output_mode."""
-        return self._call("set_analog_output_mode", (num, mode, block))
+        """move_circle together with external axes. Not in the manual."""
+        return self._call(
+            "move_circle_eaxis",
+            (
+                p1,
+                p2,
+                v,
+                a,
+                rad,
+                mode,
+                qnear,
+                tool,
+                wobj,
+                scheme_name,
+                epose,
+                eaxis_v,
+                block,
+                op,
+                def_acc,
+            ),
+        )
 
-    def set_baudrate_485(self, value: int, block: bool) -> Coroutine[Any, Any, int]:
-        """set_baudrate_485."""
-        return self._call("set_baudrate_485", (value, block))
-
-    def set_baudrate_can(self, value: int, block: bool) -> Coroutine[Any, Any, int]:
-        """set_baudrate_can."""
-        return self._call("set_baudrate_can", (value, block))
-
-    def set_blend_ahead(self, per: int, num: int) -> Coroutine[Any, Any, int]:
-        """set_blend_ahead."""
-        return self._call("set_blend_ahead", (per, num))
-
-    def set_digital_output_mode(
-        self,
-        num: int,
-        type: int,
-        freq: int,
-        duty_cycle: int,
-    ) -> Coroutine[Any, Any, int]:
-        """set_digital_output_mode."""
-        return self._call("set_digital_output_mode", (num, type, freq, duty_cycle))
-
-    def set_dynamic_calibration_info(self, passwd: str, info: str) -> Coroutine[Any, Any, int]:
-        """set_dynamic_calibration_info."""
-        return self._call("set_dynamic_calibration_info", (passwd, info))
-
-    def set_dynamic_calibration_params(
-        self,
-        params: Sequence[Sequence[float]],
-    ) -> Coroutine[Any, Any, int]:
-        """set_dynamic_calibration_params."""
-        return self._call("set_dynamic_calibration_params", (params,))
+    def get_eaxis_info(self) -> Coroutine[Any, Any, list[EAxissInfo]]:
+        """Schemes of external axes: state and position. Not in manual 3.8, in 4.3."""
+        return self._call("get_eaxis_info", ())
 
     def set_eaxis_param(
         self,
@@ -2933,7 +3230,7 @@ class AsyncRpc:
         param: EAxisParam,
         block: bool,
     ) -> Coroutine[Any, Any, int]:
-        """set_eaxis_param."""
+        """Set the parameters of external axis `num`. Not in the manual."""
         return self._call("set_eaxis_param", (num, param, block))
 
     def set_eaxiss_scheme_param(
@@ -2942,44 +3239,56 @@ class AsyncRpc:
         param: EAxisSchemeParam,
         block: bool,
     ) -> Coroutine[Any, Any, int]:
-        """set_eaxiss_scheme_param."""
+        """Set the parameters of scheme `num`. Not in the manual."""
         return self._call("set_eaxiss_scheme_param", (num, param, block))
 
-    def set_hand_teach_parameter(
-        self,
-        space: int,
-        joint_scale: Sequence[int],
-        cart_scale: Sequence[int],
-        coord_type: int,
-        direction: Sequence[bool],
-    ) -> Coroutine[Any, Any, int]:
-        """set_hand_teach_parameter."""
-        return self._call(
-            "set_hand_teach_parameter",
-            (space, joint_scale, cart_scale, coord_type, direction),
-        )
+    def add_eaxis_scheme(self, num: int, block: bool) -> Coroutine[Any, Any, int]:
+        """Add a scheme of external axes. Not in the manual."""
+        return self._call("add_eaxis_scheme", (num, block))
 
-    def set_kinematic_calibration_info(
-        self,
-        passwd: str,
-        info: str,
-    ) -> Coroutine[Any, Any, int]:
-        """set_kinematic_calibration_info."""
-        return self._call("set_kinematic_calibration_info", (passwd, info))
+    def delete_eaxis_scheme(self, num: int, block: bool) -> Coroutine[Any, Any, int]:
+        """Delete a scheme of external axes. Not in the manual."""
+        return self._call("delete_eaxis_scheme", (num, block))
 
-    def set_kinematic_calibration_params(
+    def start_realtime_mode(
         self,
-        params: Sequence[Sequence[float]],
+        mode: int,
+        fileter_bandwidth: float,
+        com_lost_time: float,
     ) -> Coroutine[Any, Any, int]:
-        """set_kinematic_calibration_params."""
-        return self._call("set_kinematic_calibration_params", (params,))
+        """Follow the realtime queue; filter Hz, stop without data for com_lost_time s."""
+        return self._call("start_realtime_mode", (mode, fileter_bandwidth, com_lost_time))
 
-    def set_load_data(self, value: Sequence[float]) -> Coroutine[Any, Any, int]:
-        """set_load_data."""
-        return self._call("set_load_data", (value,))
+    def end_realtime_mode(self) -> Coroutine[Any, Any, int]:
+        """End realtime control."""
+        return self._call("end_realtime_mode", ())
+
+    def realtime_data_enqueue(
+        self,
+        realtime_data: Sequence[RealTimeControlData],
+        block: bool,
+    ) -> Coroutine[Any, Any, int]:
+        """Put commands into the realtime queue."""
+        return self._call("realtime_data_enqueue", (realtime_data, block))
+
+    def clear_realtime_data_queue(self) -> Coroutine[Any, Any, int]:
+        """Empty the realtime queue."""
+        return self._call("clear_realtime_data_queue", ())
+
+    def get_realtime_data_queue_size(self) -> Coroutine[Any, Any, int]:
+        """How many commands wait in the realtime queue."""
+        return self._call("get_realtime_data_queue_size", ())
+
+    def get_robot_version(self) -> Coroutine[Any, Any, str]:
+        """Version of the controller's software."""
+        return self._call("get_robot_version", ())
+
+    def change_recipe(self) -> Coroutine[Any, Any, None]:
+        """Change the recipe. Not in the manual."""
+        return self._call("change_recipe", ())
 
     def set_pendant_type(self, type: int) -> Coroutine[Any, Any, int]:
-        """set_pendant_type."""
+        """Set the kind of pendant. Not in the manual."""
         return self._call("set_pendant_type", (type,))
 
     def set_servo_config(
@@ -2990,8 +3299,12 @@ class AsyncRpc:
         qfmt: int,
         block: bool,
     ) -> Coroutine[Any, Any, int]:
-        """set_servo_config."""
+        """Set a parameter of an axis' servo drive. Not in the manual."""
         return self._call("set_servo_config", (axis_num, id, value, qfmt, block))
+
+    def apply_servo_config(self, axis_num: int, block: bool) -> Coroutine[Any, Any, int]:
+        """Apply the parameters of an axis' servo drive. Not in the manual."""
+        return self._call("apply_servo_config", (axis_num, block))
 
     def set_servo_file_params(
         self,
@@ -3001,715 +3314,136 @@ class AsyncRpc:
         value: float,
         qfmt: float,
     ) -> Coroutine[Any, Any, int]:
-        """set_servo_file_params."""
+        """Set a parameter in an axis' servo file. Not in the manual."""
         return self._call("set_servo_file_params", (axis_num, id, name, value, qfmt))
 
-    def set_standard_analog_current_out(
+    def get_axis_motor_kt(self) -> Coroutine[Any, Any, list[float]]:
+        """Torque constants of the motors. Not in the manual."""
+        return self._call("get_axis_motor_kt", ())
+
+    def get_axis_motor_rated_current(self) -> Coroutine[Any, Any, list[float]]:
+        """Rated currents of the motors. Not in the manual."""
+        return self._call("get_axis_motor_rated_current", ())
+
+    def get_axis_ratio(self) -> Coroutine[Any, Any, list[int]]:
+        """Gear ratios of the axes. Not in the manual."""
+        return self._call("get_axis_ratio", ())
+
+    def get_motor_pole_pair_number(self) -> Coroutine[Any, Any, list[int]]:
+        """Pole pairs of the motors. Not in the manual."""
+        return self._call("get_motor_pole_pair_number", ())
+
+    def get_motor_stator_slots(self) -> Coroutine[Any, Any, list[int]]:
+        """Stator slots of the motors. Not in the manual."""
+        return self._call("get_motor_stator_slots", ())
+
+    def get_pos_bias(self) -> Coroutine[Any, Any, list[float]]:
+        """Position biases of the axes. Not in the manual."""
+        return self._call("get_pos_bias", ())
+
+    def get_dynamic_calibration_params(self) -> Coroutine[Any, Any, list[list[float]]]:
+        """Parameters of the dynamic calibration. Not in the manual."""
+        return self._call("get_dynamic_calibration_params", ())
+
+    def set_dynamic_calibration_params(
         self,
-        num: int,
-        value: float,
-        block: bool,
+        params: Sequence[Sequence[float]],
     ) -> Coroutine[Any, Any, int]:
-        """set_standard_analog_current_out."""
-        return self._call("set_standard_analog_current_out", (num, value, block))
+        """Set the parameters of the dynamic calibration. Not in the manual."""
+        return self._call("set_dynamic_calibration_params", (params,))
 
-    def set_standard_analog_voltage_out(
+    def set_dynamic_calibration_info(self, passwd: str, info: str) -> Coroutine[Any, Any, int]:
+        """Set the notes of the dynamic calibration. Not in the manual."""
+        return self._call("set_dynamic_calibration_info", (passwd, info))
+
+    def save_dynamic_calibration_params(self, passwd: str) -> Coroutine[Any, Any, int]:
+        """Save the dynamic calibration. Not in the manual."""
+        return self._call("save_dynamic_calibration_params", (passwd,))
+
+    def set_kinematic_calibration_params(
         self,
-        num: int,
-        value: float,
-        block: bool,
+        params: Sequence[Sequence[float]],
     ) -> Coroutine[Any, Any, int]:
-        """set_standard_analog_voltage_out."""
-        return self._call("set_standard_analog_voltage_out", (num, value, block))
+        """Set the parameters of the kinematic calibration. Not in the manual."""
+        return self._call("set_kinematic_calibration_params", (params,))
 
-    def set_standard_digital_out(
+    def set_kinematic_calibration_info(
         self,
-        num: int,
-        value: bool,
-        block: bool,
+        passwd: str,
+        info: str,
     ) -> Coroutine[Any, Any, int]:
-        """set_standard_digital_out."""
-        return self._call("set_standard_digital_out", (num, value, block))
+        """Set the notes of the kinematic calibration. Not in the manual."""
+        return self._call("set_kinematic_calibration_info", (passwd, info))
 
-    def set_system_value_bool(self, name: str, value: bool) -> Coroutine[Any, Any, int]:
-        """set_system_value_bool."""
-        return self._call("set_system_value_bool", (name, value))
+    def save_kinematic_calibration_params(self, passwd: str) -> Coroutine[Any, Any, int]:
+        """Save the kinematic calibration. Not in the manual."""
+        return self._call("save_kinematic_calibration_params", (passwd,))
 
-    def set_system_value_double(self, name: str, value: float) -> Coroutine[Any, Any, int]:
-        """set_system_value_double."""
-        return self._call("set_system_value_double", (name, value))
-
-    def set_system_value_list(
-        self,
-        name: str,
-        value: Sequence[float],
-    ) -> Coroutine[Any, Any, int]:
-        """set_system_value_list."""
-        return self._call("set_system_value_list", (name, value))
-
-    def set_system_value_str(self, name: str, value: str) -> Coroutine[Any, Any, int]:
-        """set_system_value_str."""
-        return self._call("set_system_value_str", (name, value))
-
-    def set_teach_pendant(self, enable: bool) -> Coroutine[Any, Any, int]:
-        """set_teach_pendant."""
-        return self._call("set_teach_pendant", (enable,))
-
-    def set_teach_speed(self, v: int) -> Coroutine[Any, Any, int]:
-        """set_teach_speed."""
-        return self._call("set_teach_speed", (v,))
-
-    def set_tool_data(
-        self,
-        name: str,
-        tool_offset: Sequence[float],
-        payload: Sequence[float],
-        inertia_tensor: Sequence[float],
-    ) -> Coroutine[Any, Any, int]:
-        """set_tool_data."""
-        return self._call("set_tool_data", (name, tool_offset, payload, inertia_tensor))
-
-    def set_tool_digital_out(
-        self,
-        num: int,
-        value: bool,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """set_tool_digital_out."""
-        return self._call("set_tool_digital_out", (num, value, block))
+    def get_vibration_calibration_params(self) -> Coroutine[Any, Any, list[list[float]]]:
+        """Parameters of the vibration calibration. Not in the manual."""
+        return self._call("get_vibration_calibration_params", ())
 
     def set_vibration_calibration_info(
         self,
         passwd: str,
         info: str,
     ) -> Coroutine[Any, Any, int]:
-        """set_vibration_calibration_info."""
+        """Set the notes of the vibration calibration. Not in the manual."""
         return self._call("set_vibration_calibration_info", (passwd, info))
 
-    def set_wobj(self, name: str, wobj: Sequence[float]) -> Coroutine[Any, Any, int]:
-        """set_wobj."""
-        return self._call("set_wobj", (name, wobj))
-
-    def set_wobj_offset(self, wobj: Sequence[float], active: bool) -> Coroutine[Any, Any, int]:
-        """set_wobj_offset."""
-        return self._call("set_wobj_offset", (wobj, active))
-
-    def shutdown(self, block: bool) -> Coroutine[Any, Any, int]:
-        """shutdown."""
-        return self._call("shutdown", (block,))
-
-    def simulation(self, sim: bool, block: bool) -> Coroutine[Any, Any, int]:
-        """simulation."""
-        return self._call("simulation", (sim, block))
-
-    def speed(self, val: float) -> Coroutine[Any, Any, int]:
-        """speed."""
-        return self._call("speed", (val,))
-
-    def speed_stop(self, block: bool) -> Coroutine[Any, Any, int]:
-        """speed_stop."""
-        return self._call("speed_stop", (block,))
-
-    def speedj(
-        self,
-        joints_list: Sequence[float],
-        a: float,
-        time: int,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """speedj."""
-        return self._call("speedj", (joints_list, a, time, block))
-
-    def speedl(
-        self,
-        pose_list: Sequence[float],
-        a: float,
-        time: int,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """speedl."""
-        return self._call("speedl", (pose_list, a, time, block))
-
-    def spline(
-        self,
-        pose_list: Sequence[Sequence[float]],
-        v: float,
-        a: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        r: float,
-        def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """spline."""
-        return self._call("spline", (pose_list, v, a, tool, wobj, block, op, r, def_acc))
-
-    def spline_op(
-        self,
-        pose_list: Sequence[PointOp],
-        v: float,
-        a: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        r: float,
-        def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """spline_op."""
-        return self._call("spline_op", (pose_list, v, a, tool, wobj, block, op, r, def_acc))
-
-    def start_realtime_mode(
-        self,
-        mode: int,
-        fileter_bandwidth: float,
-        com_lost_time: float,
-    ) -> Coroutine[Any, Any, int]:
-        """start_realtime_mode."""
-        return self._call("start_realtime_mode", (mode, fileter_bandwidth, com_lost_time))
-
-    def start_record_track(
-        self,
-        name: str,
-        mode: int,
-        tool: str,
-        wobj: str,
-        interval: float,
-    ) -> Coroutine[Any, Any, int]:
-        """start_record_track."""
-        return self._call("start_record_track", (name, mode, tool, wobj, interval))
-
-    def stop(self, block: bool) -> Coroutine[Any, Any, int]:
-        """stop."""
-        return self._call("stop", (block,))
-
-    def stop_manual_move(self, block: bool) -> Coroutine[Any, Any, int]:
-        """stop_manual_move."""
-        return self._call("stop_manual_move", (block,))
-
-    def stop_record_track(self) -> Coroutine[Any, Any, int]:
-        """stop_record_track."""
-        return self._call("stop_record_track", ())
-
-    def switch_mode(self, mode: int) -> Coroutine[Any, Any, int]:
-        """switch_mode."""
-        return self._call("switch_mode", (mode,))
-
-    def tcp_move(
-        self,
-        pose_offset: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        tool: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """tcp_move."""
-        return self._call("tcp_move", (pose_offset, v, a, r, tool, block, op, def_acc))
-
-    def tcp_move_2p(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """tcp_move_2p."""
-        return self._call("tcp_move_2p", (p1, p2, v, a, r, tool, wobj, block, op, def_acc))
-
-    def teach_mode(self, block: bool) -> Coroutine[Any, Any, int]:
-        """teach_mode."""
-        return self._call("teach_mode", (block,))
-
-    def tool_read_data_485(self) -> Coroutine[Any, Any, list[int]]:
-        """tool_read_data_485."""
-        return self._call("tool_read_data_485", ())
-
-    def tool_read_raw_data_485(self, len: int) -> Coroutine[Any, Any, list[int]]:
-        """tool_read_raw_data_485."""
-        return self._call("tool_read_raw_data_485", (len,))
-
-    def tool_read_raw_data_485_h(
-        self,
-        head: Sequence[int],
-        len: int,
-    ) -> Coroutine[Any, Any, list[int]]:
-        """tool_read_raw_data_485_h."""
-        return self._call("tool_read_raw_data_485_h", (head, len))
-
-    def tool_read_raw_data_485_ht(
-        self,
-        head: Sequence[int],
-        tail: Sequence[int],
-    ) -> Coroutine[Any, Any, list[int]]:
-        """tool_read_raw_data_485_ht."""
-        return self._call("tool_read_raw_data_485_ht", (head, tail))
-
-    def tool_write_data_485(self, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
-        """tool_write_data_485."""
-        return self._call("tool_write_data_485", (data,))
-
-    def tool_write_raw_data_485(self, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
-        """tool_write_raw_data_485."""
-        return self._call("tool_write_raw_data_485", (data,))
-
-    def tool_write_raw_data_485_h(
-        self,
-        data: Sequence[int],
-        head: Sequence[int],
-    ) -> Coroutine[Any, Any, bool]:
-        """tool_write_raw_data_485_h."""
-        return self._call("tool_write_raw_data_485_h", (data, head))
-
-    def tool_write_raw_data_485_ht(
-        self,
-        data: Sequence[int],
-        head: Sequence[int],
-        tail: Sequence[int],
-    ) -> Coroutine[Any, Any, bool]:
-        """tool_write_raw_data_485_ht."""
-        return self._call("tool_write_raw_data_485_ht", (data, head, tail))
-
-    def trackCartMotion(
-        self,
-        speed: float,
-        acc: float,
-        block: bool,
-        tool: str,
-        wobj: str,
-        radius: float,
-    ) -> Coroutine[Any, Any, int]:
-        """trackCartMotion."""
-        return self._call("trackCartMotion", (speed, acc, block, tool, wobj, radius))
-
-    def trackClearQueue(self) -> Coroutine[Any, Any, int]:
-        """trackClearQueue."""
-        return self._call("trackClearQueue", ())
-
-    def trackEnqueue(
-        self,
-        track: Sequence[Sequence[float]],
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """trackEnqueue."""
-        return self._call("trackEnqueue", (track, block))
-
-    def trackEnqueueOp(self, track: Sequence[PointOp], block: bool) -> Coroutine[Any, Any, int]:
-        """trackEnqueueOp."""
-        return self._call("trackEnqueueOp", (track, block))
-
-    def trackJointMotion(
-        self,
-        speed: float,
-        acc: float,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """trackJointMotion."""
-        return self._call("trackJointMotion", (speed, acc, block))
-
     def upload_robot_param_to_toolboard(self, passwd: str) -> Coroutine[Any, Any, int]:
-        """upload_robot_param_to_toolboard."""
+        """Write the robot's parameters to the tool board. Not in the manual."""
         return self._call("upload_robot_param_to_toolboard", (passwd,))
-
-    def wobj_move(
-        self,
-        pose_offset: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """wobj_move."""
-        return self._call("wobj_move", (pose_offset, v, a, r, wobj, block, op, def_acc))
-
-    def wobj_move_2p(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
-        """wobj_move_2p."""
-        return self._call("wobj_move_2p", (p1, p2, v, a, r, tool, wobj, block, op, def_acc))
-
-    def write_bool_reg(self, num: int, value: bool) -> Coroutine[Any, Any, int]:
-        """write_bool_reg."""
-        return self._call("write_bool_reg", (num, value))
-
-    def write_data_485(self, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
-        """write_data_485."""
-        return self._call("write_data_485", (data,))
-
-    def write_data_can(self, id: int, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
-        """write_data_can."""
-        return self._call("write_data_can", (id, data))
-
-    def write_float_reg(self, num: int, value: float) -> Coroutine[Any, Any, int]:
-        """write_float_reg."""
-        return self._call("write_float_reg", (num, value))
-
-    def write_raw_data_485(self, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
-        """write_raw_data_485."""
-        return self._call("write_raw_data_485", (data,))
-
-    def write_raw_data_485_h(
-        self,
-        data: Sequence[int],
-        head: Sequence[int],
-    ) -> Coroutine[Any, Any, bool]:
-        """write_raw_data_485_h."""
-        return self._call("write_raw_data_485_h", (data, head))
-
-    def write_raw_data_485_ht(
-        self,
-        data: Sequence[int],
-        head: Sequence[int],
-        tail: Sequence[int],
-    ) -> Coroutine[Any, Any, bool]:
-        """write_raw_data_485_ht."""
-        return self._call("write_raw_data_485_ht", (data, head, tail))
-
-    def write_raw_data_can(self, id: int, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
-        """write_raw_data_can."""
-        return self._call("write_raw_data_can", (id, data))
-
-    def write_word_reg(self, num: int, value: int) -> Coroutine[Any, Any, int]:
-        """write_word_reg."""
-        return self._call("write_word_reg", (num, value))
 
 
 class Handler(Protocol):
     """What a server answers: one method per function."""
 
-    def abort(self, block: bool) -> int: ...
+    def rpc_heartbeat(self, time: int) -> None: ...
 
-    def add_eaxis_scheme(self, num: int, block: bool) -> int: ...
+    def power_on(self, block: bool) -> int: ...
 
-    def apply_servo_config(self, axis_num: int, block: bool) -> int: ...
-
-    def cal_fkine(
-        self,
-        joints_position: list[float],
-        tool: list[float],
-        wobj: list[float],
-    ) -> list[float]: ...
-
-    def cal_ikine(
-        self,
-        p: list[float],
-        q_near: list[float],
-        tool: list[float],
-        wobj: list[float],
-    ) -> list[float]: ...
-
-    def change_recipe(self) -> None: ...
-
-    def clear_realtime_data_queue(self) -> int: ...
-
-    def collision_detect(self, value: int) -> int: ...
-
-    def collision_detection_reset(self) -> int: ...
-
-    def combine_motion_config(
-        self,
-        type: int,
-        ref_plane: int,
-        fq: float,
-        amp: float,
-        el_offset: float,
-        az_offset: float,
-        up_height: float,
-        time: list[int],
-        path_dwell: bool,
-        op_list: list[Op],
-    ) -> int: ...
-
-    def delete_eaxis_scheme(self, num: int, block: bool) -> int: ...
-
-    def disable(self, block: bool) -> int: ...
-
-    def disable_acc_optimization(self) -> int: ...
-
-    def disable_combine_motion(self) -> int: ...
-
-    def disable_eaxis_scheme(self, scheme_name: str) -> int: ...
-
-    def disable_singularity_control(self) -> int: ...
-
-    def disable_speed_optimization(self) -> int: ...
-
-    def disable_vibration_control(self) -> int: ...
+    def power_off(self, block: bool) -> int: ...
 
     def enable(self, block: bool) -> int: ...
 
-    def enable_acc_optimization(self) -> int: ...
+    def disable(self, block: bool) -> int: ...
 
-    def enable_combine_motion(self) -> int: ...
+    def shutdown(self, block: bool) -> int: ...
 
-    def enable_eaxis_scheme(self, scheme_name: str) -> int: ...
+    def restart(self, block: bool) -> int: ...
 
-    def enable_singularity_control(self) -> int: ...
+    def stop(self, block: bool) -> int: ...
 
-    def enable_speed_optimization(self) -> int: ...
+    def pause(self, block: bool) -> int: ...
 
-    def enable_vibration_control(self) -> int: ...
+    def resume(self, block: bool) -> int: ...
 
-    def end_realtime_mode(self) -> int: ...
+    def abort(self, block: bool) -> int: ...
 
-    def end_teach_mode(self, block: bool) -> int: ...
-
-    def fc_config(
-        self,
-        direction: list[bool],
-        ref_ft: list[float],
-        damp: list[float],
-        max_vel: list[float],
-        number_list: list[float],
-        tool: str,
-        wobj: str,
-        value: int,
-    ) -> int: ...
-
-    def fc_force_set_value(self, direction: list[bool], ref_ft: list[float]) -> int: ...
-
-    def fc_get_ft(self) -> list[float]: ...
-
-    def fc_guard_act(
-        self,
-        direction: list[bool],
-        ref_ft: list[float],
-        tool: str,
-        wobj: str,
-        type: int,
-        force_property: int,
-    ) -> int: ...
-
-    def fc_guard_deact(self) -> int: ...
-
-    def fc_mode_is_active(self) -> bool: ...
-
-    def fc_move(self, block: bool) -> int: ...
-
-    def fc_start(self) -> int: ...
-
-    def fc_stop(self) -> int: ...
-
-    def fc_wait_ft(
-        self,
-        middle: list[float],
-        range: list[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int: ...
-
-    def fc_wait_logic(self, value: list[int]) -> int: ...
-
-    def fc_wait_pos(
-        self,
-        middle: list[float],
-        range: list[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int: ...
-
-    def fc_wait_vel(
-        self,
-        middle: list[float],
-        range: list[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int: ...
-
-    def getQueueSize(self) -> int: ...
-
-    def getRobotIOStatus(self) -> IOStatus: ...
-
-    def getRobotStatus(self) -> RobotStatus: ...
-
-    def get_actual_joints_acceleration(self) -> list[float]: ...
-
-    def get_actual_joints_position(self) -> list[float]: ...
-
-    def get_actual_joints_speed(self) -> list[float]: ...
-
-    def get_actual_joints_torque(self) -> list[float]: ...
-
-    def get_axis_motor_kt(self) -> list[float]: ...
-
-    def get_axis_motor_rated_current(self) -> list[float]: ...
-
-    def get_axis_ratio(self) -> list[int]: ...
-
-    def get_calib_DH(self) -> list[list[float]]: ...
-
-    def get_config_digital_in(self, num: int) -> bool: ...
+    def run_program(self, name: str, block: bool) -> int: ...
 
     def get_current_project(self) -> str: ...
 
-    def get_dynamic_calibration_params(self) -> list[list[float]]: ...
-
-    def get_eaxis_info(self) -> list[EAxissInfo]: ...
-
-    def get_ext_torque(self) -> list[float]: ...
-
     def get_files_list(self, path: str) -> dict[str, int]: ...
 
-    def get_flange_acceleration(self) -> list[float]: ...
-
-    def get_flange_pose(self) -> list[float]: ...
-
-    def get_flange_speed(self) -> list[float]: ...
-
-    def get_function_digital_in(self, num: int) -> bool: ...
-
-    def get_function_digital_out(self, num: int) -> bool: ...
-
-    def get_function_reg_in(self, num: int) -> bool: ...
-
-    def get_function_reg_out(self, num: int) -> bool: ...
-
-    def get_global_speed(self) -> int: ...
-
-    def get_last_error(self) -> list[str]: ...
-
-    def get_motor_pole_pair_number(self) -> list[int]: ...
-
-    def get_motor_stator_slots(self) -> list[int]: ...
-
-    def get_noneblock_taskstate(self, id: int) -> int: ...
-
-    def get_origin_DH(self) -> list[list[float]]: ...
-
-    def get_pos_bias(self) -> list[float]: ...
-
-    def get_realtime_data_queue_size(self) -> int: ...
-
-    def get_robot_state(self) -> list[int]: ...
-
-    def get_robot_type(self) -> list[str]: ...
-
-    def get_robot_version(self) -> str: ...
-
-    def get_standard_analog_current_in(self, num: int) -> float: ...
-
-    def get_standard_analog_voltage_in(self, num: int) -> float: ...
-
-    def get_standard_digital_in(self, num: int) -> bool: ...
-
-    def get_standard_digital_out(self, num: int) -> bool: ...
-
-    def get_system_value_bool(self, name: str) -> bool: ...
-
-    def get_system_value_double(self, name: str) -> float: ...
-
-    def get_system_value_list(self, name: str) -> list[float]: ...
-
-    def get_system_value_lists(self, name: str) -> list[list[float]]: ...
-
-    def get_system_value_str(self, name: str) -> str: ...
-
-    def get_target_joints_acceleration(self) -> list[float]: ...
-
-    def get_target_joints_position(self) -> list[float]: ...
-
-    def get_target_joints_speed(self) -> list[float]: ...
-
-    def get_target_joints_torque(self) -> list[float]: ...
-
-    def get_tcp_acceleration(self) -> list[float]: ...
-
-    def get_tcp_force(self) -> list[float]: ...
-
-    def get_tcp_force_tool(self, tool: str) -> list[float]: ...
-
-    def get_tcp_offset(self) -> list[float]: ...
-
-    def get_tcp_pose(self) -> list[float]: ...
-
-    def get_tcp_pose_coord(self, tool: str, wobj: str) -> list[float]: ...
-
-    def get_tcp_speed(self) -> list[float]: ...
-
-    def get_teach_speed(self) -> int: ...
-
-    def get_tool_analog_voltage_in(self, num: int) -> float: ...
-
-    def get_tool_digital_in(self, num: int) -> bool: ...
-
-    def get_tool_digital_out(self, num: int) -> bool: ...
-
-    def get_tool_load(self) -> list[float]: ...
-
-    def get_vibration_calibration_params(self) -> list[list[float]]: ...
-
-    def get_wobj(self) -> list[float]: ...
-
-    def log_error(self, message: str) -> None: ...
-
-    def log_info(self, message: str) -> None: ...
-
-    def modbus_add_signal(
+    def movej2(
         self,
-        ip: str,
-        slave_number: int,
-        signal_address: int,
-        signal_type: int,
-        signal_name: str,
-    ) -> int: ...
-
-    def modbus_delete_signal(self, signal_name: str) -> int: ...
-
-    def modbus_read(self, signal_name: str) -> int: ...
-
-    def modbus_set_frequency(self, signal_name: str, frequence: int) -> None: ...
-
-    def modbus_write(self, signal_name: str, value: int) -> int: ...
-
-    def modbus_write_multiple_coils(
-        self,
-        slave_num: int,
-        name: str,
-        len: int,
-        byte_list: list[int],
-    ) -> int: ...
-
-    def modbus_write_multiple_regs(
-        self,
-        slave_num: int,
-        name: str,
-        len: int,
-        word_list: list[int],
-    ) -> int: ...
-
-    def move_circle(
-        self,
-        p1: list[float],
-        p2: list[float],
+        joints_list: list[float],
         v: float,
         a: float,
         r: float,
-        mode: int,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int: ...
+
+    def movej_pose2(
+        self,
+        p: list[float],
+        v: float,
+        a: float,
+        r: float,
         q_near: list[float],
         tool: str,
         wobj: str,
@@ -3718,48 +3452,12 @@ class Handler(Protocol):
         def_acc: bool,
     ) -> int: ...
 
-    def move_circle_eaxis(
+    def movel(
         self,
-        p1: list[float],
-        p2: list[float],
+        p: list[float],
         v: float,
         a: float,
-        rad: float,
-        mode: int,
-        qnear: list[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: list[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def move_eaxis(
-        self,
-        scheme_name: str,
-        epose: list[float],
-        v: float,
-        block: bool,
-        op: Op,
-    ) -> int: ...
-
-    def move_jog(self, param: MoveJogTaskParam, block: bool) -> int: ...
-
-    def move_jog_eaxis(self, name: str, direction: int, vel: float, block: bool) -> int: ...
-
-    def move_spiral(
-        self,
-        p1: list[float],
-        p2: list[float],
-        rev: float,
-        len: float,
         r: float,
-        mode: int,
-        v: float,
-        a: float,
         q_near: list[float],
         tool: str,
         wobj: str,
@@ -3784,84 +3482,14 @@ class Handler(Protocol):
         def_acc: bool,
     ) -> int: ...
 
-    def movec_eaxis(
+    def move_circle(
         self,
         p1: list[float],
         p2: list[float],
         v: float,
         a: float,
-        rad: float,
-        qnear: list[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: list[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
+        r: float,
         mode: int,
-    ) -> int: ...
-
-    def movej(
-        self,
-        joints_list: list[float],
-        v: float,
-        a: float,
-        r: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def movej2(
-        self,
-        joints_list: list[float],
-        v: float,
-        a: float,
-        r: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def movej2_eaxis(
-        self,
-        joints_list: list[float],
-        v: float,
-        a: float,
-        rad: float,
-        scheme_name: str,
-        epose: list[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def movej2_pose_eaxis(
-        self,
-        p: list[float],
-        v: float,
-        a: float,
-        rad: float,
-        qnear: list[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: list[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def movej_pose(
-        self,
-        p: list[float],
-        v: float,
-        a: float,
-        r: float,
         q_near: list[float],
         tool: str,
         wobj: str,
@@ -3870,180 +3498,67 @@ class Handler(Protocol):
         def_acc: bool,
     ) -> int: ...
 
-    def movej_pose2(
-        self,
-        p: list[float],
-        v: float,
-        a: float,
-        r: float,
-        q_near: list[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def movel(
-        self,
-        p: list[float],
-        v: float,
-        a: float,
-        r: float,
-        q_near: list[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def movel_eaxis(
-        self,
-        p: list[float],
-        v: float,
-        a: float,
-        rad: float,
-        qnear: list[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: list[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def pause(self, block: bool) -> int: ...
-
-    def power_off(self, block: bool) -> int: ...
-
-    def power_on(self, block: bool) -> int: ...
-
-    def reach_check(
-        self,
-        base: list[float],
-        wobj: list[float],
-        tool: list[float],
-        ref_pos: list[float],
-        check_points: list[list[float]],
-    ) -> ReachabilityParam: ...
-
-    def read_bool_reg(self, num: int) -> bool: ...
-
-    def read_data_485(self) -> list[int]: ...
-
-    def read_data_can(self) -> list[int]: ...
-
-    def read_encoder_count(self) -> int: ...
-
-    def read_float_reg(self, num: int) -> float: ...
-
-    def read_raw_data_485(self, len: int) -> list[int]: ...
-
-    def read_raw_data_485_h(self, head: list[int], len: int) -> list[int]: ...
-
-    def read_raw_data_485_ht(self, head: list[int], tail: list[int]) -> list[int]: ...
-
-    def read_raw_data_can(self) -> list[int]: ...
-
-    def read_word_reg(self, num: int) -> int: ...
-
-    def realtime_data_enqueue(
-        self,
-        realtime_data: list[RealTimeControlData],
-        block: bool,
-    ) -> int: ...
-
-    def replay(self, name: str, value: int, mode: int) -> int: ...
-
-    def restart(self, block: bool) -> int: ...
-
-    def resume(self, block: bool) -> int: ...
-
-    def robotmoving(self) -> bool: ...
-
-    def rpc_heartbeat(self, time: int) -> None: ...
-
-    def run_program(self, name: str, block: bool) -> int: ...
-
-    def save_dynamic_calibration_params(self, passwd: str) -> int: ...
-
-    def save_kinematic_calibration_params(self, passwd: str) -> int: ...
-
-    def servo_tcp(
+    def tcp_move(
         self,
         pose_offset: list[float],
         v: float,
         a: float,
+        r: float,
         tool: str,
         block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
+        op: Op,
+        def_acc: bool,
     ) -> int: ...
 
-    def servoj(
+    def tcp_move_2p(
         self,
-        joints_list: list[float],
+        p1: list[float],
+        p2: list[float],
         v: float,
         a: float,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> int: ...
-
-    def servoj_pose(
-        self,
-        pose_list: list[float],
-        v: float,
-        a: float,
-        q_near: list[float],
+        r: float,
         tool: str,
         wobj: str,
         block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
+        op: Op,
+        def_acc: bool,
     ) -> int: ...
 
-    def servol(
+    def wobj_move(
         self,
-        pose_list: list[float],
+        pose_offset: list[float],
         v: float,
         a: float,
-        q_near: list[float],
+        r: float,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int: ...
+
+    def wobj_move_2p(
+        self,
+        p1: list[float],
+        p2: list[float],
+        v: float,
+        a: float,
+        r: float,
         tool: str,
         wobj: str,
         block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
+        op: Op,
+        def_acc: bool,
     ) -> int: ...
 
-    def set_analog_output_mode(self, num: int, mode: int, block: bool) -> int: ...
+    def speedj(self, joints_list: list[float], a: float, time: int, block: bool) -> int: ...
 
-    def set_baudrate_485(self, value: int, block: bool) -> int: ...
+    def speedl(self, pose_list: list[float], a: float, time: int, block: bool) -> int: ...
 
-    def set_baudrate_can(self, value: int, block: bool) -> int: ...
+    def speed_stop(self, block: bool) -> int: ...
 
-    def set_blend_ahead(self, per: int, num: int) -> int: ...
+    def teach_mode(self, block: bool) -> int: ...
 
-    def set_digital_output_mode(self, num: int, type: int, freq: int, duty_cycle: int) -> int: ...
-
-    def set_dynamic_calibration_info(self, passwd: str, info: str) -> int: ...
-
-    def set_dynamic_calibration_params(self, params: list[list[float]]) -> int: ...
-
-    def set_eaxis_param(self, num: int, param: EAxisParam, block: bool) -> int: ...
-
-    def set_eaxiss_scheme_param(self, num: int, param: EAxisSchemeParam, block: bool) -> int: ...
+    def end_teach_mode(self, block: bool) -> int: ...
 
     def set_hand_teach_parameter(
         self,
@@ -4054,77 +3569,7 @@ class Handler(Protocol):
         direction: list[bool],
     ) -> int: ...
 
-    def set_kinematic_calibration_info(self, passwd: str, info: str) -> int: ...
-
-    def set_kinematic_calibration_params(self, params: list[list[float]]) -> int: ...
-
-    def set_load_data(self, value: list[float]) -> int: ...
-
-    def set_pendant_type(self, type: int) -> int: ...
-
-    def set_servo_config(
-        self,
-        axis_num: int,
-        id: int,
-        value: int,
-        qfmt: int,
-        block: bool,
-    ) -> int: ...
-
-    def set_servo_file_params(
-        self,
-        axis_num: int,
-        id: int,
-        name: str,
-        value: float,
-        qfmt: float,
-    ) -> int: ...
-
-    def set_standard_analog_current_out(self, num: int, value: float, block: bool) -> int: ...
-
-    def set_standard_analog_voltage_out(self, num: int, value: float, block: bool) -> int: ...
-
-    def set_standard_digital_out(self, num: int, value: bool, block: bool) -> int: ...
-
-    def set_system_value_bool(self, name: str, value: bool) -> int: ...
-
-    def set_system_value_double(self, name: str, value: float) -> int: ...
-
-    def set_system_value_list(self, name: str, value: list[float]) -> int: ...
-
-    def set_system_value_str(self, name: str, value: str) -> int: ...
-
-    def set_teach_pendant(self, enable: bool) -> int: ...
-
-    def set_teach_speed(self, v: int) -> int: ...
-
-    def set_tool_data(
-        self,
-        name: str,
-        tool_offset: list[float],
-        payload: list[float],
-        inertia_tensor: list[float],
-    ) -> int: ...
-
-    def set_tool_digital_out(self, num: int, value: bool, block: bool) -> int: ...
-
-    def set_vibration_calibration_info(self, passwd: str, info: str) -> int: ...
-
-    def set_wobj(self, name: str, wobj: list[float]) -> int: ...
-
-    def set_wobj_offset(self, wobj: list[float], active: bool) -> int: ...
-
-    def shutdown(self, block: bool) -> int: ...
-
-    def simulation(self, sim: bool, block: bool) -> int: ...
-
-    def speed(self, val: float) -> int: ...
-
-    def speed_stop(self, block: bool) -> int: ...
-
-    def speedj(self, joints_list: list[float], a: float, time: int, block: bool) -> int: ...
-
-    def speedl(self, pose_list: list[float], a: float, time: int, block: bool) -> int: ...
+    def replay(self, name: str, value: int, mode: int) -> int: ...
 
     def spline(
         self,
@@ -4152,49 +3597,72 @@ class Handler(Protocol):
         def_acc: bool,
     ) -> int: ...
 
-    def start_realtime_mode(
+    def servoj(
         self,
-        mode: int,
-        fileter_bandwidth: float,
-        com_lost_time: float,
+        joints_list: list[float],
+        v: float,
+        a: float,
+        block: bool,
+        kp: float,
+        kd: float,
+        smooth_vel: float,
+        smooth_acc: float,
     ) -> int: ...
 
-    def start_record_track(
+    def servoj_pose(
         self,
-        name: str,
-        mode: int,
+        pose_list: list[float],
+        v: float,
+        a: float,
+        q_near: list[float],
         tool: str,
         wobj: str,
-        interval: float,
+        block: bool,
+        kp: float,
+        kd: float,
+        smooth_vel: float,
+        smooth_acc: float,
     ) -> int: ...
 
-    def stop(self, block: bool) -> int: ...
-
-    def stop_manual_move(self, block: bool) -> int: ...
-
-    def stop_record_track(self) -> int: ...
-
-    def switch_mode(self, mode: int) -> int: ...
-
-    def tcp_move(
+    def servo_tcp(
         self,
         pose_offset: list[float],
         v: float,
         a: float,
-        r: float,
         tool: str,
         block: bool,
-        op: Op,
-        def_acc: bool,
+        kp: float,
+        kd: float,
+        smooth_vel: float,
+        smooth_acc: float,
     ) -> int: ...
 
-    def tcp_move_2p(
+    def servol(
+        self,
+        pose_list: list[float],
+        v: float,
+        a: float,
+        q_near: list[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        kp: float,
+        kd: float,
+        smooth_vel: float,
+        smooth_acc: float,
+    ) -> int: ...
+
+    def move_spiral(
         self,
         p1: list[float],
         p2: list[float],
+        rev: float,
+        len: float,
+        r: float,
+        mode: int,
         v: float,
         a: float,
-        r: float,
+        q_near: list[float],
         tool: str,
         wobj: str,
         block: bool,
@@ -4202,17 +3670,60 @@ class Handler(Protocol):
         def_acc: bool,
     ) -> int: ...
 
-    def teach_mode(self, block: bool) -> int: ...
+    def move_jog(self, param: MoveJogTaskParam, block: bool) -> int: ...
 
-    def tool_read_data_485(self) -> list[int]: ...
+    def stop_manual_move(self, block: bool) -> int: ...
+
+    def set_blend_ahead(self, per: int, num: int) -> int: ...
+
+    def movej(
+        self,
+        joints_list: list[float],
+        v: float,
+        a: float,
+        r: float,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int: ...
+
+    def movej_pose(
+        self,
+        p: list[float],
+        v: float,
+        a: float,
+        r: float,
+        q_near: list[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int: ...
+
+    def set_baudrate_485(self, value: int, block: bool) -> int: ...
+
+    def read_raw_data_485(self, len: int) -> list[int]: ...
+
+    def read_raw_data_485_h(self, head: list[int], len: int) -> list[int]: ...
+
+    def read_raw_data_485_ht(self, head: list[int], tail: list[int]) -> list[int]: ...
+
+    def write_raw_data_485(self, data: list[int]) -> bool: ...
+
+    def write_raw_data_485_h(self, data: list[int], head: list[int]) -> bool: ...
+
+    def write_raw_data_485_ht(self, data: list[int], head: list[int], tail: list[int]) -> bool: ...
+
+    def read_data_485(self) -> list[int]: ...
+
+    def write_data_485(self, data: list[int]) -> bool: ...
 
     def tool_read_raw_data_485(self, len: int) -> list[int]: ...
 
     def tool_read_raw_data_485_h(self, head: list[int], len: int) -> list[int]: ...
 
     def tool_read_raw_data_485_ht(self, head: list[int], tail: list[int]) -> list[int]: ...
-
-    def tool_write_data_485(self, data: list[int]) -> bool: ...
 
     def tool_write_raw_data_485(self, data: list[int]) -> bool: ...
 
@@ -4225,6 +3736,341 @@ class Handler(Protocol):
         tail: list[int],
     ) -> bool: ...
 
+    def tool_read_data_485(self) -> list[int]: ...
+
+    def tool_write_data_485(self, data: list[int]) -> bool: ...
+
+    def set_baudrate_can(self, value: int, block: bool) -> int: ...
+
+    def read_raw_data_can(self) -> list[int]: ...
+
+    def write_raw_data_can(self, id: int, data: list[int]) -> bool: ...
+
+    def read_data_can(self) -> list[int]: ...
+
+    def write_data_can(self, id: int, data: list[int]) -> bool: ...
+
+    def set_digital_output_mode(self, num: int, type: int, freq: int, duty_cycle: int) -> int: ...
+
+    def set_standard_digital_out(self, num: int, value: bool, block: bool) -> int: ...
+
+    def get_standard_digital_out(self, num: int) -> bool: ...
+
+    def get_standard_digital_in(self, num: int) -> bool: ...
+
+    def set_tool_digital_out(self, num: int, value: bool, block: bool) -> int: ...
+
+    def get_tool_digital_out(self, num: int) -> bool: ...
+
+    def get_tool_digital_in(self, num: int) -> bool: ...
+
+    def get_config_digital_in(self, num: int) -> bool: ...
+
+    def get_function_digital_in(self, num: int) -> bool: ...
+
+    def get_function_digital_out(self, num: int) -> bool: ...
+
+    def get_standard_analog_voltage_in(self, num: int) -> float: ...
+
+    def set_standard_analog_voltage_out(self, num: int, value: float, block: bool) -> int: ...
+
+    def get_tool_analog_voltage_in(self, num: int) -> float: ...
+
+    def get_standard_analog_current_in(self, num: int) -> float: ...
+
+    def set_standard_analog_current_out(self, num: int, value: float, block: bool) -> int: ...
+
+    def set_analog_output_mode(self, num: int, mode: int, block: bool) -> int: ...
+
+    def write_bool_reg(self, num: int, value: bool) -> int: ...
+
+    def write_word_reg(self, num: int, value: int) -> int: ...
+
+    def write_float_reg(self, num: int, value: float) -> int: ...
+
+    def read_bool_reg(self, num: int) -> bool: ...
+
+    def read_word_reg(self, num: int) -> int: ...
+
+    def read_float_reg(self, num: int) -> float: ...
+
+    def get_function_reg_in(self, num: int) -> bool: ...
+
+    def get_function_reg_out(self, num: int) -> bool: ...
+
+    def set_wobj_offset(self, wobj: list[float], active: bool) -> int: ...
+
+    def set_wobj(self, name: str, wobj: list[float]) -> int: ...
+
+    def set_tool_data(
+        self,
+        name: str,
+        tool_offset: list[float],
+        payload: list[float],
+        inertia_tensor: list[float],
+    ) -> int: ...
+
+    def cal_ikine(
+        self,
+        p: list[float],
+        q_near: list[float],
+        tool: list[float],
+        wobj: list[float],
+    ) -> list[float]: ...
+
+    def cal_fkine(
+        self,
+        joints_position: list[float],
+        tool: list[float],
+        wobj: list[float],
+    ) -> list[float]: ...
+
+    def get_tcp_pose(self) -> list[float]: ...
+
+    def get_tcp_pose_coord(self, tool: str, wobj: str) -> list[float]: ...
+
+    def get_tcp_speed(self) -> list[float]: ...
+
+    def get_tcp_acceleration(self) -> list[float]: ...
+
+    def get_tcp_force(self) -> list[float]: ...
+
+    def get_tcp_force_tool(self, tool: str) -> list[float]: ...
+
+    def get_tcp_offset(self) -> list[float]: ...
+
+    def get_tool_load(self) -> list[float]: ...
+
+    def get_wobj(self) -> list[float]: ...
+
+    def get_actual_joints_position(self) -> list[float]: ...
+
+    def get_target_joints_position(self) -> list[float]: ...
+
+    def get_actual_joints_speed(self) -> list[float]: ...
+
+    def get_target_joints_speed(self) -> list[float]: ...
+
+    def get_actual_joints_acceleration(self) -> list[float]: ...
+
+    def get_target_joints_acceleration(self) -> list[float]: ...
+
+    def get_actual_joints_torque(self) -> list[float]: ...
+
+    def get_target_joints_torque(self) -> list[float]: ...
+
+    def get_flange_pose(self) -> list[float]: ...
+
+    def get_flange_speed(self) -> list[float]: ...
+
+    def get_flange_acceleration(self) -> list[float]: ...
+
+    def get_robot_state(self) -> list[int]: ...
+
+    def simulation(self, sim: bool, block: bool) -> int: ...
+
+    def speed(self, val: float) -> int: ...
+
+    def set_load_data(self, value: list[float]) -> int: ...
+
+    def start_record_track(
+        self,
+        name: str,
+        mode: int,
+        tool: str,
+        wobj: str,
+        interval: float,
+    ) -> int: ...
+
+    def stop_record_track(self) -> int: ...
+
+    def collision_detect(self, value: int) -> int: ...
+
+    def collision_detection_reset(self) -> int: ...
+
+    def set_teach_pendant(self, enable: bool) -> int: ...
+
+    def set_teach_speed(self, v: int) -> int: ...
+
+    def get_teach_speed(self) -> int: ...
+
+    def get_global_speed(self) -> int: ...
+
+    def reach_check(
+        self,
+        base: list[float],
+        wobj: list[float],
+        tool: list[float],
+        ref_pos: list[float],
+        check_points: list[list[float]],
+    ) -> ReachabilityParam: ...
+
+    def switch_mode(self, mode: int) -> int: ...
+
+    def getRobotStatus(self) -> RobotStatus: ...
+
+    def getRobotIOStatus(self) -> IOStatus: ...
+
+    def read_encoder_count(self) -> int: ...
+
+    def get_origin_DH(self) -> list[list[float]]: ...
+
+    def get_calib_DH(self) -> list[list[float]]: ...
+
+    def get_robot_type(self) -> list[str]: ...
+
+    def get_ext_torque(self) -> list[float]: ...
+
+    def set_system_value_bool(self, name: str, value: bool) -> int: ...
+
+    def set_system_value_double(self, name: str, value: float) -> int: ...
+
+    def set_system_value_str(self, name: str, value: str) -> int: ...
+
+    def set_system_value_list(self, name: str, value: list[float]) -> int: ...
+
+    def get_system_value_bool(self, name: str) -> bool: ...
+
+    def get_system_value_double(self, name: str) -> float: ...
+
+    def get_system_value_str(self, name: str) -> str: ...
+
+    def get_system_value_list(self, name: str) -> list[float]: ...
+
+    def get_system_value_lists(self, name: str) -> list[list[float]]: ...
+
+    def log_info(self, message: str) -> None: ...
+
+    def log_error(self, message: str) -> None: ...
+
+    def get_last_error(self) -> list[str]: ...
+
+    def get_noneblock_taskstate(self, id: int) -> int: ...
+
+    def robotmoving(self) -> bool: ...
+
+    def modbus_read(self, signal_name: str) -> int: ...
+
+    def modbus_write(self, signal_name: str, value: int) -> int: ...
+
+    def modbus_set_frequency(self, signal_name: str, frequence: int) -> None: ...
+
+    def modbus_write_multiple_regs(
+        self,
+        slave_num: int,
+        name: str,
+        len: int,
+        word_list: list[int],
+    ) -> int: ...
+
+    def modbus_write_multiple_coils(
+        self,
+        slave_num: int,
+        name: str,
+        len: int,
+        byte_list: list[int],
+    ) -> int: ...
+
+    def modbus_add_signal(
+        self,
+        ip: str,
+        slave_number: int,
+        signal_address: int,
+        signal_type: int,
+        signal_name: str,
+    ) -> int: ...
+
+    def modbus_delete_signal(self, signal_name: str) -> int: ...
+
+    def fc_start(self) -> int: ...
+
+    def fc_stop(self) -> int: ...
+
+    def fc_config(
+        self,
+        direction: list[bool],
+        ref_ft: list[float],
+        damp: list[float],
+        max_vel: list[float],
+        number_list: list[float],
+        tool: str,
+        wobj: str,
+        value: int,
+    ) -> int: ...
+
+    def fc_move(self, block: bool) -> int: ...
+
+    def fc_guard_act(
+        self,
+        direction: list[bool],
+        ref_ft: list[float],
+        tool: str,
+        wobj: str,
+        type: int,
+        force_property: int,
+    ) -> int: ...
+
+    def fc_guard_deact(self) -> int: ...
+
+    def fc_force_set_value(self, direction: list[bool], ref_ft: list[float]) -> int: ...
+
+    def fc_wait_pos(
+        self,
+        middle: list[float],
+        range: list[float],
+        absolute: bool,
+        duration: int,
+        timeout: int,
+    ) -> int: ...
+
+    def fc_wait_vel(
+        self,
+        middle: list[float],
+        range: list[float],
+        absolute: bool,
+        duration: int,
+        timeout: int,
+    ) -> int: ...
+
+    def fc_wait_ft(
+        self,
+        middle: list[float],
+        range: list[float],
+        absolute: bool,
+        duration: int,
+        timeout: int,
+    ) -> int: ...
+
+    def fc_wait_logic(self, value: list[int]) -> int: ...
+
+    def fc_get_ft(self) -> list[float]: ...
+
+    def fc_mode_is_active(self) -> bool: ...
+
+    def enable_speed_optimization(self) -> int: ...
+
+    def disable_speed_optimization(self) -> int: ...
+
+    def enable_acc_optimization(self) -> int: ...
+
+    def disable_acc_optimization(self) -> int: ...
+
+    def enable_singularity_control(self) -> int: ...
+
+    def disable_singularity_control(self) -> int: ...
+
+    def enable_vibration_control(self) -> int: ...
+
+    def disable_vibration_control(self) -> int: ...
+
+    def trackEnqueue(self, track: list[list[float]], block: bool) -> int: ...
+
+    def trackClearQueue(self) -> int: ...
+
+    def getQueueSize(self) -> int: ...
+
+    def trackJointMotion(self, speed: float, acc: float, block: bool) -> int: ...
+
     def trackCartMotion(
         self,
         speed: float,
@@ -4235,56 +4081,210 @@ class Handler(Protocol):
         radius: float,
     ) -> int: ...
 
-    def trackClearQueue(self) -> int: ...
-
-    def trackEnqueue(self, track: list[list[float]], block: bool) -> int: ...
-
     def trackEnqueueOp(self, track: list[PointOp], block: bool) -> int: ...
 
-    def trackJointMotion(self, speed: float, acc: float, block: bool) -> int: ...
-
-    def upload_robot_param_to_toolboard(self, passwd: str) -> int: ...
-
-    def wobj_move(
+    def combine_motion_config(
         self,
-        pose_offset: list[float],
+        type: int,
+        ref_plane: int,
+        fq: float,
+        amp: float,
+        el_offset: float,
+        az_offset: float,
+        up_height: float,
+        time: list[int],
+        path_dwell: bool,
+        op_list: list[Op],
+    ) -> int: ...
+
+    def enable_combine_motion(self) -> int: ...
+
+    def disable_combine_motion(self) -> int: ...
+
+    def enable_eaxis_scheme(self, scheme_name: str) -> int: ...
+
+    def disable_eaxis_scheme(self, scheme_name: str) -> int: ...
+
+    def move_eaxis(
+        self,
+        scheme_name: str,
+        epose: list[float],
+        v: float,
+        block: bool,
+        op: Op,
+    ) -> int: ...
+
+    def move_jog_eaxis(self, name: str, direction: int, vel: float, block: bool) -> int: ...
+
+    def movej2_eaxis(
+        self,
+        joints_list: list[float],
         v: float,
         a: float,
-        r: float,
-        wobj: str,
+        rad: float,
+        scheme_name: str,
+        epose: list[float],
+        eaxis_v: float,
         block: bool,
         op: Op,
         def_acc: bool,
     ) -> int: ...
 
-    def wobj_move_2p(
+    def movej2_pose_eaxis(
+        self,
+        p: list[float],
+        v: float,
+        a: float,
+        rad: float,
+        qnear: list[float],
+        tool: str,
+        wobj: str,
+        scheme_name: str,
+        epose: list[float],
+        eaxis_v: float,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int: ...
+
+    def movel_eaxis(
+        self,
+        p: list[float],
+        v: float,
+        a: float,
+        rad: float,
+        qnear: list[float],
+        tool: str,
+        wobj: str,
+        scheme_name: str,
+        epose: list[float],
+        eaxis_v: float,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int: ...
+
+    def movec_eaxis(
         self,
         p1: list[float],
         p2: list[float],
         v: float,
         a: float,
-        r: float,
+        rad: float,
+        qnear: list[float],
         tool: str,
         wobj: str,
+        scheme_name: str,
+        epose: list[float],
+        eaxis_v: float,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+        mode: int,
+    ) -> int: ...
+
+    def move_circle_eaxis(
+        self,
+        p1: list[float],
+        p2: list[float],
+        v: float,
+        a: float,
+        rad: float,
+        mode: int,
+        qnear: list[float],
+        tool: str,
+        wobj: str,
+        scheme_name: str,
+        epose: list[float],
+        eaxis_v: float,
         block: bool,
         op: Op,
         def_acc: bool,
     ) -> int: ...
 
-    def write_bool_reg(self, num: int, value: bool) -> int: ...
+    def get_eaxis_info(self) -> list[EAxissInfo]: ...
 
-    def write_data_485(self, data: list[int]) -> bool: ...
+    def set_eaxis_param(self, num: int, param: EAxisParam, block: bool) -> int: ...
 
-    def write_data_can(self, id: int, data: list[int]) -> bool: ...
+    def set_eaxiss_scheme_param(self, num: int, param: EAxisSchemeParam, block: bool) -> int: ...
 
-    def write_float_reg(self, num: int, value: float) -> int: ...
+    def add_eaxis_scheme(self, num: int, block: bool) -> int: ...
 
-    def write_raw_data_485(self, data: list[int]) -> bool: ...
+    def delete_eaxis_scheme(self, num: int, block: bool) -> int: ...
 
-    def write_raw_data_485_h(self, data: list[int], head: list[int]) -> bool: ...
+    def start_realtime_mode(
+        self,
+        mode: int,
+        fileter_bandwidth: float,
+        com_lost_time: float,
+    ) -> int: ...
 
-    def write_raw_data_485_ht(self, data: list[int], head: list[int], tail: list[int]) -> bool: ...
+    def end_realtime_mode(self) -> int: ...
 
-    def write_raw_data_can(self, id: int, data: list[int]) -> bool: ...
+    def realtime_data_enqueue(
+        self,
+        realtime_data: list[RealTimeControlData],
+        block: bool,
+    ) -> int: ...
 
-    def write_word_reg(self, num: int, value: int) -> int: ...
+    def clear_realtime_data_queue(self) -> int: ...
+
+    def get_realtime_data_queue_size(self) -> int: ...
+
+    def get_robot_version(self) -> str: ...
+
+    def change_recipe(self) -> None: ...
+
+    def set_pendant_type(self, type: int) -> int: ...
+
+    def set_servo_config(
+        self,
+        axis_num: int,
+        id: int,
+        value: int,
+        qfmt: int,
+        block: bool,
+    ) -> int: ...
+
+    def apply_servo_config(self, axis_num: int, block: bool) -> int: ...
+
+    def set_servo_file_params(
+        self,
+        axis_num: int,
+        id: int,
+        name: str,
+        value: float,
+        qfmt: float,
+    ) -> int: ...
+
+    def get_axis_motor_kt(self) -> list[float]: ...
+
+    def get_axis_motor_rated_current(self) -> list[float]: ...
+
+    def get_axis_ratio(self) -> list[int]: ...
+
+    def get_motor_pole_pair_number(self) -> list[int]: ...
+
+    def get_motor_stator_slots(self) -> list[int]: ...
+
+    def get_pos_bias(self) -> list[float]: ...
+
+    def get_dynamic_calibration_params(self) -> list[list[float]]: ...
+
+    def set_dynamic_calibration_params(self, params: list[list[float]]) -> int: ...
+
+    def set_dynamic_calibration_info(self, passwd: str, info: str) -> int: ...
+
+    def save_dynamic_calibration_params(self, passwd: str) -> int: ...
+
+    def set_kinematic_calibration_params(self, params: list[list[float]]) -> int: ...
+
+    def set_kinematic_calibration_info(self, passwd: str, info: str) -> int: ...
+
+    def save_kinematic_calibration_params(self, passwd: str) -> int: ...
+
+    def get_vibration_calibration_params(self) -> list[list[float]]: ...
+
+    def set_vibration_calibration_info(self, passwd: str, info: str) -> int: ...
+
+    def upload_robot_param_to_toolboard(self, passwd: str) -> int: ...
