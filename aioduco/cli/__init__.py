@@ -1,0 +1,17 @@
+"""The command `aioduco`: a simulated controller and a demonstration, in a terminal."""
+
+from __future__ import annotations
+
+__all__ = ["main"]
+
+
+def main() -> None:
+    """Run the command line."""
+    try:
+        from aioduco.cli.app import app  # noqa: PLC0415 - what it needs is an extra
+    except ModuleNotFoundError as error:
+        if error.name in {"typer", "rich"}:
+            needs = f"the command aioduco needs {error.name}: pip install 'aioduco[sim,cli]'"
+            raise SystemExit(needs) from None
+        raise
+    app()

@@ -1,0 +1,36 @@
+"""The commands of `aioduco`, put together. Each lives in a module of its own."""
+
+from __future__ import annotations
+
+import typer
+
+import aioduco
+from aioduco.cli.demo import command as demo_command
+from aioduco.cli.sim import sim
+
+__all__ = ["app"]
+
+app = typer.Typer(
+    name="aioduco",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+app.command()(sim)
+app.command()(demo_command.demo)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(aioduco.__version__)
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    version: bool = typer.Option(
+        False, "--version", callback=_version, is_eager=True, help="Print the version and end."
+    ),
+) -> None:
+    """DUCO robot arms: a simulated controller, and a demonstration on it or on an arm."""

@@ -1,0 +1,154 @@
+"""The result of a demonstration as data: each motion, its outcome, and how well it was tracked."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from aioduco.models.enums import Outcome
+
+SCHEMA = 1
+
+
+@dataclass(slots=True)
+class Track:
+    """Samples of the robot's status, one row each, on one clock.
+
+    Attributes:
+        at: time of each sample since the demonstration began [s].
+        expected: commanded joint positions [rad], six each.
+        actual: measured joint positions [rad], six each.
+        tcp: measured pose of the tool [m, rad], six each.
+    """
+
+    at: list[float] = field(default_factory=list)
+    expected: list[tuple[float, ...]] = field(default_factory=list)
+    actual: list[tuple[float, ...]] = field(default_factory=list)
+    tcp: list[tuple[float, ...]] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        return len(self.at)
+
+    def add(
+        self,
+        at: float,
+        expected: tuple[float, ...],
+        actual: tuple[float, ...],
+        tcp: tuple[float, ...],
+    ) -> None:
+        """Add one sample."""
+        self.at.append(at)
+        self.expected.append(expected)
+        self.actual.append(actual)
+        self.tcp.append(tcp)
+
+    def errors(self) -> NDArray[np.float64]:
+        """Commanded minus actual joint positions [rad]. Shape (n, 6)."""
+        expected = np.array(self.expected, dtype=np.float64).reshape(-1, 6)
+        return expected - np.array(self.actual, dtype=np.float64).reshape(-1, 6)
+
+    def greatest_error(self, begin: float, end: float) -> float | None:
+        """The greatest tracking error of any joint between two times [rad]; None if unseen."""
+        within = [i for i, at in enumerate(self.at) if begin <= at <= end]
+        if not within:
+            return None
+        return float(np.abs(self.errors()[within]).max())
+
+
+@dataclass(slots=True)
+class MotionRecord:
+    """One motion of the demonstration.
+
+    Attributes:
+        name: what it is for.
+        function: the function of the wire that moves the arm.
+        expected: how it should end.
+        outcome: how it ended; None while it runs, or if it never began.
+        task_id: the controller's id of the task.
+        begin: when the controller took it, since the demonstration began [s].
+        end: when its end was seen [s].
+        tracking_error: the greatest difference of commanded and actual joints [rad].
+        message: what the controller said where it did not end as expected.
+    """
+
+    name: str
+    function: str
+    expected: Outcome
+    outcome: Outcome | None = None
+    task_id: int | None = None
+    begin: float = 0.0
+    end: float = 0.0
+    tracking_error: float | None = None
+    message: str = ""
+
+    @property
+    def ok(self) -> bool:
+        """Whether it ended as it should."""
+        return self.outcome is self.expected
+
+    @property
+    def duration(self) -> float:
+        """From acceptance to the end that was seen [s]."""
+        return self.end - self.begin
+
+    def as_json(self) -> dict[str, Any]:
+        """The record with plain values."""
+        plain = asdict(self)
+        plain["expected"] = self.expected.value
+        plain["outcome"] = self.outcome.value if self.outcome else None
+        return plain | {"duration": self.duration, "ok": self.ok}
+
+
+@dataclass(slots=True)
+class Report:
+    """What happened in one demonstration.
+
+    Attributes:
+        model: name of the arm.
+        controller: `host:port` that it ran on.
+        simulated: whether the demonstration started a simulated controller for itself.
+        speed: how many times faster than the wall clock the simulated controller ran.
+        motions: the motions in the order in which they were made.
+        track: the samples that were taken.
+        error: what ended the demonstration before its end, if anything did.
+    """
+
+    model: str
+    controller: str
+    simulated: bool
+    speed: float = 1.0
+    motions: list[MotionRecord] = field(default_factory=list)
+    track: Track = field(default_factory=Track)
+    error: str = ""
+
+    @property
+    def ok(self) -> bool:
+        """Whether it went through, and each motion ended as it should."""
+        return not self.error and bool(self.motions) and all(m.ok for m in self.motions)
+
+    @property
+    def greatest_error(self) -> float | None:
+        """The greatest tracking error of all motions [rad]; None if none was seen."""
+        seen = [m.tracking_error for m in self.motions if m.tracking_error is not None]
+        return max(seen, default=None)
+
+    def as_json(self) -> dict[str, Any]:
+        """The report with plain values, without the samples themselves."""
+        return {
+            "schema": SCHEMA,
+            "ok": self.ok,
+            "model": self.model,
+            "controller": self.controller,
+            "simulated": self.simulated,
+            "speed": self.speed,
+            "error": self.error,
+            "samples": len(self.track),
+            "greatest_tracking_error": self.greatest_error,
+            "motions": [motion.as_json() for motion in self.motions],
+            "units": {"begin, end, duration": "s", "tracking_error": "rad"},
+        }

@@ -1,0 +1,44 @@
+"""`aioduco sim`: a simulated controller that runs until it is told to end."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from typing import Annotated
+
+import typer
+
+from aioduco.cli import extras
+
+__all__ = ["sim"]
+
+
+def sim(
+    model: Annotated[str, typer.Option(help="The arm to simulate.")] = "gcr5_910",
+    host: Annotated[
+        str, typer.Option(help="Address to listen on. 0.0.0.0: the whole network.")
+    ] = "127.0.0.1",
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="Port to listen on. 0: a free one.")
+    ] = 7003,
+    speed: Annotated[
+        float, typer.Option(min=0.01, max=1000.0, help="Times faster than the wall clock.")
+    ] = 1.0,
+) -> None:
+    """Run a simulated controller until Ctrl-C."""
+    extras.need("sim")
+    from aioduco.sim import Simulator  # noqa: PLC0415 - it brings MuJoCo
+
+    extras.check_model(model)
+    ended = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: ended.set())
+    try:
+        with Simulator(model=model, host=host, port=port, speed=speed) as running:
+            typer.echo(
+                f"simulated {model} listening on {running.host}:{running.port}; Ctrl-C ends it"
+            )
+            ended.wait()
+    except OSError as error:
+        typer.echo(f"cannot listen on {host}:{port}: {error.strerror or error}", err=True)
+        raise typer.Exit(1) from None

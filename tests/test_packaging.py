@@ -1,0 +1,71 @@
+"""What an installed package promises before anything is called."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import aioduco
+
+ROOT = Path(__file__).parents[1]
+
+IMPORTS = """
+import sys, threading
+import aioduco
+heavy = {"mujoco", "ruckig", "EAIK", "typer", "rich", "matplotlib", "pytest", "thrift"}
+print(sorted(heavy & set(sys.modules)), threading.active_count())
+"""
+
+
+def python(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-W", "error", *arguments],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=50,
+    )
+
+
+def test_import_is_silent_starts_no_thread_and_needs_no_extra() -> None:
+    done = python("-c", IMPORTS)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "[] 1\n", "")
+
+
+def test_version_is_that_of_the_installed_package() -> None:
+    assert importlib.metadata.version("aioduco") == aioduco.__version__
+    assert re.fullmatch(r"\d+\.\d+\.\d+(\.dev\d+|rc\d+)?", aioduco.__version__)
+
+
+def test_core_depends_on_three_packages() -> None:
+    required = importlib.metadata.requires("aioduco") or []
+    core = {re.split(r"[<>=!~ ;\[]", one)[0] for one in required if "extra ==" not in one}
+    assert core == {"anyio", "thriftpy2", "numpy"}
+
+
+def test_command_line_says_what_it_needs_when_its_extra_is_missing() -> None:
+    done = python(
+        "-c", "import sys; sys.modules['typer'] = None; import aioduco.cli as c; c.main()"
+    )
+    assert done.returncode == 1
+    assert done.stderr.strip() == "the command aioduco needs typer: pip install 'aioduco[sim,cli]'"
+
+
+def test_licence_is_whole() -> None:
+    text = (ROOT / "LICENSE").read_text(encoding="utf-8")
+    assert "Apache License\n                           Version 2.0, January 2004" in text
+    assert "END OF TERMS AND CONDITIONS" in text
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["license"] == "Apache-2.0"
+
+
+def test_changelog_has_a_place_for_the_next_change() -> None:
+    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    headings = re.findall(r"^## \[(.+?)\]", text, flags=re.MULTILINE)
+    assert headings[0] == "Unreleased"
+    groups = set(re.findall(r"^### (\w+)", text, flags=re.MULTILINE))
+    assert groups <= {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"}
