@@ -41,7 +41,7 @@ class Successor(Enum):
     ACCEPTED = auto()
 
 
-class Lifecycle:
+class TaskLifecycle:
     """What is known of one task of the controller.
 
     Attributes:
@@ -65,7 +65,7 @@ class Lifecycle:
 
     def __repr__(self) -> str:
         end = self.outcome.value if self.outcome else "live"
-        return f"<Lifecycle {self.state.name} {end}, successor {self.successor.name.lower()}>"
+        return f"<TaskLifecycle {self.state.name} {end}, successor {self.successor.name.lower()}>"
 
     @property
     def ended(self) -> bool:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 
 from aioduco.models.enums import Outcome, TaskState
-from aioduco.supervision.lifecycle import IDLE_AGAIN_LIMIT, Lifecycle
+from aioduco.supervision.lifecycle import IDLE_AGAIN_LIMIT, TaskLifecycle
 
 
 @pytest.mark.parametrize(
@@ -24,7 +24,7 @@ from aioduco.supervision.lifecycle import IDLE_AGAIN_LIMIT, Lifecycle
     ],
 )
 def test_each_terminal_state_has_its_outcome(state: TaskState, outcome: Outcome) -> None:
-    life = Lifecycle()
+    life = TaskLifecycle()
     assert life.observe(TaskState.RUNNING)
     assert life.outcome is None
     assert life.observe(state)
@@ -32,7 +32,7 @@ def test_each_terminal_state_has_its_outcome(state: TaskState, outcome: Outcome)
 
 
 def test_the_same_state_twice_is_no_change() -> None:
-    life = Lifecycle()
+    life = TaskLifecycle()
     assert not life.observe(TaskState.IDLE)
     assert not life.started
     assert life.observe(TaskState.RUNNING)
@@ -42,7 +42,7 @@ def test_the_same_state_twice_is_no_change() -> None:
 
 @pytest.mark.parametrize("late", list(TaskState))
 def test_an_end_is_final(late: TaskState) -> None:
-    life = Lifecycle()
+    life = TaskLifecycle()
     life.observe(TaskState.FINISHED)
     life.stop_sent()
     life.lose()
@@ -51,8 +51,8 @@ def test_an_end_is_final(late: TaskState) -> None:
     assert life.state is TaskState.FINISHED
 
 
-def blending() -> Lifecycle:
-    life = Lifecycle(blends=True)
+def blending() -> TaskLifecycle:
+    life = TaskLifecycle(blends=True)
     life.observe(TaskState.RUNNING)
     return life
 
@@ -90,7 +90,7 @@ def test_interrupted_is_an_interruption_without_a_next_motion() -> None:
 
 
 def test_interrupted_is_an_interruption_without_a_blend_radius() -> None:
-    life = Lifecycle(blends=False)
+    life = TaskLifecycle(blends=False)
     life.observe(TaskState.RUNNING)
     life.successor_sent()
     life.successor_accepted()
@@ -122,7 +122,7 @@ def test_a_second_successor_that_is_refused_does_not_take_the_first_away() -> No
 
 
 def test_idle_for_long_after_running_means_that_the_controller_forgot_the_task() -> None:
-    life = Lifecycle()
+    life = TaskLifecycle()
     life.observe(TaskState.RUNNING)
     for _ in range(IDLE_AGAIN_LIMIT - 1):
         assert not life.observe(TaskState.IDLE)
@@ -132,7 +132,7 @@ def test_idle_for_long_after_running_means_that_the_controller_forgot_the_task()
 
 
 def test_idle_now_and_then_after_running_does_not() -> None:
-    life = Lifecycle()
+    life = TaskLifecycle()
     for _ in range(2 * IDLE_AGAIN_LIMIT):
         life.observe(TaskState.RUNNING)
         life.observe(TaskState.IDLE)
@@ -140,7 +140,7 @@ def test_idle_now_and_then_after_running_does_not() -> None:
 
 
 def test_a_task_that_was_lost_has_no_known_outcome() -> None:
-    life = Lifecycle()
+    life = TaskLifecycle()
     life.lose()
     assert life.outcome is Outcome.UNKNOWN
 
@@ -155,7 +155,7 @@ STATES = st.integers(-1, 10).map(TaskState)
 def test_no_sequence_of_events_makes_a_false_success(
     blends: bool, events: list[TaskState | str]
 ) -> None:
-    life = Lifecycle(blends=blends)
+    life = TaskLifecycle(blends=blends)
     seen: list[TaskState] = []
     first: Outcome | None = None
     for event in events:

@@ -1,0 +1,173 @@
+"""Samples of the robot's state: frozen, each with its time of receipt and a sequence number."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
+    from aioduco.models.pose import Joints, Pose
+
+__all__ = ["IOStatus", "RobotStates", "RobotStatus", "Sample", "Vector", "vector"]
+
+Vector = NDArray[np.float64]
+
+
+def vector(values: Sequence[float], length: int = 6) -> Vector:
+    """Return the first `length` values as a read-only array; NaN for those that are missing.
+
+    Controllers send some lists longer (external axes) or leave them out (older software). A value
+    that was not sent is not a number; it is never made up.
+    """
+    array = np.full(length, np.nan)
+    given = list(values[:length])
+    array[: len(given)] = given
+    array.flags.writeable = False
+    return array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sample:
+    """What all samples have.
+
+    Attributes:
+        sequence: number of the sample, rising by one for each sample of its kind.
+        received_at: when it was received, on the clock of `time.monotonic` [s].
+    """
+
+    sequence: int
+    received_at: float
+
+    @property
+    def age(self) -> float:
+        """Seconds since the sample was received."""
+        return time.monotonic() - self.received_at
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RobotStates(Sample):
+    """The four states of the controller (manual 1.3.7, get_robot_state).
+
+    Attributes:
+        robot: state of the robot.
+        program: state of the program.
+        safety: state of the safety controller.
+        mode: operation mode.
+    """
+
+    robot: RobotState
+    program: ProgramState
+    safety: SafetyState
+    mode: OperationMode
+
+    def __str__(self) -> str:
+        return (
+            f"robot {self.robot.name}, program {self.program.name}, "
+            f"safety {self.safety.name}, mode {self.mode.name}"
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RobotStatus(Sample):
+    """Where the arm is and how it moves (manual 1.3.7, getRobotStatus).
+
+    Arrays are read-only, of shape (6,); a value that the controller did not send is NaN.
+    Poses, and speeds and accelerations of the tool, are in the world frame.
+
+    Attributes:
+        joints: actual joint angles [rad].
+        joint_speeds: actual joint speeds [rad/s].
+        joint_accelerations: actual joint accelerations [rad/s²].
+        joint_currents: actual joint currents, in thousandths of each motor's rated current.
+        joint_temperatures: temperatures of the joints [°C].
+        driver_temperatures: temperatures of the joints' drive boards [°C].
+        pose: actual pose of the tool [m, rad].
+        tool_speed: actual speed of the tool [m/s, rad/s].
+        tool_acceleration: actual acceleration of the tool [m/s², rad/s²].
+        expected_joints: commanded joint angles [rad].
+        expected_joint_speeds: commanded joint speeds [rad/s].
+        expected_joint_accelerations: commanded joint accelerations [rad/s²].
+        expected_pose: commanded pose of the tool [m, rad].
+        expected_tool_speed: commanded speed of the tool [m/s, rad/s].
+        expected_tool_acceleration: commanded acceleration of the tool [m/s², rad/s²].
+        enabled: for each joint, whether it is enabled.
+        collision: whether a collision was detected and not reset.
+        collision_axis: the joint that detected it, 1 to 6; 0 without a collision.
+        emergency_stop: whether an emergency stop is pressed.
+        state: state of the robot.
+        error: the controller's error code.
+    """
+
+    joints: Joints
+    joint_speeds: Vector
+    joint_accelerations: Vector
+    joint_currents: Vector
+    joint_temperatures: Vector
+    driver_temperatures: Vector
+    pose: Pose
+    tool_speed: Vector
+    tool_acceleration: Vector
+    expected_joints: Joints
+    expected_joint_speeds: Vector
+    expected_joint_accelerations: Vector
+    expected_pose: Pose
+    expected_tool_speed: Vector
+    expected_tool_acceleration: Vector
+    enabled: tuple[bool, ...]
+    collision: bool
+    collision_axis: int
+    emergency_stop: bool
+    state: RobotState
+    error: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class IOStatus(Sample):
+    """Inputs, outputs and registers (manual 1.3.7, getRobotIOStatus).
+
+    Tuples begin with channel 1 of the cabinet or the tool, and with register 1.
+
+    Attributes:
+        analog_current_outputs: currents put out [mA].
+        analog_voltage_outputs: voltages put out [V].
+        analog_current_inputs: currents read [mA].
+        analog_voltage_inputs: voltages read [V].
+        digital_inputs: general inputs of the cabinet.
+        digital_outputs: general outputs of the cabinet.
+        tool_inputs: inputs of the tool.
+        tool_outputs: outputs of the tool.
+        tool_buttons: the buttons T and S at the tool.
+        function_inputs: function registers in.
+        function_outputs: function registers out.
+        bool_inputs: bool registers in.
+        bool_outputs: bool registers out.
+        word_inputs: word registers in.
+        word_outputs: word registers out.
+        float_inputs: float registers in.
+        float_outputs: float registers out.
+    """
+
+    analog_current_outputs: tuple[float, ...]
+    analog_voltage_outputs: tuple[float, ...]
+    analog_current_inputs: tuple[float, ...]
+    analog_voltage_inputs: tuple[float, ...]
+    digital_inputs: tuple[bool, ...]
+    digital_outputs: tuple[bool, ...]
+    tool_inputs: tuple[bool, ...]
+    tool_outputs: tuple[bool, ...]
+    tool_buttons: tuple[bool, ...]
+    function_inputs: tuple[bool, ...]
+    function_outputs: tuple[bool, ...]
+    bool_inputs: tuple[bool, ...]
+    bool_outputs: tuple[bool, ...]
+    word_inputs: tuple[int, ...]
+    word_outputs: tuple[int, ...]
+    float_inputs: tuple[float, ...]
+    float_outputs: tuple[float, ...]

@@ -1,0 +1,131 @@
+"""From what the wire carries to samples of the state."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from typing import TYPE_CHECKING
+
+from aioduco.errors import StaleState
+from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
+from aioduco.models.pose import Joints, Pose
+from aioduco.models.state import IOStatus, RobotStates, RobotStatus, vector
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco._wire import rpc
+
+
+class Samples:
+    """Makes samples of one robot, and numbers them: each kind by itself, from 0."""
+
+    def __init__(self) -> None:
+        self._states = itertools.count()
+        self._status = itertools.count()
+        self._io = itertools.count()
+
+    def states(self, wire: Sequence[int]) -> RobotStates:
+        """Make a sample of what get_robot_state returned.
+
+        Raises:
+            StaleState: fewer than four states came: the controller is still starting.
+        """
+        at = time.monotonic()
+        if len(wire) < 4:
+            raise StaleState(
+                f"the controller sent {len(wire)} of its 4 states: it is still starting; ask again"
+            )
+        robot, program, safety, mode = wire[:4]
+        return RobotStates(
+            sequence=next(self._states),
+            received_at=at,
+            robot=RobotState(robot),
+            program=ProgramState(program),
+            safety=SafetyState(safety),
+            mode=OperationMode(mode),
+        )
+
+    def status(self, wire: rpc.RobotStatus) -> RobotStatus:
+        """Make a sample of what getRobotStatus returned.
+
+        Raises:
+            StaleState: positions are missing: the controller is still starting.
+        """
+        at = time.monotonic()
+        return RobotStatus(
+            sequence=next(self._status),
+            received_at=at,
+            joints=joints(wire.jointActualPosition),
+            joint_speeds=vector(wire.jointActualVelocity),
+            joint_accelerations=vector(wire.jointActualAccelera),
+            joint_currents=vector(wire.jointActualCurrent),
+            joint_temperatures=vector(wire.jointTemperature),
+            driver_temperatures=vector(wire.driverTemperature),
+            pose=pose(wire.cartActualPosition),
+            tool_speed=vector(wire.cartActualVelocity),
+            tool_acceleration=vector(wire.cartActualAccelera),
+            expected_joints=joints(wire.jointExpectPosition),
+            expected_joint_speeds=vector(wire.jointExpectVelocity),
+            expected_joint_accelerations=vector(wire.jointExpectAccelera),
+            expected_pose=pose(wire.cartExpectPosition),
+            expected_tool_speed=vector(wire.cartExpectVelocity),
+            expected_tool_acceleration=vector(wire.cartExpectAccelera),
+            enabled=tuple(wire.slaveReady),
+            collision=wire.collision,
+            collision_axis=wire.collisionAxis,
+            emergency_stop=wire.emcStopSignal,
+            state=RobotState(wire.robotState),
+            error=wire.robotError,
+        )
+
+    def io(self, wire: rpc.IOStatus) -> IOStatus:
+        """Make a sample of what getRobotIOStatus returned."""
+        at = time.monotonic()
+        return IOStatus(
+            sequence=next(self._io),
+            received_at=at,
+            analog_current_outputs=tuple(wire.analogCurrentOutputs),
+            analog_voltage_outputs=tuple(wire.analogVoltageOutputs),
+            analog_current_inputs=tuple(wire.analogCurrentInputs),
+            analog_voltage_inputs=tuple(wire.analogVoltageInputs),
+            digital_inputs=tuple(wire.digitalInputs),
+            digital_outputs=tuple(wire.digitalOutputs),
+            tool_inputs=tuple(wire.toolIOIn),
+            tool_outputs=tuple(wire.toolIOOut),
+            tool_buttons=tuple(wire.toolButton),
+            function_inputs=tuple(wire.funRegisterInputs),
+            function_outputs=tuple(wire.funRegisterOutputs),
+            bool_inputs=tuple(wire.boolRegisterInputs),
+            bool_outputs=tuple(wire.boolRegisterOutputs),
+            word_inputs=tuple(wire.wordRegisterInputs),
+            word_outputs=tuple(wire.wordRegisterOutputs),
+            float_inputs=tuple(wire.floatRegisterInputs),
+            float_outputs=tuple(wire.floatRegisterOutputs),
+        )
+
+
+def joints(wire: Sequence[float]) -> Joints:
+    """Joint angles of the wire; external axes after the sixth are left out.
+
+    Raises:
+        StaleState: there are fewer than six: the controller is still starting.
+    """
+    return Joints(*_six(wire, "joint angles"))
+
+
+def pose(wire: Sequence[float]) -> Pose:
+    """A pose of the wire.
+
+    Raises:
+        StaleState: there are fewer than six numbers: the controller is still starting.
+    """
+    return Pose(*_six(wire, "numbers of a pose"))
+
+
+def _six(wire: Sequence[float], what: str) -> Sequence[float]:
+    if len(wire) < 6:
+        raise StaleState(
+            f"the controller sent {len(wire)} of 6 {what}: it is still starting; ask again"
+        )
+    return wire[:6]
