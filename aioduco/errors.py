@@ -10,22 +10,30 @@ if TYPE_CHECKING:
 __all__ = [
     "CallTimeout",
     "ConnectError",
+    "ConnectTimeout",
     "ConnectionLost",
     "ControllerError",
     "DucoError",
+    "HeartbeatLost",
+    "NotAController",
+    "NotSent",
     "OutcomeUnknown",
     "ParameterError",
     "ProtocolError",
     "Refused",
     "RobotStateError",
     "StaleState",
+    "StopUnconfirmed",
     "TaskError",
     "TaskFailed",
     "TaskIllegal",
     "TaskInterrupted",
+    "TaskOverdue",
     "TaskParameterMismatch",
     "TaskStopped",
+    "TaskUnknown",
     "UnknownFunction",
+    "Unreachable",
 ]
 
 
@@ -63,6 +71,14 @@ class ConnectError(DucoError, ConnectionError):
         super().__init__(f"cannot connect to {host}:{port}: {reason}")
 
 
+class ConnectTimeout(ConnectError, TimeoutError):
+    """Something accepted the connection, but answered no call in time."""
+
+
+class NotAController(ConnectError):
+    """What listens there does not speak the controller's protocol."""
+
+
 class ConnectionLost(DucoError, ConnectionError):
     """The connection broke, or was closed, before or during a call.
 
@@ -75,6 +91,13 @@ class CallTimeout(ConnectionLost, TimeoutError):
     """A function that only reads was not answered within its deadline.
 
     The connection was closed, so that the late answer can reach nobody.
+    """
+
+
+class NotSent(ConnectionLost, TimeoutError):
+    """The time for a call was over before anything of it could be sent. Nothing happened.
+
+    Every connection of its lane was taken, or a new one could not be made in time.
     """
 
 
@@ -135,6 +158,17 @@ class RobotStateError(DucoError):
     """The robot is not in a state in which this can be done."""
 
 
+class HeartbeatLost(RobotStateError):
+    """The heartbeat is not beating, so no motion may be started."""
+
+
+class StopUnconfirmed(DucoError):
+    """A stop was asked for, but it is not known that the arm stands.
+
+    The one error that calls for a hand on the emergency stop.
+    """
+
+
 class StaleState(DucoError):
     """The newest sample of the robot's state is older than allowed."""
 
@@ -143,21 +177,32 @@ class TaskError(DucoError):
     """A task did not finish.
 
     Attributes:
-        task_id: the controller's id of the task.
+        task_id: the controller's id of the task; None if it never told one.
         name: the function that started it.
         errors: the controller's error list when the task ended.
     """
 
-    def __init__(self, name: str, task_id: int, message: str, errors: Sequence[str] = ()) -> None:
+    def __init__(
+        self, name: str, task_id: int | None, message: str, errors: Sequence[str] = ()
+    ) -> None:
         self.name = name
         self.task_id = task_id
         self.errors = tuple(errors)
         listed = f"; the controller's errors: {'; '.join(self.errors)}" if self.errors else ""
-        super().__init__(f"{name} (task {task_id}) {message}{listed}")
+        which = name if task_id is None else f"{name} (task {task_id})"
+        super().__init__(f"{which} {message}{listed}")
 
 
 class TaskStopped(TaskError):
     """The task was ended by a stop. The arm stands."""
+
+
+class TaskOverdue(TaskStopped, TimeoutError):
+    """The task did not end by its deadline, and the arm was stopped."""
+
+
+class TaskUnknown(TaskError, ConnectionLost):
+    """The task was lost sight of: it may have ended, or may be running."""
 
 
 class TaskInterrupted(TaskError):
@@ -174,3 +219,10 @@ class TaskIllegal(TaskError):
 
 class TaskParameterMismatch(TaskError):
     """The controller found a parameter of the task wrong."""
+
+
+class Unreachable(DucoError):
+    """No configuration of the arm reaches a pose, by the kinematics on this computer.
+
+    Nothing was sent.
+    """
