@@ -126,8 +126,8 @@ def quaternion_from_matrix(matrix: Array) -> Array:
     outer[..., 1, 3] = outer[..., 3, 1] = r[..., 0, 2] + r[..., 2, 0]
     outer[..., 2, 3] = outer[..., 3, 2] = r[..., 1, 2] + r[..., 2, 1]
     largest = np.argmax(np.diagonal(outer, axis1=-2, axis2=-1), axis=-1)
-    row = np.take_along_axis(outer, largest[..., None, None], axis=-2)[..., 0, :]
-    row = row / np.linalg.norm(row, axis=-1, keepdims=True)
+    row: Array = np.take_along_axis(outer, largest[..., None, None], axis=-2)[..., 0, :]
+    row /= np.linalg.norm(row, axis=-1, keepdims=True)
     return np.where(row[..., :1] < 0, -row, row)
 
 

@@ -1,0 +1,195 @@
+"""An arm: its lengths, limits and masses, and the kinematics that follow from them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from aioduco.errors import ParameterError, Unreachable
+from aioduco.kinematics import eaik, forward, inverse
+from aioduco.models.pose import JointsLike, Pose, PoseLike
+
+if TYPE_CHECKING:
+    from aioduco.kinematics.geometry import Geometry
+    from aioduco.models.rotation import Array
+
+__all__ = ["POSITION_LIMIT", "Arm", "Singularity"]
+
+POSITION_LIMIT = 2 * math.pi
+"""Joints reach ±2π [rad] (manual section 1.3.5). The vendor's URDFs say ±π."""
+
+_EXACT = 1e-12  # residual of a solution [m, rad]
+_KEEP = 1e-9  # residual above which a branch counts as having no solution, after refinement
+
+
+class Singularity(NamedTuple):
+    """How far a configuration is from the three singularities; each is 0 there and at most 1.
+
+    Attributes:
+        shoulder: distance of the wrist's centre from the axis of joint 1, in the arm's plane and
+            per length of the arm.
+        elbow: sine of joint 3: zero with the arm stretched or folded.
+        wrist: sine of joint 5: zero with the axes of joints 4 and 6 parallel.
+    """
+
+    shoulder: float
+    elbow: float
+    wrist: float
+
+    @property
+    def nearest(self) -> str:
+        """The name of the singularity that is nearest."""
+        return min(self._fields, key=lambda name: float(getattr(self, name)))
+
+
+@dataclass(frozen=True, slots=True)
+class Arm:
+    """A DUCO arm: lengths, limits and masses, with forward and inverse kinematics.
+
+    Poses are those of the flange (法兰) in the base frame. `arm("gcr5_910")` gives one of the
+    models; every number of it can be replaced by `dataclasses.replace`.
+
+    Attributes:
+        name: the model, as in `models()`.
+        geometry: the six lengths [m].
+        velocity: largest joint speeds [rad/s], six.
+        effort: largest joint torques [N m], six.
+        masses: of the base and the six links [kg], seven.
+        centres: centres of mass [m], seven of three, in the frames of the modified
+            Denavit-Hartenberg convention.
+        lower: lower joint limits [rad], six.
+        upper: upper joint limits [rad], six.
+    """
+
+    name: str
+    geometry: Geometry
+    velocity: tuple[float, ...]
+    effort: tuple[float, ...]
+    masses: tuple[float, ...] = field(repr=False)
+    centres: tuple[tuple[float, ...], ...] = field(repr=False)
+    lower: tuple[float, ...] = (-POSITION_LIMIT,) * 6
+    upper: tuple[float, ...] = (POSITION_LIMIT,) * 6
+
+    @property
+    def reach(self) -> float:
+        """Length of the stretched upper arm and forearm [m]."""
+        return self.geometry.a2 + self.geometry.a3
+
+    def fkine(self, q: JointsLike) -> Array:
+        """Give the pose of the flange (正解).
+
+        Args:
+            q: joint angles [rad]. Shape (..., 6).
+
+        Returns:
+            Homogeneous matrices in the base frame. Shape (..., 4, 4).
+        """
+        return forward.fkine(self.geometry, _joints(q))
+
+    def jacobian(self, q: JointsLike) -> Array:
+        """Give the geometric Jacobian of the flange in the base frame.
+
+        Args:
+            q: joint angles [rad]. Shape (..., 6).
+
+        Returns:
+            Linear velocity [m/rad] above angular velocity [rad/rad], per joint. Shape (..., 6, 6).
+        """
+        return forward.jacobian(self.geometry, _joints(q))
+
+    def singularity(self, q: JointsLike) -> Singularity:
+        """Tell how far a configuration is from the arm's singularities (奇异点).
+
+        Args:
+            q: joint angles [rad]. Shape (6,).
+        """
+        values = forward.singular_values(self.geometry, _joints(q))
+        return Singularity(*np.abs(values).tolist())
+
+    def within_limits(self, q: JointsLike) -> bool:
+        """Tell whether all joints are inside their limits."""
+        joints = _joints(q)
+        return bool(((joints >= self.lower) & (joints <= self.upper)).all())
+
+    def ikine_all(self, flange: PoseLike | Array) -> Array:
+        """Give every configuration that reaches a pose (逆解), up to eight.
+
+        At a wrist singularity joint 6 may be any angle; here it is zero. `ikine` takes it from
+        the configuration to be near to.
+
+        Args:
+            flange: the pose in the base frame: a `Pose`, six numbers, or a matrix of shape (4, 4).
+
+        Returns:
+            Joint angles in [-π, π) [rad], ordered by shoulder, elbow and wrist. Shape (n, 6),
+            with n = 0 when the pose is out of reach.
+        """
+        return inverse.wrap(self._solve(_matrix(flange), 0.0))
+
+    def ikine(
+        self, flange: PoseLike | Array, q_near: JointsLike, *, max_jump: float | None = None
+    ) -> Array:
+        """Give the configuration that reaches a pose and is nearest to another one.
+
+        Whole turns are added where the limits allow it, so that a joint at 6 rad stays near 6 rad.
+
+        Args:
+            flange: the pose in the base frame: a `Pose`, six numbers, or a matrix of shape (4, 4).
+            q_near: the configuration to be near to [rad]. Shape (6,).
+            max_jump: how far one joint may be from `q_near` [rad]; None for any distance.
+
+        Returns:
+            Joint angles [rad]. Shape (6,).
+
+        Raises:
+            Unreachable: no configuration reaches the pose, or none within the joint limits, or
+                none within `max_jump`.
+        """
+        target, near = _matrix(flange), _joints(q_near)
+        found = self._solve(target, float(near[5]))
+        if not len(found):
+            missing = inverse.shortfall(self.geometry, target)
+            by = f", by at least {missing:.4f} m" if missing > 0 else " in this orientation"
+            raise Unreachable(f"{Pose.from_matrix(target)} is out of the reach of {self.name}{by}")
+        near_turns = inverse.wrap_near(found, near, np.array(self.lower), np.array(self.upper))
+        inside = near_turns[~np.isnan(near_turns).any(axis=1)]
+        if not len(inside):
+            raise Unreachable(
+                f"{self.name} reaches {Pose.from_matrix(target)} only outside its joint limits"
+            )
+        best: Array = inside[np.argmin(((inside - near) ** 2).sum(axis=1))]
+        jump = np.abs(best - near)
+        if max_jump is not None and jump.max() > max_jump:
+            raise Unreachable(
+                f"the nearest configuration for {Pose.from_matrix(target)} turns joint "
+                f"{jump.argmax() + 1} by {jump.max():.4f} rad, more than {max_jump:.4f} rad"
+            )
+        return best
+
+    def _solve(self, target: Array, q6: float) -> Array:
+        found = eaik.solutions(self.geometry, target)
+        if found is None:
+            found = inverse.closed_form(self.geometry, target, q6)
+            found = found[~np.isnan(found).any(axis=1)]
+        error = np.abs(inverse.residual(self.geometry, found, target)).max(axis=-1, initial=0.0)
+        if (error > _EXACT).any():
+            found = inverse.refine(self.geometry, found, target)
+            error = np.abs(inverse.residual(self.geometry, found, target)).max(axis=-1)
+        kept: Array = found[error < _KEEP]
+        return kept
+
+
+def _joints(q: JointsLike) -> Array:
+    array = np.asarray(q, dtype=np.float64)
+    if array.shape[-1:] != (6,):
+        raise ParameterError("q", f"an array of shape {array.shape}", "of shape (..., 6) [rad]")
+    return array
+
+
+def _matrix(flange: PoseLike | Array) -> Array:
+    if isinstance(flange, np.ndarray) and flange.shape == (4, 4):
+        return flange.astype(np.float64, copy=False)
+    return Pose.of(flange).matrix

@@ -1,0 +1,60 @@
+"""The arms that DUCO builds, by model."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+from importlib import resources
+from typing import Any
+
+from aioduco.errors import ParameterError
+from aioduco.kinematics.arm import Arm
+from aioduco.kinematics.geometry import Geometry
+
+__all__ = ["arm", "models"]
+
+
+@cache
+def _data() -> dict[str, Any]:
+    text = (resources.files("aioduco.kinematics") / "arms.json").read_text(encoding="utf-8")
+    return dict(json.loads(text)["models"])
+
+
+def models() -> tuple[str, ...]:
+    """Give the names of all models that `arm` knows."""
+    return tuple(_data())
+
+
+@cache
+def _model(name: str) -> Arm:
+    data = _data()[name]
+    return Arm(
+        name=name,
+        geometry=Geometry(**{length: data[length] for length in Geometry._fields}),
+        velocity=tuple(data["velocity"]),
+        effort=tuple(data["effort"]),
+        masses=tuple(data["masses"]),
+        centres=tuple(tuple(centre) for centre in data["centres"]),
+    )
+
+
+def arm(model: str, **lengths: float) -> Arm:
+    """Give a model of arm, with lengths of your own where you have measured better ones.
+
+    Args:
+        model: the model's name, such as "gcr5_910" or "GCR5-910".
+        lengths: lengths that replace the model's: d1, d2, a2, a3, d5, d6 [m]. Public sources
+            differ in d2 of the GCR5-910, 0.1445 or 0.1405: `arm("gcr5_910", d2=0.1405)`.
+
+    Raises:
+        ParameterError: no such model or length.
+    """
+    name = model.lower().replace("-", "_")
+    if name not in _data():
+        raise ParameterError("model", model, f"one of {', '.join(models())}")
+    for length in lengths:
+        if length not in Geometry._fields:
+            raise ParameterError("length", length, f"one of {', '.join(Geometry._fields)}")
+    base = _model(name)
+    return replace(base, geometry=base.geometry._replace(**lengths)) if lengths else base

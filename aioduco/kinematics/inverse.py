@@ -1,0 +1,200 @@
+"""Inverse kinematics in closed form, for one pose or many at once.
+
+Joints 2, 3 and 4 of every DUCO arm are parallel. The arm from joint 2 to joint 5 therefore moves
+in a plane that turns with joint 1 at a distance d2 from its axis. Let `across` be the normal of that
+plane, `ahead` the horizontal in it, and `wrist` the point d6 behind the flange. Then:
+
+- wrist·across = d2 gives two angles of joint 1 (shoulder),
+- the flange's axes along `across` are (sin q5·cos q6, -sin q5·sin q6, cos q5), which gives two
+  signs of joint 5 (wrist) and one joint 6 each,
+- the direction of joint 5's axis in the plane gives q2 + q3 + q4, and leaves two links to reach a
+  point of the plane: two signs of joint 3 (elbow).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from aioduco.kinematics.forward import _jacobian, frames
+from aioduco.models.rotation import Array, rotvec_from_matrix
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from aioduco.kinematics.geometry import Geometry
+
+__all__ = ["BRANCHES", "closed_form", "refine", "residual", "shortfall", "wrap", "wrap_near"]
+
+BRANCHES = 8
+"""Solutions of a pose, since shoulder, elbow and wrist have two each.
+
+A solution's place is 4·shoulder + 2·elbow + wrist.
+"""
+
+_WRIST = 1e-9  # sine of joint 5 below which joint 6 cannot be read from the pose
+_REACH = 1e-9  # how far outside its range a cosine may be by rounding
+
+
+def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> Array:
+    """Give all solutions for poses of the flange.
+
+    Args:
+        geometry: the arm's lengths [m].
+        flange: homogeneous matrices in the base frame. Shape (..., 4, 4).
+        q6: joint 6 to take at the wrist singularity, where any is a solution [rad].
+            Broadcast to the leading axes.
+
+    Returns:
+        Joint angles [rad], not wrapped, NaN where a branch has no solution. Shape (..., 8, 6).
+    """
+    g = geometry
+    rotation, point = flange[..., :3, :3], flange[..., :3, 3]
+    wrist = point - g.d6 * rotation[..., :, 2]
+    out = np.empty((*flange.shape[:-2], 2, 2, 2, 6))
+    x, y = wrist[..., 0], wrist[..., 1]
+    away = np.hypot(x, y)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        turn = _arc(np.arcsin, g.d2 / away)
+    toward = np.arctan2(y, x)
+    # [..., shoulder]
+    q1 = np.stack([toward - turn, toward - math.pi + turn], axis=-1)
+    c1, s1 = np.cos(q1), np.sin(q1)
+    # The flange's axes along `across` and `ahead`: [..., shoulder, axis]
+    r = rotation[..., None, :, :]
+    across = c1[..., None] * r[..., 1, :] - s1[..., None] * r[..., 0, :]
+    ahead = c1[..., None] * r[..., 0, :] + s1[..., None] * r[..., 1, :]
+    sine = np.hypot(across[..., 0], across[..., 1])
+    singular = sine < _WRIST
+    # [..., shoulder, wrist]
+    sign = np.array([1.0, -1.0])
+    q5 = sign * np.arctan2(sine, across[..., 2])[..., None]
+    q6_read = np.arctan2(-sign * across[..., 1, None], sign * across[..., 0, None])
+    q6_taken = np.broadcast_to(np.asarray(q6, dtype=float), flange.shape[:-2])[..., None, None]
+    q6s = np.where(singular[..., None], q6_taken, q6_read)
+    # Joint 5's axis is the flange's y axis, turned back by joint 6, turned back by joint 5.
+    c6, s6, c5, s5 = np.cos(q6s), np.sin(q6s), np.cos(q5), np.sin(q5)
+
+    def fourth(axes: Array) -> NDArray[Any]:
+        # Component of the axis of joint 5 along the direction whose flange components are given.
+        return -(s6 * axes[..., 0, None] + c6 * axes[..., 1, None])
+
+    def fifth(axes: Array) -> NDArray[Any]:
+        # Component of joint 4's x axis, which completes the frame.
+        straight = c6 * axes[..., 0, None] - s6 * axes[..., 1, None]
+        return c5 * straight - s5 * axes[..., 2, None]
+
+    up = np.broadcast_to(r[..., 2, :], ahead.shape)
+    # The frame of joint 4 turned by q2 + q3 + q4 in the plane; two readings of one angle, summed
+    # so that neither is taken where it is small.
+    q234 = np.arctan2(fourth(ahead) - fifth(up), fourth(up) + fifth(ahead))
+    u = (c1 * x[..., None] + s1 * y[..., None])[..., None] - g.d5 * np.sin(q234)
+    w = (wrist[..., 2] - g.d1)[..., None, None] - g.d5 * np.cos(q234)
+    with np.errstate(invalid="ignore"):
+        bend = _arc(np.arccos, (u * u + w * w - g.a2**2 - g.a3**2) / (2 * g.a2 * g.a3))
+    for elbow, q3 in enumerate((bend, -bend)):
+        q2 = np.arctan2(u, w) - np.arctan2(g.a3 * np.sin(q3), g.a2 + g.a3 * np.cos(q3))
+        solution = out[..., :, elbow, :, :]
+        solution[..., 0] = q1[..., None]
+        solution[..., 1] = q2
+        solution[..., 2] = q3
+        solution[..., 3] = q234 - q2 - q3
+        solution[..., 4] = q5
+        solution[..., 5] = q6s
+    out = out.reshape((*flange.shape[:-2], BRANCHES, 6))
+    out[np.isnan(out).any(axis=-1)] = np.nan
+    return out
+
+
+def _arc(function: np.ufunc, ratio: Array) -> Array:
+    clipped = np.where(np.abs(ratio) <= 1 + _REACH, np.clip(ratio, -1.0, 1.0), np.nan)
+    angle: Array = function(clipped)
+    return angle
+
+
+def residual(geometry: Geometry, q: Array, flange: Array) -> Array:
+    """Give how far the flange is from where it should be: position [m], then turn [rad].
+
+    Args:
+        geometry: the arm's lengths [m].
+        q: joint angles [rad]. Shape (..., 6).
+        flange: poses to reach, in the base frame. Shape (..., 4, 4).
+
+    Returns:
+        A twist in the base frame. Shape (..., 6).
+    """
+    return _residual(frames(geometry, q)[..., 6, :, :], flange)
+
+
+def _residual(reached: Array, flange: Array) -> Array:
+    turn = flange[..., :3, :3] @ np.swapaxes(reached[..., :3, :3], -1, -2)
+    return np.concatenate(
+        [flange[..., :3, 3] - reached[..., :3, 3], rotvec_from_matrix(turn)], axis=-1
+    )
+
+
+def refine(geometry: Geometry, q: Array, flange: Array, rounds: int = 2) -> Array:
+    """Improve solutions by damped Newton steps; near a singularity they stay where they are.
+
+    Args:
+        geometry: the arm's lengths [m].
+        q: joint angles near solutions [rad]. Shape (..., 6).
+        flange: poses to reach, in the base frame. Shape (..., 4, 4).
+        rounds: number of steps.
+
+    Returns:
+        Joint angles [rad]. Shape (..., 6).
+    """
+    damping = 1e-12 * np.eye(6)
+    for _ in range(rounds):
+        chain = frames(geometry, q)
+        error = _residual(chain[..., 6, :, :], flange)
+        matrix = _jacobian(chain)
+        back = np.swapaxes(matrix, -1, -2)
+        q = q + (back @ np.linalg.solve(matrix @ back + damping, error[..., None]))[..., 0]
+    return q
+
+
+def shortfall(geometry: Geometry, flange: Array) -> float:
+    """Give how far a pose without a solution is out of reach, at least [m].
+
+    Args:
+        geometry: the arm's lengths [m].
+        flange: the pose in the base frame. Shape (4, 4).
+    """
+    g = geometry
+    wrist = flange[:3, 3] - g.d6 * flange[:3, 2]
+    away = math.hypot(wrist[0], wrist[1])
+    if away < g.d2:
+        return g.d2 - away
+    # Joint 5 can stand anywhere on a circle or only at one point of it: the least that is missing.
+    ahead = math.sqrt(away**2 - g.d2**2)
+    distance = math.hypot(ahead, wrist[2] - g.d1)
+    return max(distance - (g.a2 + g.a3 + g.d5), abs(g.a2 - g.a3) - g.d5 - distance, 0.0)
+
+
+def wrap(q: Array) -> Array:
+    """Give the same angles in [-π, π) [rad], without a loss of digits inside that range."""
+    turned: Array = q - 2 * np.pi * np.floor((q + np.pi) / (2 * np.pi))
+    return turned
+
+
+def wrap_near(q: Array, near: Array, lower: Array, upper: Array) -> Array:
+    """Add whole turns so that each joint is as close to `near` as its limits allow.
+
+    Args:
+        q: joint angles [rad]. Shape (..., 6).
+        near: joint angles to be close to [rad]. Shape (..., 6).
+        lower: lower limits [rad]. Shape (6,).
+        upper: upper limits [rad]. Shape (6,).
+
+    Returns:
+        Joint angles [rad], NaN for a joint that no number of turns brings inside. Shape (..., 6).
+    """
+    turn = 2 * np.pi
+    turns = np.round((near - q) / turn)
+    turns = np.clip(turns, np.ceil((lower - q) / turn), np.floor((upper - q) / turn))
+    wrapped = q + turn * turns
+    return np.where((wrapped < lower) | (wrapped > upper), np.nan, wrapped)
