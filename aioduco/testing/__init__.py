@@ -1,1 +1,62 @@
-"""Help for tests of programs that drive an arm: faults on the wire, leaks, waiting."""
+"""Help for tests of programs that drive an arm: faults on the wire, leaks, waiting.
+
+A `FaultProxy` stands between a client and a controller, real or simulated, and does to chosen
+calls what networks and controllers do to them. `no_leaks` finds what was left behind, and
+`eventually` waits for a condition where a test would otherwise sleep.
+"""
+
+from __future__ import annotations
+
+from aioduco.testing.faults import (
+    ApplicationError,
+    Chaos,
+    Cut,
+    Delay,
+    DropReply,
+    DropRequest,
+    Ending,
+    Fault,
+    Garbage,
+    HalfOpen,
+    HoldReply,
+    Place,
+    Plan,
+    RepeatReply,
+    Throttle,
+    WrongKind,
+    WrongMethod,
+    WrongSeqid,
+)
+from aioduco.testing.leaks import Resources, no_leaks
+from aioduco.testing.proxy import FaultProxy
+from aioduco.testing.records import CallRecord, ConnectionRecord, ProxyStatistics
+from aioduco.testing.waiting import eventually, eventually_async
+
+__all__ = [
+    "ApplicationError",
+    "CallRecord",
+    "Chaos",
+    "ConnectionRecord",
+    "Cut",
+    "Delay",
+    "DropReply",
+    "DropRequest",
+    "Ending",
+    "Fault",
+    "FaultProxy",
+    "Garbage",
+    "HalfOpen",
+    "HoldReply",
+    "Place",
+    "Plan",
+    "ProxyStatistics",
+    "RepeatReply",
+    "Resources",
+    "Throttle",
+    "WrongKind",
+    "WrongMethod",
+    "WrongSeqid",
+    "eventually",
+    "eventually_async",
+    "no_leaks",
+]

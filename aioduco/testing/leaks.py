@@ -1,0 +1,145 @@
+"""What a piece of code has left behind: threads, sockets and other files, child processes."""
+
+from __future__ import annotations
+
+import os
+import threading
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+from aioduco.testing.waiting import eventually, eventually_async
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+__all__ = ["Resources", "no_leaks"]
+
+
+@dataclass(frozen=True, slots=True)
+class Resources:
+    """What this process holds at one moment.
+
+    Attributes:
+        threads: names of the threads, by their ids.
+        files: what each open file descriptor leads to, by its number; a socket is
+            "socket:[inode]".
+        children: command lines of the child processes, by their ids; a child that has ended and
+            was not waited for is "(not waited for)".
+    """
+
+    threads: dict[int, str]
+    files: dict[int, str]
+    children: dict[int, str]
+
+    @classmethod
+    def now(cls) -> Resources:
+        """Look at this process. Needs Linux."""
+        threads = {t.native_id or 0: t.name for t in threading.enumerate()}
+        return cls(threads, _files(), _children(os.getpid()))
+
+    def beyond(self, before: Resources) -> list[str]:
+        """What is here and was not there before, one line each; empty when nothing is.
+
+        A descriptor or an id that has been taken anew counts, although its number is an old one.
+        """
+        left = [
+            f"{kind} {number}: {name}"
+            for kind, here, there in (
+                ("thread", self.threads, before.threads),
+                ("file", self.files, before.files),
+                ("child process", self.children, before.children),
+            )
+            for number, name in here.items()
+            if there.get(number) != name
+        ]
+        return sorted(left)
+
+
+class no_leaks:  # noqa: N801 - used like a function, as contextlib.suppress is
+    """Everything that the block opens is closed when the block ends, or soon after.
+
+        with no_leaks():
+            with Simulator() as simulator:
+                ...
+
+    Threads, sockets, other files and child processes are counted. Works as `async with` too,
+    where waiting does not block the loop. An error that leaves the block is passed on as it is.
+    """
+
+    def __init__(self, timeout: float = 5.0) -> None:
+        """Make the context.
+
+        Args:
+            timeout: s that what was opened may take to go.
+        """
+        self._timeout = timeout
+        self._before = Resources({}, {}, {})
+
+    def __enter__(self) -> Self:
+        self._before = Resources.now()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Wait until all is gone.
+
+        Raises:
+            AssertionError: something is left; says what.
+        """
+        if exc is None:
+            eventually(self._gone, self._timeout, what=self._left)
+
+    async def __aenter__(self) -> Self:
+        return self.__enter__()
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Wait until all is gone.
+
+        Raises:
+            AssertionError: something is left; says what.
+        """
+        if exc is None:
+            await eventually_async(self._gone, self._timeout, what=self._left)
+
+    def _gone(self) -> bool:
+        return not Resources.now().beyond(self._before)
+
+    def _left(self) -> str:
+        return "\n  ".join(["nothing left", *Resources.now().beyond(self._before)])
+
+
+def _files() -> dict[int, str]:
+    files = {}
+    for entry in Path("/proc/self/fd").iterdir():
+        try:
+            files[int(entry.name)] = str(entry.readlink())
+        except FileNotFoundError:
+            continue  # the descriptor of this very listing
+    return files
+
+
+def _children(parent: int) -> dict[int, str]:
+    children = {}
+    for entry in Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            # the name in brackets may hold anything; what follows it are plain fields
+            state, ppid = (entry / "stat").read_text().rpartition(")")[2].split()[:2]
+            if int(ppid) != parent:
+                continue
+            command = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
+        except (FileNotFoundError, ProcessLookupError):
+            continue  # it has ended meanwhile
+        children[int(entry.name)] = "(not waited for)" if state == "Z" else command.strip()
+    return children

@@ -1,0 +1,237 @@
+"""A TCP proxy between a client and a controller that puts faults where a test wants them."""
+
+from __future__ import annotations
+
+import random
+import socket
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Self
+
+import anyio
+from anyio.from_thread import start_blocking_portal
+
+from aioduco.testing.endpoint import Endpoint
+from aioduco.testing.faults import Ending, Fault, Plan, Script
+from aioduco.testing.records import CallRecord, ConnectionRecord, ProxyStatistics, Records
+from aioduco.testing.relay import Gate, Relay
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from anyio.abc import TaskGroup, TaskStatus
+
+__all__ = ["FaultProxy"]
+
+_HOST = "127.0.0.1"
+
+
+class FaultProxy:
+    """Stands between a client and a controller, and does to each call what it was told.
+
+        with FaultProxy("127.0.0.1", simulator.port) as proxy:
+            proxy.on("movej2", Cut(Place.BEFORE_REPLY))
+            ...                                  # connect to proxy.host, proxy.port
+            assert proxy.calls("movej2")[0].forwarded is not None
+
+    It runs on an event loop in a thread of its own. So the same proxy serves tests of plain
+    threads and of coroutines, and what it does to the wire goes on while the loop under test is
+    blocked, which is one of the things to be tested. All methods may be called from any thread;
+    those that must wait for the proxy's thread wait for less than a switch of threads takes.
+
+    Attributes:
+        host: address on which it listens; always loopback.
+        port: free port on which it listens; it stays the same while connections are refused.
+    """
+
+    def __init__(self, upstream_host: str, upstream_port: int, *, seed: int = 0) -> None:
+        """Make a proxy; `with` starts it.
+
+        Args:
+            upstream_host: address of the controller, in numbers.
+            upstream_port: its TCP port.
+            seed: seed of the jitter of delays.
+        """
+        self.host = _HOST
+        self.port = 0
+        self._upstream = (upstream_host, upstream_port)
+        self._script = Script()
+        self._records = Records()
+        self._random = random.Random(seed)
+        self._relays: set[Relay] = set()
+        self._stack = ExitStack()
+
+    def __enter__(self) -> Self:
+        with ExitStack() as stack:
+            # A socket that is bound but does not listen keeps the port while new connections
+            # are refused: a listener that comes back cannot find it taken by somebody else.
+            self._reserve = stack.enter_context(_bound(0))
+            self.port = self._reserve.getsockname()[1]
+            self._portal = stack.enter_context(start_blocking_portal("asyncio"))
+            future, _ = self._portal.start_task(self._serve)
+            stack.callback(future.result)
+            stack.callback(self._portal.call, self._stop)
+            self._portal.call(self._accept)
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._stack.close()
+
+    async def __aenter__(self) -> Self:
+        return self.__enter__()
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.__exit__(kind, exc, traceback)
+
+    # What is done to calls
+
+    def next(self, *faults: Fault) -> None:
+        """Do these to the next calls, one to each, whatever their methods are."""
+        self._script.next(*faults)
+
+    def on(self, method: str, fault: Fault, *, times: int | None = 1, skip: int = 0) -> None:
+        """Do this to calls of one method.
+
+        Args:
+            method: name of the function on the wire.
+            fault: what is done.
+            times: to how many calls; None for all.
+            skip: how many calls of the method pass untouched before.
+        """
+        self._script.on(method, fault, times=times, skip=skip)
+
+    def schedule(self, plan: Plan | None) -> None:
+        """Let a plan decide on the calls that nothing else was said of; None for no plan."""
+        self._script.schedule(plan)
+
+    def clear(self) -> None:
+        """Forget what is to be done to calls, open the proxy, and accept connections again."""
+        self._script.clear()
+        self.thaw()
+        self.accept()
+
+    # What is done to connections
+
+    def cut(self, how: Ending = Ending.RESET) -> None:
+        """End all connections; when this returns, their sockets are closed."""
+        self._portal.call(self._cut, how)
+
+    def freeze(self) -> None:
+        """Pass nothing on, in both directions, and keep all sockets, until `thaw`."""
+        self._portal.call(self._gate.close)
+
+    def thaw(self) -> None:
+        """Pass on again what was held back by `freeze`."""
+        self._portal.call(self._gate.open)
+
+    def refuse(self) -> None:
+        """Refuse new connections; those that are open stay so."""
+        self._portal.call(self._refuse)
+
+    def accept(self) -> None:
+        """Accept new connections again."""
+        self._portal.call(self._accept)
+
+    # What passed
+
+    def calls(self, method: str | None = None) -> tuple[CallRecord, ...]:
+        """The calls that came so far, oldest first.
+
+        Args:
+            method: only calls of this function of the wire.
+        """
+        calls = tuple(self._records.calls)
+        return calls if method is None else tuple(c for c in calls if c.method == method)
+
+    def connections(self) -> tuple[ConnectionRecord, ...]:
+        """The connections that came so far, oldest first."""
+        return tuple(self._records.connections)
+
+    def statistics(self) -> ProxyStatistics:
+        """Counts so far."""
+        return self._records.statistics()
+
+    # On the proxy's own loop
+
+    async def _serve(self, *, task_status: TaskStatus[None]) -> None:
+        self._gate = Gate()
+        self._listening: anyio.CancelScope | None = None
+        async with anyio.create_task_group() as self._group:
+            task_status.started()
+            await anyio.sleep_forever()
+
+    def _stop(self) -> None:
+        self._group.cancel_scope.cancel()
+
+    async def _accept(self) -> None:
+        if self._listening is None:
+            await self._group.start(self._listen)
+
+    async def _refuse(self) -> None:
+        if self._listening is not None:
+            self._listening.cancel()
+            await self._silent.wait()
+
+    async def _cut(self, how: Ending) -> None:
+        relays = list(self._relays)
+        for relay in relays:
+            relay.cut(how)
+        for relay in relays:
+            await relay.ended.wait()
+
+    async def _listen(self, *, task_status: TaskStatus[None]) -> None:
+        self._silent = anyio.Event()
+        try:
+            with _bound(self.port) as listener, anyio.CancelScope() as self._listening:
+                listener.setblocking(False)
+                listener.listen(128)
+                task_status.started()
+                await self._accept_from(listener, self._group)
+        finally:
+            self._listening = None
+            self._silent.set()
+
+    async def _accept_from(self, listener: socket.socket, group: TaskGroup) -> None:
+        while True:
+            await anyio.wait_readable(listener)
+            try:
+                client, _ = listener.accept()
+            except OSError:
+                continue  # it went away before it was accepted
+            relay = Relay(
+                Endpoint(client),
+                self._upstream,
+                script=self._script,
+                records=self._records,
+                gate=self._gate,
+                jitter=self._random,
+            )
+            self._relays.add(relay)
+            group.start_soon(self._run, relay)
+
+    async def _run(self, relay: Relay) -> None:
+        try:
+            await relay.run()
+        finally:
+            self._relays.discard(relay)
+
+
+def _bound(port: int) -> socket.socket:
+    sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    try:
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+        sock.bind((_HOST, port))
+    except BaseException:
+        sock.close()
+        raise
+    return sock

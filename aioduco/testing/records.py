@@ -1,0 +1,126 @@
+"""What passed through a proxy, call by call."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from aioduco.testing.faults import Fault
+    from aioduco.testing.messages import Message
+
+__all__ = ["CallRecord", "ConnectionRecord", "ProxyStatistics", "Records"]
+
+
+@dataclass(frozen=True, slots=True)
+class CallRecord:
+    """One call that reached the proxy.
+
+    Times are those of `time.monotonic`, in s; None: it has not happened.
+
+    Attributes:
+        connection: number of the connection, from 0 in the order in which they came.
+        request: the request, as it came.
+        fault: what was done to the call.
+        received: when the request had come whole.
+        forwarded: when the last byte of the request went to the server.
+        replied: when the server's reply had come whole.
+        answered: when the last byte of an answer, true or false, went to the caller.
+    """
+
+    connection: int
+    request: Message
+    fault: Fault | None
+    received: float
+    forwarded: float | None = None
+    replied: float | None = None
+    answered: float | None = None
+
+    @property
+    def method(self) -> str:
+        """The function on the wire."""
+        return self.request.name
+
+    @property
+    def seqid(self) -> int:
+        """The sequence id that the caller chose."""
+        return self.request.seqid
+
+
+@dataclass(frozen=True, slots=True)
+class ConnectionRecord:
+    """One connection that the proxy accepted.
+
+    Attributes:
+        index: its number, from 0 in the order in which they came.
+        opened: when it was accepted, in s of `time.monotonic`.
+        closed: when it ended; None while it is open.
+        ended_by: "client", "server", "fault" or "proxy"; None while it is open.
+    """
+
+    index: int
+    opened: float
+    closed: float | None = None
+    ended_by: str | None = None
+
+
+class ProxyStatistics(NamedTuple):
+    """Counts of a proxy.
+
+    Attributes:
+        connections: connections accepted.
+        open: connections open now.
+        calls: requests received.
+        faults: calls that something was done to.
+    """
+
+    connections: int
+    open: int
+    calls: int
+    faults: int
+
+
+class Records:
+    """Keeps the records. One thread writes; any may read, since a record is replaced whole."""
+
+    def __init__(self) -> None:
+        self.connections: list[ConnectionRecord] = []
+        self.calls: list[CallRecord] = []
+        self._faults = 0
+        self._closed = 0
+
+    def statistics(self) -> ProxyStatistics:
+        """The counts now."""
+        opened = len(self.connections)
+        return ProxyStatistics(opened, opened - self._closed, len(self.calls), self._faults)
+
+    def connected(self) -> int:
+        """A connection was accepted; its number."""
+        self.connections.append(ConnectionRecord(len(self.connections), time.monotonic()))
+        return len(self.connections) - 1
+
+    def disconnected(self, index: int, ended_by: str) -> None:
+        """A connection ended."""
+        self._closed += 1
+        self.connections[index] = replace(
+            self.connections[index], closed=time.monotonic(), ended_by=ended_by
+        )
+
+    def called(self, connection: int, request: Message, fault: Fault | None) -> int:
+        """A request came; the number of its record."""
+        self._faults += fault is not None
+        self.calls.append(CallRecord(connection, request, fault, time.monotonic()))
+        return len(self.calls) - 1
+
+    def forwarded(self, call: int) -> None:
+        """A request went to the server."""
+        self.calls[call] = replace(self.calls[call], forwarded=time.monotonic())
+
+    def replied(self, call: int) -> None:
+        """A reply came from the server."""
+        self.calls[call] = replace(self.calls[call], replied=time.monotonic())
+
+    def answered(self, call: int) -> None:
+        """An answer went to the caller."""
+        self.calls[call] = replace(self.calls[call], answered=time.monotonic())

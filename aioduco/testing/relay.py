@@ -1,0 +1,239 @@
+"""One connection through a proxy: requests one way, replies the other, faults in between."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import TYPE_CHECKING
+
+import anyio
+
+from aioduco.testing.endpoint import Endpoint
+from aioduco.testing.faults import (
+    ApplicationError,
+    Cut,
+    Delay,
+    DropReply,
+    DropRequest,
+    Ending,
+    Fault,
+    HalfOpen,
+    HoldReply,
+    Place,
+    Script,
+    Throttle,
+    rewritten,
+)
+from aioduco.testing.messages import Message, MessageError, MessageParser, application_error
+
+if TYPE_CHECKING:
+    import random
+    from collections.abc import Awaitable, Callable
+
+    from aioduco.testing.records import Records
+
+__all__ = ["Gate", "Relay"]
+
+#: how often a throttled sender sends a slice, s
+_SLICE = 0.002
+
+
+class Gate:
+    """Open or closed; while it is closed, nothing passes."""
+
+    def __init__(self) -> None:
+        self._opened = anyio.Event()
+        self._opened.set()
+
+    def open(self) -> None:
+        """Let pass what waits."""
+        self._opened.set()
+
+    def close(self) -> None:
+        """Let nothing pass."""
+        if self._opened.is_set():
+            self._opened = anyio.Event()
+
+    async def passed(self) -> None:
+        """Wait until the gate is open."""
+        await self._opened.wait()
+
+
+class Relay:
+    """Passes the messages of one connection on, and does to them what the script says.
+
+    Each direction is a task, so that a reply on its way does not wait for a request that is
+    held back. Invariants: whatever ends the relay, both sockets are closed in `run`, after both
+    tasks have ended, and nowhere else; a message goes to the server before its record waits
+    for a reply, so a reply always finds its call.
+    """
+
+    def __init__(
+        self,
+        client: Endpoint,
+        upstream: tuple[str, int],
+        *,
+        script: Script,
+        records: Records,
+        gate: Gate,
+        jitter: random.Random,
+    ) -> None:
+        self._client = client
+        self._upstream = upstream
+        self._script = script
+        self._records = records
+        self._gate = gate
+        self._own_gate = Gate()
+        self._jitter = jitter
+        self._index = records.connected()
+        self._scope = anyio.CancelScope()
+        self._how = Ending.CLOSE
+        self._ended_by: str | None = None
+        #: calls that the server has and has not answered, oldest first
+        self._waiting: deque[tuple[int, Fault | None]] = deque()
+        self._held: list[bytes] = []
+        self.ended = anyio.Event()
+
+    def cut(self, how: Ending, ended_by: str = "proxy") -> None:
+        """End the connection on both sides, whatever is going on."""
+        if self._ended_by is None:
+            self._ended_by = ended_by
+        self._how = how
+        self._scope.cancel()
+
+    async def run(self) -> None:
+        """Pass messages on until the connection has ended."""
+        server: Endpoint | None = None
+        try:
+            with self._scope:
+                server = await Endpoint.connect(*self._upstream)
+                self._server = server
+                async with anyio.create_task_group() as group:
+                    group.start_soon(self._pump, self._client, self._request, server, "client")
+                    group.start_soon(self._pump, server, self._reply, self._client, "server")
+        except OSError:
+            self._how, self._ended_by = Ending.RESET, "server"
+        finally:
+            for endpoint in (self._client, server):
+                if endpoint is not None:
+                    endpoint.close(self._how)
+            self._records.disconnected(self._index, self._ended_by or "proxy")
+            self.ended.set()
+
+    async def _pump(
+        self,
+        source: Endpoint,
+        handle: Callable[[Message], Awaitable[None]],
+        sink: Endpoint,
+        name: str,
+    ) -> None:
+        """Take one side's messages until it will send no more; then tell the other side so."""
+        parser = MessageParser()
+        readable = True
+        try:
+            while data := await source.receive():
+                if not readable:
+                    await self._send(sink, data)
+                    continue
+                try:
+                    found = parser.feed(data)
+                    while found:
+                        for message in found:
+                            await handle(message)
+                        found = parser.feed(b"")
+                except MessageError:
+                    # not the proxy's to judge: it is passed on as it came, like all that follows
+                    readable = False
+                    await self._send(sink, parser.pending)
+            await self._gate.passed()
+            await self._own_gate.passed()
+        except OSError:
+            # the sink is gone: what comes from the source can reach nobody
+            self.cut(Ending.CLOSE, "server" if name == "client" else "client")
+            return
+        if self._ended_by is None:
+            self._ended_by = name
+        sink.end_sending()
+
+    async def _request(self, request: Message) -> None:
+        fault = self._script.decide(request.name)
+        call = self._records.called(self._index, request, fault)
+        data = request.encode()
+        if self._held:
+            held, self._held = b"".join(self._held), []
+            await self._send(self._client, held)
+        match fault:
+            case DropRequest():
+                return
+            case Delay(request=seconds, jitter=jitter) if seconds:
+                await anyio.sleep(seconds + jitter * self._jitter.random())
+            case HalfOpen(seconds):
+                self._own_gate.close()
+                await anyio.sleep(math.inf if seconds is None else seconds)
+                await self._cut(Ending.RESET)
+            case ApplicationError(code, message, forward=False):
+                error = application_error(request, code, message)
+                await self._send(self._client, error.encode())
+                self._records.answered(call)
+                return
+            case Cut(Place.BEFORE_REQUEST, how):
+                await self._cut(how)
+            case Cut(Place.IN_REQUEST, how, fraction):
+                await self._send(self._server, _part(data, fraction))
+                await self._cut(how)
+            case _:
+                pass
+        self._waiting.append((call, fault))
+        await self._send(self._server, data, fault.rate if isinstance(fault, Throttle) else None)
+        self._records.forwarded(call)
+        if isinstance(fault, Cut) and fault.at is Place.AFTER_REQUEST:
+            await self._cut(fault.how)
+
+    async def _reply(self, reply: Message) -> None:
+        if not self._waiting:  # nobody asked: not the proxy's to judge
+            await self._send(self._client, reply.encode())
+            return
+        call, fault = self._waiting.popleft()
+        self._records.replied(call)
+        data = rewritten(fault, reply)
+        match fault:
+            case DropReply():
+                return
+            case HoldReply():
+                self._held.append(data)
+                return
+            case Delay(reply=seconds, jitter=jitter) if seconds:
+                await anyio.sleep(seconds + jitter * self._jitter.random())
+            case Cut(Place.BEFORE_REPLY, how):
+                await self._cut(how)
+            case Cut(Place.IN_REPLY, how, fraction):
+                await self._send(self._client, _part(data, fraction))
+                await self._cut(how)
+            case _:
+                pass
+        await self._send(self._client, data, fault.rate if isinstance(fault, Throttle) else None)
+        self._records.answered(call)
+        if isinstance(fault, Cut) and fault.at is Place.AFTER_REPLY:
+            await self._cut(fault.how)
+
+    async def _send(self, sink: Endpoint, data: bytes, rate: float | None = None) -> None:
+        await self._gate.passed()
+        await self._own_gate.passed()
+        if rate is None:
+            await sink.send(data)
+            return
+        step = max(1, int(rate * _SLICE))
+        start = anyio.current_time()
+        for at in range(0, len(data), step):
+            await anyio.sleep_until(start + min(at + step, len(data)) / rate)
+            await sink.send(data[at : at + step])
+
+    async def _cut(self, how: Ending) -> None:
+        """End the connection; does not return."""
+        self.cut(how, "fault")
+        await anyio.sleep_forever()
+
+
+def _part(data: bytes, fraction: float) -> bytes:
+    """So much of the message, but never none and never all of it."""
+    return data[: min(max(1, int(len(data) * fraction)), len(data) - 1)]
