@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -35,9 +36,11 @@ class Function:
         result: class of the result struct; the value is its attribute `success`.
         parameters: names of the parameters, in the order of their field ids.
         void: whether the function returns nothing.
+        head: the name as it stands in a message: its length and its text.
+        texts: whether the result has strings in it, at any depth.
     """
 
-    __slots__ = ("args", "name", "parameters", "result", "void", "zeros")
+    __slots__ = ("args", "head", "name", "parameters", "result", "texts", "void", "zeros")
 
     def __init__(self, service: Any, name: str) -> None:
         self.name = name
@@ -46,6 +49,8 @@ class Function:
         entries = list(self.args.thrift_spec.values())
         self.parameters: tuple[str, ...] = tuple(entry[1] for entry in entries)
         self.void = 0 not in self.result.thrift_spec
+        self.head = struct.pack("!i", len(name)) + name.encode()
+        self.texts = _has_text(self.result.thrift_spec)
         #: one factory per parameter for the value that a field left out stands for
         self.zeros = tuple(
             entry[2] if entry[0] == TType.STRUCT else _ZERO[entry[0]] for entry in entries
@@ -85,6 +90,16 @@ def functions() -> dict[str, Function]:
 def _structs(module: Any) -> list[Any]:
     structs: list[Any] = module.__thrift_meta__["structs"]
     return structs
+
+
+def _has_text(part: Any) -> bool:
+    if isinstance(part, dict):
+        return any(_has_text(entry) for entry in part.values())
+    if isinstance(part, tuple):
+        return any(_has_text(inner) for inner in part)
+    if isinstance(part, type):
+        return _has_text(vars(part)["thrift_spec"])
+    return bool(part == TType.STRING)
 
 
 def _typed(part: Any, structs: dict[str, type]) -> Any:

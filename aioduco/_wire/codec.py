@@ -1,0 +1,171 @@
+"""Calls to bytes and replies to values: thriftpy2's strict binary protocol, without I/O."""
+
+from __future__ import annotations
+
+import dataclasses
+import struct
+from typing import TYPE_CHECKING, Any, Final
+
+from thriftpy2.protocol import TCyBinaryProtocol
+from thriftpy2.thrift import TApplicationException, TDecodeException
+from thriftpy2.transport import TCyMemoryBuffer
+
+from aioduco._wire.framing import Malformed, StructScanner
+from aioduco.errors import ControllerError, ParameterError, UnknownFunction
+
+if TYPE_CHECKING:
+    from aioduco._wire.idl import Function
+
+#: thriftpy2 ships types of half of its functions
+_protocol: Any = TCyBinaryProtocol
+
+_CALL: Final = b"\x80\x01\x00\x01"
+_REPLY: Final = b"\x80\x01\x00\x02"
+_EXCEPTION: Final = b"\x80\x01\x00\x03"
+
+_sequence = struct.Struct("!i").pack
+
+#: sequence ids run from 1 to here and begin again
+LAST_SEQUENCE: Final = 0x7FFFFFFF
+
+
+def encode(function: Function, args: tuple[Any, ...]) -> bytes:
+    """Encode the arguments of a call.
+
+    Args:
+        function: the function of the wire.
+        args: one value per parameter, none of them None.
+
+    Returns:
+        The argument struct as it stands in the message.
+
+    Raises:
+        ParameterError: a value does not fit the type of its parameter.
+        TypeError: the number of arguments is wrong.
+    """
+    parameters = function.parameters
+    if len(args) != len(parameters):
+        raise TypeError(
+            f"{function.name} takes {len(parameters)} arguments ({', '.join(parameters)}), "
+            f"not {len(args)}"
+        )
+    # thriftpy2 would leave the field out, and the controller would take it for zero
+    for value, parameter in zip(args, parameters, strict=True):
+        if value is None:
+            raise ParameterError(parameter, value, f"a value; {function.name} needs every one")
+    # a buffer of its own: a signal handler may encode a stop in the middle of another call
+    buffer = TCyMemoryBuffer()
+    try:
+        _protocol(buffer).write_struct(function.args(*args))
+    except TDecodeException as exc:
+        raise ParameterError(
+            exc.field, exc.value, f"a value of the wire's type {exc.type_repr}"
+        ) from exc
+    encoded: bytes = buffer.getvalue()
+    return encoded
+
+
+def message(function: Function, sequence: int, arguments: bytes) -> bytes:
+    """The whole message of a call, from its encoded arguments."""
+    return _CALL + function.head + _sequence(sequence) + arguments
+
+
+class ReplyReader:
+    """Takes the bytes of the reply to one call, checks that they are, and decodes them.
+
+    The reply must name the function and carry the sequence id of the call: thriftpy2 checks
+    neither, so after a time-out its next call returns the answer to the one before.
+    """
+
+    __slots__ = ("_function", "_scanner", "_sequence", "_start", "failed")
+
+    def __init__(self, function: Function, sequence: int) -> None:
+        self._function = function
+        self._sequence = _sequence(sequence)
+        self._scanner: StructScanner | None = None
+        self._start = 0
+        #: whether the controller answered by an application error
+        self.failed = False
+
+    @property
+    def length(self) -> int:
+        """How many bytes the reply has, once it is whole."""
+        return self._scanner.position if self._scanner is not None else 0
+
+    def whole(self, data: bytes | bytearray) -> bool:
+        """Whether these bytes, from the message's begin on, hold the whole reply.
+
+        Raises:
+            Malformed: they are no reply to this call.
+        """
+        if self._scanner is None:
+            self._scanner = self._header(data)
+        return self._scanner is not None and self._scanner.whole(data)
+
+    def _header(self, data: bytes | bytearray) -> StructScanner | None:
+        head = self._function.head
+        start = 8 + len(head)
+        if data.startswith(_REPLY + head + self._sequence):
+            self._start = start
+            return StructScanner(self._function.result.thrift_spec, start)
+        kind = bytes(data[:4])
+        if not (_REPLY.startswith(kind) or _EXCEPTION.startswith(kind)):
+            raise Malformed(
+                f"the bytes {bytes(data[:32])!r} begin no reply of Thrift's strict binary protocol"
+            )
+        # compared as far as the bytes have come, so that a wrong one is not waited for
+        name = bytes(data[4 : 4 + len(head)])
+        if not head.startswith(name):
+            raise Malformed(f"a reply to another function: {bytes(data[8:48])!r}")
+        if len(data) < start:
+            return None
+        if data[start - 4 : start] != self._sequence:
+            raise Malformed("a reply to another call, with another sequence id")
+        self.failed = True
+        self._start = start
+        return StructScanner(TApplicationException.thrift_spec, start)
+
+    def value(self, data: bytes | bytearray) -> Any:
+        """Decode the whole reply.
+
+        Raises:
+            ControllerError: the controller answered by an application error.
+            UnknownFunction: the controller does not have the function.
+        """
+        function = self._function
+        buffer = TCyMemoryBuffer(bytes(data[self._start : self.length]))
+        protocol = _protocol(buffer)
+        if self.failed:
+            error = TApplicationException()
+            protocol.read_struct(error)
+            text = _text(error.message) if error.message else str(error)
+            if error.type == TApplicationException.UNKNOWN_METHOD:
+                raise UnknownFunction(
+                    function.name, f"the controller has no such function ({text})"
+                )
+            raise ControllerError(function.name, text, error.type)
+        result = function.result()
+        protocol.read_struct(result)
+        if function.void:
+            return None
+        if result.success is None:
+            raise ControllerError(
+                function.name,
+                "the controller answered without a result",
+                TApplicationException.MISSING_RESULT,
+            )
+        return _text(result.success) if function.texts else result.success
+
+
+def _text(value: Any) -> Any:
+    """Text that is not UTF-8, which thriftpy2 leaves as bytes, made readable at any depth."""
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "backslashreplace")
+    if isinstance(value, list):
+        return [_text(item) for item in value]
+    if isinstance(value, dict):
+        return {_text(key): _text(item) for key, item in value.items()}
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        for field in dataclasses.fields(value):
+            setattr(value, field.name, _text(getattr(value, field.name)))
+    return value

@@ -1,0 +1,234 @@
+"""Where a reply ends, and whether it is one: read before thriftpy2 decodes it.
+
+thriftpy2 believes what it reads. It allocates what a length claims, returns an empty list when
+the elements have another type than the IDL says, and leaves a field of another type out. So
+each reply is measured and its types are checked here first, byte by byte as it comes, without
+any I/O; only a reply that is whole and fits is decoded.
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import Any, Final
+
+from thriftpy2.thrift import TType
+
+#: the longest reply that is believed; a status has 1 kB, the longest list of files some 100 kB
+MAX_REPLY: Final = 4 * 1024 * 1024
+
+#: structs and containers in one another; the deepest reply on the wire has four
+_MAX_DEPTH: Final = 32
+
+_I32 = struct.Struct("!i").unpack_from
+_I16 = struct.Struct("!h").unpack_from
+
+_FIXED: Final = {
+    TType.BOOL: 1,
+    TType.BYTE: 1,
+    TType.I16: 2,
+    TType.I32: 4,
+    TType.I64: 8,
+    TType.DOUBLE: 8,
+}
+_STOP: Final[int] = TType.STOP
+_STRING: Final[int] = TType.STRING
+_STRUCT: Final[int] = TType.STRUCT
+_LIST: Final[int] = TType.LIST
+_SET: Final[int] = TType.SET
+_MAP: Final[int] = TType.MAP
+
+#: bytes before the content of a value that has no fixed width
+_HEAD: Final = {_STRING: 4, _LIST: 5, _SET: 5, _MAP: 6}
+
+#: what thriftpy2 keeps of a type beside its number: a struct's class, a container's elements
+Shape = Any
+_ANY: Final = None
+
+
+class Malformed(Exception):
+    """The bytes are no reply that fits the IDL."""
+
+
+class _Struct:
+    """A struct whose fields are being read; `fields` is empty if the IDL does not know it."""
+
+    __slots__ = ("fields",)
+
+    def __init__(self, fields: dict[int, tuple[Any, ...]]) -> None:
+        self.fields = fields
+
+
+class _Items:
+    """Elements of a container still to come; a map's keys and values take turns."""
+
+    __slots__ = ("left", "shapes", "types")
+
+    def __init__(self, types: tuple[int, ...], shapes: tuple[Shape, ...], count: int) -> None:
+        self.types = types
+        self.shapes = shapes
+        self.left = count * len(types)
+
+
+class StructScanner:
+    """Finds the end of one encoded struct in bytes that grow.
+
+    Invariants: each byte is looked at once, however the stream is cut. `position` may lie past
+    the end of the bytes, after a value that is announced but has not come; it never passes
+    `MAX_REPLY`, so no length that a peer claims makes anybody wait or allocate for it.
+    """
+
+    __slots__ = ("_open", "position")
+
+    def __init__(self, fields: dict[int, tuple[Any, ...]], start: int) -> None:
+        """Make a scanner.
+
+        Args:
+            fields: thriftpy2's spec of the struct: by field id a tuple of type, name, perhaps
+                the shape, and whether it is required.
+            start: where in the bytes the struct begins.
+        """
+        self.position = start
+        self._open: list[_Struct | _Items] = [_Struct(fields)]
+
+    def whole(self, data: bytes | bytearray) -> bool:
+        """Go on through the bytes.
+
+        Args:
+            data: the bytes from the message's begin to the newest.
+
+        Returns:
+            Whether the struct has ended; `position` is then the first byte after it.
+
+        Raises:
+            Malformed: the bytes do not fit.
+        """
+        size = len(data)
+        stack = self._open
+        while stack:
+            inner = stack[-1]
+            if isinstance(inner, _Struct):
+                went_on = self._fields(inner, data, size)
+            else:
+                went_on = self._items(inner, data, size)
+            if self.position > MAX_REPLY:
+                raise Malformed(f"a reply of more than {MAX_REPLY} bytes")
+            if not went_on:
+                return False
+        return True
+
+    def _fields(self, inner: _Struct, data: bytes | bytearray, size: int) -> bool:
+        """Go past fields until one opens, the struct ends, or the bytes do."""
+        fields = inner.fields
+        at = self.position
+        while at < size:
+            kind = data[at]
+            if kind == _STOP:
+                self.position = at + 1
+                self._open.pop()
+                return True
+            if at + 3 > size:
+                break
+            field = fields.get(_I16(data, at + 1)[0])
+            if field is not None and field[0] != kind:
+                raise Malformed(f"field {field[1]} has the type {kind}, not {field[0]}")
+            width = _FIXED.get(kind)
+            if width is not None:
+                at += 3 + width
+                continue
+            shape = field[2] if field is not None and len(field) > 3 else _ANY
+            after = self._value(kind, shape, data, at + 3, size)
+            if after is None:
+                break
+            if after < 0:
+                return True
+            at = after
+        self.position = at
+        return False
+
+    def _items(self, inner: _Items, data: bytes | bytearray, size: int) -> bool:
+        """Go past elements until one opens, the container ends, or the bytes do."""
+        types = inner.types
+        at = self.position
+        while inner.left:
+            if at >= size:
+                break
+            turn = -inner.left % len(types)
+            width = _FIXED.get(types[turn])
+            if width is not None:
+                inner.left -= 1
+                at += width
+                continue
+            inner.left -= 1
+            after = self._value(types[turn], inner.shapes[turn], data, at, size)
+            if after is None:
+                inner.left += 1
+                break
+            if after < 0:
+                return True
+            at = after
+        else:
+            self.position = at
+            self._open.pop()
+            return True
+        self.position = at
+        return False
+
+    def _value(
+        self, kind: int, shape: Shape, data: bytes | bytearray, at: int, size: int
+    ) -> int | None:
+        """Go past one value that has no fixed width.
+
+        Returns:
+            Where it ends; -1 if it was opened instead; None if too few bytes have come to tell.
+        """
+        if at + _HEAD.get(kind, 0) > size:
+            return None
+        if kind == _STRING:
+            return at + 4 + self._count(data, at)
+        if kind == _STRUCT:
+            return self._enter(_Struct(shape.thrift_spec if shape is not None else {}), at)
+        if kind == _MAP:
+            return self._map(shape, data, at)
+        if kind in (_LIST, _SET):
+            return self._list(shape, data, at)
+        raise Malformed(f"there is no type {kind}")
+
+    def _list(self, shape: Shape, data: bytes | bytearray, at: int) -> int:
+        element = data[at]
+        count = self._count(data, at + 1)
+        inner, deeper = _parts(shape)
+        # the type that an empty list announces says nothing
+        if count and inner is not None and inner != element:
+            raise Malformed(f"a list has elements of the type {element}, not {inner}")
+        width = _FIXED.get(element)
+        if width is not None:
+            return at + 5 + count * width
+        return self._enter(_Items((element,), (deeper,), count), at + 5)
+
+    def _map(self, shape: Shape, data: bytes | bytearray, at: int) -> int:
+        types = (data[at], data[at + 1])
+        count = self._count(data, at + 2)
+        wanted = [_parts(part) for part in shape or (_ANY, _ANY)]
+        for kind, (known, _) in zip(types, wanted, strict=True):
+            if count and known is not None and known != kind:
+                raise Malformed(f"a map has keys or values of the type {kind}, not {known}")
+        return self._enter(_Items(types, tuple(part[1] for part in wanted), count), at + 6)
+
+    def _enter(self, inner: _Struct | _Items, at: int) -> int:
+        if len(self._open) >= _MAX_DEPTH:
+            raise Malformed(f"more than {_MAX_DEPTH} structs and lists in one another")
+        self._open.append(inner)
+        self.position = at
+        return -1
+
+    @staticmethod
+    def _count(data: bytes | bytearray, at: int) -> int:
+        count: int = _I32(data, at)[0]
+        if not 0 <= count <= MAX_REPLY:
+            raise Malformed(f"a length of {count}")
+        return count
+
+
+def _parts(part: Any) -> tuple[int | None, Shape]:
+    """Type and shape of an element; None for the type that is not known."""
+    return (part[0], part[1]) if isinstance(part, tuple) else (part, _ANY)

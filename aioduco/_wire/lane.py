@@ -1,0 +1,426 @@
+"""A lane: connections on threads of their own, awaited from the event loop."""
+
+from __future__ import annotations
+
+import enum
+import time
+import warnings
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import anyio
+
+from aioduco._wire import codec, idl
+from aioduco._wire.connection import Connection
+from aioduco._wire.pool import Pool
+from aioduco._wire.rpc import AsyncRpc
+from aioduco._wire.semantics import Kind, kind
+from aioduco._wire.worker import AwaitedCall, BlockingCall, Dropped, Worker, doorbell
+from aioduco.errors import CallTimeout, ConnectError, ConnectionLost, NotSent, OutcomeUnknown
+from aioduco.trace import CallFinished, ConnectionEnded, ConnectionOpened, emit
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco.trace import Trace
+
+#: seconds that `aclose` waits for threads; each comes back at once unless it hangs in the system
+_CLOSE_LIMIT: Final = 1.0
+
+#: seconds after which `call_from_thread` sends a stop on a second connection as well
+_STOP_PATIENCE: Final = 0.1
+
+#: threads that may hang in the system at one time, per connection, before calls are refused
+_STUCK_LIMIT: Final = 4
+
+
+class _Default(enum.Enum):
+    """The lane's own time limit, where None already means no limit."""
+
+    LIMIT = "the lane's limit"
+
+
+class LaneState(enum.Enum):
+    """State of a lane."""
+
+    NEW = "new"
+    OPEN = "open"
+    CLOSED = "closed"
+
+
+class LaneStatistics(NamedTuple):
+    """Figures of one lane.
+
+    Attributes:
+        calls: calls that were begun.
+        failed: calls that raised, application errors of the controller not counted.
+        waiting: calls that wait for a connection now.
+        busy: calls that are with a thread now.
+        workers: threads, each with at most one connection.
+        opened: connections that were opened.
+        abandoned: calls that were cancelled, or given up, while they were under way.
+        stuck: threads that hang in the operating system and were replaced.
+    """
+
+    calls: int
+    failed: int
+    waiting: int
+    busy: int
+    workers: int
+    opened: int
+    abandoned: int
+    stuck: int
+
+
+class _Connections:
+    """Makes the connections of a lane, counts them and tells the hook.
+
+    The workers know this and not the lane, so that a lane that was forgotten can be found out.
+    """
+
+    def __init__(
+        self, lane: str, host: str, port: int, connect_timeout: float, trace: Trace | None
+    ) -> None:
+        self.lane = lane
+        self.host = host
+        self.port = port
+        self.connect_timeout = connect_timeout
+        self.trace = trace
+        self.count = 0
+        self._workers = 0
+
+    def worker(self) -> Worker:
+        self._workers += 1
+        return Worker(f"aioduco-{self.lane}-{self._workers}", self)
+
+    def make(self) -> Connection:
+        return Connection(self.host, self.port, connect_timeout=self.connect_timeout)
+
+    def opened(self, connection: Connection, duration: float) -> None:
+        self.count += 1
+        if self.trace is not None:
+            peer = (connection.host, connection.port)
+            emit(self.trace, ConnectionOpened(time.monotonic(), self.lane, peer, duration))
+
+    def ended(self, connection: Connection) -> None:
+        if self.trace is not None:
+            peer = (connection.host, connection.port)
+            event = ConnectionEnded(time.monotonic(), self.lane, peer, connection.reason)
+            emit(self.trace, event)
+
+
+class Lane:
+    """Connections to the controller for one purpose, never shared with another.
+
+    A call that is cancelled, or times out, loses its connection: the socket is closed at once,
+    and the next call opens a new one. So an answer can only reach the call that it answers.
+    No await outlives its deadline by more than half a second, even if its thread hangs.
+
+    Args:
+        name: what the lane is for; it names the threads.
+        host: name or address of the controller.
+        port: its TCP port.
+        size: most connections. With one, calls wait for each other, in order.
+        connect_timeout: most seconds that opening a connection takes.
+        call_timeout: most seconds that a call takes if nothing else is said, the wait for a
+            connection included.
+        trace: a hook that sees each call and each connection.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        host: str,
+        port: int,
+        *,
+        size: int = 1,
+        connect_timeout: float = 3.0,
+        call_timeout: float = 2.0,
+        trace: Trace | None = None,
+    ) -> None:
+        self.name = name
+        self.host = host
+        self.port = port
+        self.call_timeout = call_timeout
+        self.rpc = AsyncRpc(self.call)
+        self._trace = trace
+        self._state = LaneState.NEW
+        self._functions = idl.functions()
+        self._connections = _Connections(name, host, port, connect_timeout, trace)
+        self._pool: Pool[Worker, AwaitedCall] = Pool(size, self._connections.worker)
+        self._stuck: list[Worker] = []
+        self._ring: Callable[[], None] = _nobody
+        self._calls = 0
+        self._failed = 0
+        self._abandoned = 0
+
+    @property
+    def state(self) -> LaneState:
+        """State of the lane."""
+        return self._state
+
+    def statistics(self) -> LaneStatistics:
+        """Figures since the lane was made."""
+        workers = self._pool.workers
+        return LaneStatistics(
+            calls=self._calls,
+            failed=self._failed,
+            waiting=self._pool.waiting,
+            busy=sum(worker.busy for worker in workers),
+            workers=len(workers),
+            opened=self._connections.count,
+            abandoned=self._abandoned,
+            stuck=len(self._stuck),
+        )
+
+    def __repr__(self) -> str:
+        figures = self.statistics()
+        return (
+            f"<Lane {self.name} {self.host}:{self.port} {self._state.name}, "
+            f"{figures.busy} of {self._pool.size} busy, {figures.waiting} waiting>"
+        )
+
+    def __del__(self) -> None:
+        if getattr(self, "_state", None) is LaneState.OPEN:
+            warnings.warn(f"unclosed {self!r}", ResourceWarning, source=self, stacklevel=2)
+            for worker in self._pool.workers:
+                worker.abandon(None, "the lane was forgotten")
+                worker.dismiss()
+
+    async def open(self) -> None:
+        """Open the first connection; the others open when calls need them.
+
+        Raises:
+            ConnectError: there is no controller, or it does not answer in time.
+        """
+        if self._state is not LaneState.NEW:
+            raise RuntimeError(f"{self!r} can be opened once")
+        self._state = LaneState.OPEN
+        self._ring = doorbell(self._dispatch)
+        deadline = time.monotonic() + self._connections.connect_timeout
+        try:
+            await self._carry_out(AwaitedCall(None, b"", deadline, self._finished, self._expired))
+        except BaseException as exc:
+            await self.aclose()
+            if isinstance(exc, TimeoutError):
+                raise ConnectError(self.host, self.port, "no answer in time") from exc
+            raise
+
+    async def aclose(self) -> None:
+        """Close every connection and end every thread. Calls under way fail."""
+        if self._state is LaneState.CLOSED:
+            return
+        self._state = LaneState.CLOSED
+        for call in self._pool.drain():
+            call.fail(ConnectionLost(f"{call.name} was not sent, since its lane was closed"))
+        workers = [*self._pool.workers, *self._stuck]
+        for worker in workers:
+            worker.abandon(None, "its lane was closed")
+        farewells = [worker.farewell() for worker in workers]
+        with anyio.move_on_after(_CLOSE_LIMIT, shield=True):
+            for gone in farewells:
+                await gone.wait()
+        for worker, gone in zip(workers, farewells, strict=True):
+            # what is set is past its last wait, so this takes no time
+            if gone.is_set():
+                worker.join(_CLOSE_LIMIT)
+
+    def within(self, timeout: float | None) -> AsyncRpc:
+        """The functions of the wire with another time limit.
+
+        Args:
+            timeout: most seconds for a call; None: no limit, for functions that block.
+        """
+        return AsyncRpc(lambda name, args: self.call(name, args, timeout))
+
+    async def call(
+        self,
+        name: str,
+        args: tuple[Any, ...],
+        timeout: float | _Default | None = _Default.LIMIT,
+    ) -> Any:
+        """Call a function of the wire and wait for its answer.
+
+        Args:
+            name: the function.
+            args: one value per parameter.
+            timeout: most seconds for the whole call; None: no limit. By default the lane's.
+
+        Returns:
+            The result; None for a function without one.
+
+        Raises:
+            ParameterError: a value cannot be sent.
+            ControllerError: the controller answered by an error.
+            ConnectError: no connection could be made; nothing was sent.
+            NotSent: the time was over before anything was sent.
+            ConnectionLost: nothing was sent, or a function that only reads was not answered.
+            OutcomeUnknown: a command was sent and its answer did not come.
+        """
+        function = self._functions[name]
+        # encoded before anything else: a value that cannot be sent costs no connection, and one
+        # that the caller changes meanwhile is sent as it was
+        encoded = codec.encode(function, args)
+        if self._state is not LaneState.OPEN:
+            raise ConnectionLost(f"{name} was not sent, since {self!r} is not open")
+        seconds = self.call_timeout if timeout is _Default.LIMIT else timeout
+        begin = time.monotonic()
+        deadline = None if seconds is None else begin + seconds
+        self._calls += 1
+        call = AwaitedCall(function, encoded, deadline, self._finished, self._expired)
+        if self._trace is None:
+            return await self._carry_out(call)
+        value: Any = None
+        error: BaseException | None = None
+        try:
+            value = await self._carry_out(call)
+        except BaseException as exc:
+            error = exc
+            raise
+        finally:
+            end = time.monotonic()
+            event = CallFinished(end, self.name, name, args, value, error, end - begin)
+            emit(self._trace, event)
+        return value
+
+    async def _carry_out(self, call: AwaitedCall) -> Any:
+        self._pool.add(call)
+        self._dispatch()
+        try:
+            return await call.outcome()
+        except BaseException as exc:
+            if isinstance(exc, ConnectionLost | ConnectError):
+                self._failed += 1
+            elif not isinstance(exc, Exception):
+                self._give_up(call)
+            raise
+
+    def _give_up(self, call: AwaitedCall) -> None:
+        """The task that waited was cancelled: nothing of the call stays behind."""
+        if call.worker is None:
+            self._pool.forget(call)
+            return
+        if call.worker.abandon(call, "the call was cancelled") is not Dropped.OVER:
+            self._abandoned += 1
+
+    def _dispatch(self) -> None:
+        for worker, call in self._pool.assign():
+            try:
+                worker.submit(call)
+            except RuntimeError as exc:
+                self._pool.discard(worker)
+                call.fail(ConnectionLost(f"{call.name} was not sent: no thread for it ({exc})"))
+
+    def _finished(self, call: AwaitedCall) -> None:
+        """A thread is done with a call: its worker is free already, so it goes on first."""
+        self._dispatch()
+        call.settle()
+
+    def _expired(self, call: AwaitedCall, again: bool) -> bool:
+        """The time of a call is over, and its thread has not come back with it."""
+        worker = call.worker
+        if worker is None:
+            self._pool.forget(call)
+            call.fail(NotSent(f"{call.name} was not sent: no connection of {self!r} was free"))
+            return False
+        if not again:
+            return True
+        dropped = worker.abandon(call, "its thread hangs")
+        if dropped is Dropped.OVER:
+            # its notice is on the way to the loop, which has been too busy to look at it
+            return True
+        self._abandoned += 1
+        self._replace(worker)
+        call.fail(_hung(call.name, dropped))
+        return False
+
+    def _replace(self, worker: Worker) -> None:
+        """Let a new worker take the place of one whose thread hangs in the system."""
+        self._stuck = [stuck for stuck in self._stuck if stuck.alive]
+        if len(self._stuck) < _STUCK_LIMIT * self._pool.size and self._pool.discard(worker):
+            worker.dismiss()
+            self._stuck.append(worker)
+            self._dispatch()
+
+    def call_from_thread(self, name: str, args: tuple[Any, ...], timeout: float | None) -> Any:
+        """Call a function of the wire and block until its answer is there.
+
+        It may be called from any thread, and from a signal handler in the middle of anything,
+        since it waits for no lock and needs no event loop. It never waits behind another call:
+        if every connection is taken, it opens one of its own for this call. A `stop` that is
+        not answered within 0.1 s is sent on a connection of its own as well.
+
+        Args:
+            name: the function.
+            args: one value per parameter.
+            timeout: most seconds for the whole call; None: no limit.
+
+        Returns:
+            The result; None for a function without one.
+
+        Raises:
+            The errors of `call`.
+        """
+        function = self._functions[name]
+        encoded = codec.encode(function, args)
+        if self._state is not LaneState.OPEN:
+            raise ConnectionLost(f"{name} was not sent, since {self!r} is not open")
+        self._calls += 1
+        begin = time.monotonic()
+        deadline = None if timeout is None else begin + timeout
+        value: Any = None
+        error: BaseException | None = None
+        try:
+            value = self._block(function, encoded, deadline)
+        except BaseException as exc:
+            self._failed += isinstance(exc, ConnectionLost | ConnectError)
+            error = exc
+            raise
+        finally:
+            if self._trace is not None:
+                end = time.monotonic()
+                event = CallFinished(end, self.name, name, args, value, error, end - begin)
+                emit(self._trace, event)
+        return value
+
+    def _block(self, function: idl.Function, encoded: bytes, deadline: float | None) -> Any:
+        for worker in tuple(self._pool.workers):
+            if worker.claim():
+                break
+        else:
+            return self._alone(function, encoded, deadline)
+        call = BlockingCall(function, encoded, deadline, self._ring)
+        worker.submit(call)
+        is_stop = kind(function.name) is Kind.STOP
+        if call.wait(_STOP_PATIENCE if is_stop else None):
+            return call.outcome()
+        if not is_stop:
+            raise _hung(function.name, worker.abandon(call, "its thread hangs"))
+        try:
+            return self._alone(function, encoded, deadline)
+        except (ConnectError, ConnectionLost):
+            # the first one may still have come through
+            if call.wait(0.0):
+                return call.outcome()
+            raise
+
+    def _alone(self, function: idl.Function, encoded: bytes, deadline: float | None) -> Any:
+        """Call on a connection of the calling thread's own."""
+        connection = self._connections.make()
+        try:
+            connection.open(deadline)
+            return connection.exchange(function, encoded, deadline)
+        finally:
+            connection.close()
+
+
+def _hung(name: str, dropped: Dropped) -> ConnectionLost:
+    """What the caller of a call is told whose thread does not come back."""
+    if dropped is Dropped.UNSENT:
+        return NotSent(f"{name} was not sent: no connection could be made in time")
+    if kind(name) is Kind.READ:
+        return CallTimeout(f"{name}: its thread did not come back in time")
+    return OutcomeUnknown(name, "its thread did not come back in time")
+
+
+def _nobody() -> None:
+    """Nobody waits before the lane is open."""
