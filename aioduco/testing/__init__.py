@@ -29,6 +29,7 @@ from aioduco.testing.faults import (
 )
 from aioduco.testing.leaks import Resources, no_leaks
 from aioduco.testing.proxy import FaultProxy
+from aioduco.testing.recording_server import ReceivedCall, RecordingServer
 from aioduco.testing.records import CallRecord, ConnectionRecord, ProxyStatistics
 from aioduco.testing.waiting import eventually, eventually_async
 
@@ -50,6 +51,8 @@ __all__ = [
     "Place",
     "Plan",
     "ProxyStatistics",
+    "ReceivedCall",
+    "RecordingServer",
     "RepeatReply",
     "Resources",
     "Throttle",

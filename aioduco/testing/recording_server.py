@@ -1,0 +1,140 @@
+"""A controller that answers from a script and keeps every call: no arm, no physics, no state."""
+
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Self, cast
+
+from aioduco._wire import idl
+from aioduco.sim.server import Server
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from types import TracebackType
+
+    from aioduco._wire.rpc import Handler
+
+__all__ = ["ReceivedCall", "RecordingServer"]
+
+
+@dataclass(frozen=True, slots=True)
+class ReceivedCall:
+    """A call that a server received whole.
+
+    Attributes:
+        method: the function of the wire.
+        args: its arguments, in the order of the wire; what was left out has its zero value.
+        at: when it came, in s of `time.monotonic`.
+        thread: id of the thread that served it; each connection has its own.
+    """
+
+    method: str
+    args: tuple[Any, ...]
+    at: float
+    thread: int
+
+
+class RecordingServer:
+    """Answers calls as it was told, and remembers them.
+
+        with RecordingServer({"movej2": 1063, "get_tcp_pose": lambda: [0.0] * 6}) as server:
+            ...                                  # connect to server.host, server.port
+            assert [call.args[1] for call in server.received("movej2")] == [1.0]
+
+    A call is remembered before it is answered. It speaks the wire through the simulator's own
+    server, so a client cannot tell it from the simulator by anything but its answers.
+
+    Attributes:
+        host: address on which it listens.
+        port: free port on which it listens.
+    """
+
+    def __init__(self, answers: Mapping[str, Any] | None = None) -> None:
+        """Make a server; `with` starts it.
+
+        Args:
+            answers: by function of the wire what it returns, or a callable that is given the
+                arguments and returns it. What a callable raises goes to the caller as a Thrift
+                application error, and so does a call of a function that is not here.
+        """
+        self._answers: dict[str, Any] = {}
+        self._received: list[ReceivedCall] = []
+        for method, answer in (answers or {}).items():
+            self.answer(method, answer)
+        self._server = Server(cast("Handler", _Answering(self._serve)))
+
+    def __enter__(self) -> Self:
+        self._server.start()
+        self.host, self.port = self._server.host, self._server.port
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._server.close()
+
+    async def __aenter__(self) -> Self:
+        return self.__enter__()
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.__exit__(kind, exc, traceback)
+
+    def answer(self, method: str, answer: Any) -> None:
+        """Set or change what a function returns.
+
+        Args:
+            method: the function of the wire.
+            answer: a value, or a callable that is given the arguments and returns it.
+
+        Raises:
+            KeyError: the wire has no such function.
+        """
+        if method not in idl.functions():
+            raise KeyError(f"the wire has no function {method!r}")
+        self._answers[method] = answer
+
+    def received(self, method: str | None = None) -> tuple[ReceivedCall, ...]:
+        """The calls that came so far, oldest first.
+
+        Args:
+            method: only calls of this function of the wire.
+        """
+        calls = tuple(self._received)
+        return calls if method is None else tuple(c for c in calls if c.method == method)
+
+    @property
+    def connections(self) -> int:
+        """How many connections are open."""
+        return self._server.connections
+
+    def _serve(self, method: str, args: tuple[Any, ...]) -> Any:
+        self._received.append(ReceivedCall(method, args, time.monotonic(), threading.get_ident()))
+        try:
+            answer = self._answers[method]
+        except KeyError:
+            raise _NoAnswer(f"{method} has no answer in this server's script") from None
+        return answer(*args) if callable(answer) else answer
+
+
+class _NoAnswer(Exception):
+    """A function was called that the script does not have."""
+
+
+class _Answering:
+    """A handler that has every function."""
+
+    def __init__(self, serve: Callable[[str, tuple[Any, ...]], Any]) -> None:
+        self._serve = serve
+
+    def __getattr__(self, method: str) -> Callable[..., Any]:
+        return lambda *args: self._serve(method, args)
