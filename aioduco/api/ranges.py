@@ -61,7 +61,8 @@ JOINTS_NEAR = OrCurrent(JOINTS)
 #: the manual prints ±2π for the angles of the motions' targets; here it holds for all poses, and
 #: finds degrees
 POSE = PoseRule(source="1.3.5")
-POSE_OR_CURRENT = OrCurrent(POSE)
+#: frames of cal_ikine and cal_fkine
+POSE_OR_CURRENT = OrCurrent(PoseRule(source="1.3.7"))
 #: of the leading joint
 JOINT_SPEED = Number(0.01 * pi / 180, 1.25 * pi, "rad/s", source="1.3.5")
 JOINT_ACCELERATION = Number(0.01 * pi / 180, unit="rad/s²", source="1.3.5")

@@ -141,10 +141,11 @@ class Points(Rule):
         self, name: str, value: Iterable[VectorLike] | NDArray[np.floating[Any]]
     ) -> list[list[float]]:
         """Check `value` and return it as a list of lists of floats."""
+        points: list[Any]
         if isinstance(value, (str, bytes, bytearray, Mapping, Set)):
             raise ParameterError(name, value, self.expected)
         try:
-            points: list[Any] = value.tolist() if isinstance(value, np.ndarray) else list(value)
+            points = list(value.tolist() if isinstance(value, np.ndarray) else value)
         except TypeError as exc:
             raise ParameterError(name, value, self.expected) from exc
         if not self.low <= len(points) <= self.high:
