@@ -1,0 +1,137 @@
+"""Many callers on lanes through a proxy that does everything to them that it can."""
+
+from __future__ import annotations
+
+import random
+import threading
+from functools import partial
+from typing import TYPE_CHECKING
+
+import anyio
+import pytest
+
+from aioduco._wire.lane import Lane
+from aioduco.testing import Chaos, Ending, FaultProxy, RecordingServer, eventually_async, no_leaks
+
+from .calls import ANSWERS, METHODS, Book, Call, Lag, make
+from .conftest import PARTS
+from .menu import MENU
+
+if TYPE_CHECKING:
+    from collections import Counter
+
+CALLERS = 12
+
+
+class Storm:
+    """Callers, cancellations, and blows at all connections at once, until there were enough."""
+
+    def __init__(self, proxy: FaultProxy, faults: int, seed: str) -> None:
+        self.proxy = proxy
+        self.faults = faults
+        self.seed = seed
+        self.books: list[Book] = []
+
+    @property
+    def over(self) -> bool:
+        return self.proxy.statistics().faults >= self.faults
+
+    def _book(self, who: str) -> tuple[Book, random.Random]:
+        rng = random.Random(f"{self.seed}/{who}")
+        book = Book(rng)
+        self.books.append(book)
+        return book, rng
+
+    async def caller(self, lane: Lane, number: int) -> None:
+        book, rng = self._book(f"caller {number}")
+        while not self.over:
+            call = make(rng.choice(METHODS))
+            timeout = rng.choice([0.005, 0.01, 0.02, 0.05])
+            cancel_after = rng.uniform(0.0, 0.015) if rng.random() < 0.2 else None
+            await book.follow(call, lane.call, timeout, cancel_after)
+
+    async def stopper(self, lane: Lane) -> None:
+        """A stop is never told "it may have been done" without a try at a second one."""
+        book, rng = self._book("stopper")
+        while not self.over:
+            call = Call(0, "stop", (True,), 0)
+            await book.follow(call, lane.call, rng.choice([0.01, 0.05]))
+
+    def thread(self, lane: Lane) -> None:
+        book, rng = self._book("thread")
+        while not self.over:
+            book.follow_blocking(make(rng.choice(METHODS)), lane.call_from_thread, 0.02)
+
+    async def blows(self) -> None:
+        _, rng = self._book("blows")
+        due = anyio.current_time()
+        while True:
+            due = max(due + rng.uniform(0.02, 0.2), anyio.current_time())
+            await anyio.sleep_until(due)
+            match rng.randrange(4):
+                case 0:
+                    self.proxy.cut(Ending.RESET)
+                case 1:
+                    self.proxy.cut(Ending.CLOSE)
+                case 2:
+                    self.proxy.refuse()
+                    await anyio.sleep_until(due + rng.uniform(0.001, 0.02))
+                    self.proxy.accept()
+                case _:
+                    self.proxy.freeze()
+                    await anyio.sleep_until(due + rng.uniform(0.001, 0.02))
+                    self.proxy.thaw()
+
+
+@pytest.mark.parametrize("part", range(PARTS))
+async def test_every_call_has_its_own_answer_or_a_true_error(
+    part: int, faults: int, seed: int, totals: Counter[str]
+) -> None:
+    lag = Lag()
+    async with (
+        no_leaks(),
+        RecordingServer(ANSWERS) as server,
+        FaultProxy(server.host, server.port, seed=seed) as proxy,
+    ):
+        pool = Lane("call", proxy.host, proxy.port, size=4)
+        control = Lane("control", proxy.host, proxy.port)
+        storm = Storm(proxy, faults, f"{seed}/{part}")
+        await pool.open()
+        await control.open()
+        proxy.schedule(Chaos(seed * 1000 + part, MENU, rate=0.8))
+        thread = threading.Thread(target=storm.thread, args=(pool,), name="caller")
+        thread.start()
+        async with anyio.create_task_group() as group:
+            group.start_soon(lag.watch)
+            group.start_soon(storm.blows)
+            async with anyio.create_task_group() as callers:
+                for number in range(CALLERS):
+                    callers.start_soon(storm.caller, pool, number)
+                callers.start_soon(storm.stopper, control)
+            group.cancel_scope.cancel()
+        await eventually_async(lambda: not thread.is_alive())
+        thread.join()
+        proxy.clear()
+        await calm(pool)
+        await calm(control)
+        await pool.aclose()
+        await control.aclose()
+        await eventually_async(partial(quiet, proxy, server))
+        totals["faults"] += proxy.statistics().faults
+        totals["calls"] += proxy.statistics().calls
+        totals["connections"] += proxy.statistics().connections
+        for book in storm.books:
+            totals.update(book.outcomes)
+            book.check(server, lag)
+
+
+async def calm(lane: Lane) -> None:
+    """When the faults are over the lane works again, at once and for good."""
+    for _ in range(10):
+        call = make("read_word_reg")
+        assert await lane.call(call.method, call.args, 2.0) == call.answer
+
+
+def quiet(proxy: FaultProxy, server: RecordingServer) -> bool:
+    """Nothing is on its way to the server any more."""
+    return proxy.statistics().open == 0 and server.connections == 0

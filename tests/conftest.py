@@ -1,0 +1,30 @@
+"""Options of the whole suite."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import pytest
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("adversity", "faults on the wire, cancellations and kills")
+    group.addoption(
+        "--faults",
+        type=int,
+        default=10_000,
+        metavar="N",
+        help="faults that tests/adversity puts on the wire in all (default: %(default)s)",
+    )
+    group.addoption(
+        "--seed",
+        type=int,
+        default=1,
+        metavar="N",
+        help="seed of tests/adversity; another one makes other faults (default: %(default)s)",
+    )
+
+
+def pytest_report_header(config: pytest.Config) -> str:
+    return f"adversity: {config.getoption('faults')} faults, seed {config.getoption('seed')}"
