@@ -19,6 +19,7 @@ from aioduco.models.rules import (
     Flags,
     Integer,
     Integers,
+    JointsRule,
     Number,
     OrCurrent,
     OrForever,
@@ -54,7 +55,7 @@ HEARTBEAT = Duration(0.2, 60.0, source="1.3.1")
 
 # -- 1.3.5 motion ------------------------------------------------------------------------------
 
-JOINTS = Vector(Number(-2 * pi, 2 * pi, "rad", source="1.3.5"), length=6)
+JOINTS = JointsRule(source="1.3.5")
 #: reference joints that choose the branch of the inverse kinematics; None for the present ones.
 #: The manual prints no range; the joints' own holds, and finds degrees
 JOINTS_NEAR = OrCurrent(JOINTS)

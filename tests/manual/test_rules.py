@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from aioduco.api import ranges
 from aioduco.errors import ParameterError
+from aioduco.models.pose import Joints, Pose
 from aioduco.models.rules import (
     Choice,
     Duration,
@@ -22,6 +23,7 @@ from aioduco.models.rules import (
     Flags,
     Integer,
     Integers,
+    JointsRule,
     Number,
     OrCurrent,
     OrForever,
@@ -39,7 +41,7 @@ if TYPE_CHECKING:
 SPEED = Number(0.5, 2.0, "m/s", source="test")
 OPEN = Number(0.0, 5.0, "m/s", open_low=True, source="test")
 ANGLE = Number(-2 * math.pi, 2 * math.pi, "rad", source="test")
-ANGLES = Vector(ANGLE, length=6)
+ANGLES = JointsRule(source="test")
 POSE = PoseRule(source="test")
 COUNT = Integer(1, 16, source="test")
 MODE = Choice({0: "level", 1: "pulses"}, source="test")
@@ -188,6 +190,16 @@ def test_vectors_of_all_kinds_become_lists_of_floats(value: Any) -> None:
         assert result == [0.0, 1.0, 2.0, -1.0, 0.0, 0.0]
         assert {type(item) for item in result} == {float}
         assert result is not value
+
+
+def test_a_pose_is_no_joint_vector() -> None:
+    six = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
+    assert POSE("p", Pose(*six)) == list(six)
+    assert ANGLES("q", Joints(*six)) == list(six)
+    assert Vector(Number(source="test"), length=6)("v", Pose(*six)) == list(six)
+    error(POSE, Joints(*six))
+    error(ANGLES, Pose(*six))
+    error(OrCurrent(ANGLES), Pose(*six))
 
 
 def test_what_numpy_reads_is_a_vector() -> None:

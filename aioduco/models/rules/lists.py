@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aioduco.errors import ParameterError
+from aioduco.models.pose import Joints, Pose
 from aioduco.models.rules.scalars import Choice, Flag, Integer, Number, Real, Rule, Whole
 
 VectorLike: TypeAlias = Sequence[Real] | NDArray[np.floating[Any]] | NDArray[np.integer[Any]]
@@ -42,7 +43,10 @@ class Vector(Rule):
         unit: the unit, or the units of the parts in their order.
     """
 
-    __slots__ = ("_highs", "_lows", "_open", "element", "high", "length", "low", "unit")
+    __slots__ = ("_highs", "_lows", "element", "high", "length", "low", "unit")
+
+    #: what also has as many numbers, but of another meaning
+    _other: type[Pose | Joints] | tuple[()] = ()
 
     def __init__(self, *element: Number, length: int | None = None, source: str = "") -> None:
         if length is not None:
@@ -63,6 +67,8 @@ class Vector(Rule):
         if isinstance(value, (list, tuple)):
             items: Sequence[Any] = value
         else:
+            if isinstance(value, self._other):
+                raise ParameterError(name, value, self.expected)
             items = ordered(name, value, self.expected)
         if self.length is None:
             rule = self.element[0]
@@ -79,15 +85,27 @@ class Vector(Rule):
 
 
 class PoseRule(Vector):
-    """A pose: x, y, z in m, then rx, ry, rz in rad, where R = Rz(rz)·Ry(ry)·Rx(rx)."""
+    """A pose: x, y, z in m, then rx, ry, rz in rad; a `Joints` is none, though it has six."""
 
     __slots__ = ()
+    _other = Joints
 
     def __init__(self, *, source: str) -> None:
         position = Number(unit="m", source=source)
         angle = Number(-2 * math.pi, 2 * math.pi, "rad", source=source)
         super().__init__(position, position, position, angle, angle, angle, source=source)
         self.expected = "a pose: x, y, z in m, then rx, ry, rz in rad"
+
+
+class JointsRule(Vector):
+    """Six joint positions in rad; a `Pose` is none, though it has six numbers."""
+
+    __slots__ = ()
+    _other = Pose
+
+    def __init__(self, *, source: str) -> None:
+        super().__init__(Number(-2 * math.pi, 2 * math.pi, "rad", source=source), length=6)
+        self.expected = "six joint positions in rad"
 
 
 class OrCurrent(Rule):
