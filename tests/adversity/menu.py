@@ -25,7 +25,7 @@ from aioduco.testing.messages import Kind, Message
 from .calls import NO
 
 #: an answer of the right form to a call that nobody made
-STRAY = Message(Kind.REPLY, "read_word_reg", 7, b"\x08\x00\x00\x00\x00\x00\x2a\x00").encode()
+STRAY = Message(Kind.REPLY, "speedj", 7, b"\x08\x00\x00\x00\x00\x00\x2a\x00").encode()
 
 MENU: tuple[Fault, ...] = (
     Delay(request=0.001, reply=0.001, jitter=0.003),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import threading
+from contextlib import asynccontextmanager, contextmanager
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -19,6 +20,7 @@ from .menu import MENU
 
 if TYPE_CHECKING:
     from collections import Counter
+    from collections.abc import AsyncIterator, Iterator
 
 CALLERS = 12
 
@@ -57,10 +59,23 @@ class Storm:
             call = Call(0, "stop", (True,), 0)
             await book.follow(call, lane.call, rng.choice([0.01, 0.05]))
 
-    def thread(self, lane: Lane) -> None:
+    @contextmanager
+    def thread(self, lane: Lane) -> Iterator[None]:
+        """While the block runs, a plain thread calls too."""
         book, rng = self._book("thread")
-        while not self.over:
-            book.follow_blocking(make(rng.choice(METHODS)), lane.call_from_thread, 0.02)
+        ended = threading.Event()
+
+        def work() -> None:
+            while not ended.is_set():
+                book.follow_blocking(make(rng.choice(METHODS)), lane.call_from_thread, 0.02)
+
+        thread = threading.Thread(target=work, name="caller")
+        thread.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            thread.join()
 
     async def blows(self) -> None:
         _, rng = self._book("blows")
@@ -92,25 +107,20 @@ async def test_every_call_has_its_own_answer_or_a_true_error(
         no_leaks(),
         RecordingServer(ANSWERS) as server,
         FaultProxy(server.host, server.port, seed=seed) as proxy,
+        opened(Lane("call", proxy.host, proxy.port, size=4)) as pool,
+        opened(Lane("control", proxy.host, proxy.port)) as control,
     ):
-        pool = Lane("call", proxy.host, proxy.port, size=4)
-        control = Lane("control", proxy.host, proxy.port)
-        storm = Storm(proxy, faults, f"{seed}/{part}")
-        await pool.open()
-        await control.open()
         proxy.schedule(Chaos(seed * 1000 + part, MENU, rate=0.8))
-        thread = threading.Thread(target=storm.thread, args=(pool,), name="caller")
-        thread.start()
+        storm = Storm(proxy, faults, f"{seed}/{part}")
         async with anyio.create_task_group() as group:
             group.start_soon(lag.watch)
             group.start_soon(storm.blows)
-            async with anyio.create_task_group() as callers:
-                for number in range(CALLERS):
-                    callers.start_soon(storm.caller, pool, number)
-                callers.start_soon(storm.stopper, control)
+            with storm.thread(pool):
+                async with anyio.create_task_group() as callers:
+                    for number in range(CALLERS):
+                        callers.start_soon(storm.caller, pool, number)
+                    callers.start_soon(storm.stopper, control)
             group.cancel_scope.cancel()
-        await eventually_async(lambda: not thread.is_alive())
-        thread.join()
         proxy.clear()
         await calm(pool)
         await calm(control)
@@ -125,10 +135,19 @@ async def test_every_call_has_its_own_answer_or_a_true_error(
             book.check(server, lag)
 
 
+@asynccontextmanager
+async def opened(lane: Lane) -> AsyncIterator[Lane]:
+    await lane.open()
+    try:
+        yield lane
+    finally:
+        await lane.aclose()
+
+
 async def calm(lane: Lane) -> None:
     """When the faults are over the lane works again, at once and for good."""
     for _ in range(10):
-        call = make("read_word_reg")
+        call = make("get_system_value_double")
         assert await lane.call(call.method, call.args, 2.0) == call.answer
 
 
