@@ -1,0 +1,141 @@
+"""Commands that become tasks: what is sent, apart from sending it."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Sequence
+    from types import TracebackType
+
+    from aioduco.models.enums import Outcome
+    from aioduco.supervision.task import OnCancel, Task
+
+__all__ = ["Command", "MotionCommand"]
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A call that the controller answers with the id of a task.
+
+    Attributes:
+        name: the function of the wire.
+        args: its arguments, checked and converted, with block false.
+        motion: whether it moves the arm.
+        blends: whether it asks to be blended into the motion after it.
+        estimate: how many seconds it takes from given joints on; None if that cannot be told.
+    """
+
+    name: str
+    args: tuple[Any, ...]
+    motion: bool = True
+    blends: bool = False
+    estimate: Callable[[Sequence[float]], float] | None = None
+
+
+class Launcher(Protocol):
+    """What a command needs to be sent."""
+
+    async def launch(
+        self,
+        command: Command,
+        *,
+        deadline: float | None = None,
+        on_cancel: OnCancel | None = None,
+    ) -> Task:
+        """Send a command and return its task."""
+
+
+class MotionCommand:
+    """A motion as a value: checked, but not sent. It moves the arm when it is awaited or started.
+
+    - `await motion` sends it and waits for its end; it raises unless it finished.
+    - `task = await motion.start()` returns as soon as the controller has accepted it.
+    - `async with motion as task:` ties it to a block: it has ended when the block is left, by
+      itself, or by a stop if the block raised or was cancelled.
+
+    It may be used again: each time moves the arm anew. One that was never used warns, as a
+    coroutine does.
+    """
+
+    __slots__ = ("__weakref__", "_launcher", "_open", "_used", "command")
+
+    def __init__(self, launcher: Launcher, command: Command) -> None:
+        self._launcher = launcher
+        self._used = False
+        self._open: Task | None = None
+        self.command = command
+
+    def __repr__(self) -> str:
+        shown = ", ".join(_short(arg) for arg in self.command.args)
+        return f"<{self.command.name}({shown})>"
+
+    def __del__(self) -> None:
+        if not getattr(self, "_used", True):
+            warnings.warn(
+                f"the motion {self!r} was never awaited or started: the arm did not move",
+                RuntimeWarning,
+                source=self,
+                stacklevel=2,
+            )
+
+    async def start(
+        self, *, deadline: float | None = None, on_cancel: OnCancel | None = None
+    ) -> Task:
+        """Send the motion and return its task as soon as the controller has accepted it.
+
+        If this is cancelled, a motion that was sent is stopped; one that was not is not sent.
+
+        Args:
+            deadline: seconds after which the arm is stopped if the motion has not ended; None
+                for no such limit.
+            on_cancel: what happens to the arm if the await of the task is cancelled: "stop",
+                "pause", or "detach" (it moves on); None for what the robot was opened with.
+
+        Raises:
+            Refused: the controller refused it.
+            RobotStateError: the robot is being closed, or its heartbeat does not beat.
+            OutcomeUnknown: it was sent, but not answered; the arm was stopped.
+            ConnectionLost: it was not sent.
+        """
+        self._used = True
+        return await self._launcher.launch(self.command, deadline=deadline, on_cancel=on_cancel)
+
+    def __await__(self) -> Generator[Any, Any, Outcome]:
+        # Marked here: a coroutine that is never awaited gives its own warning.
+        self._used = True
+        return self._run().__await__()
+
+    async def _run(self) -> Outcome:
+        task = await self.start()
+        return await task
+
+    async def __aenter__(self) -> Task:
+        if self._open is not None:
+            raise RuntimeError(f"{self!r} is tied to a block already: make another one like it")
+        self._open = await self.start()
+        return self._open
+
+    async def __aexit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        task, self._open = self._open, None
+        assert task is not None
+        if exc is None:
+            await task
+        elif not task.done:
+            await task.forsake()
+
+
+def _short(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(_short(each) for each in value)}]"
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

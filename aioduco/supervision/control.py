@@ -1,0 +1,182 @@
+"""Stop, pause, resume, abort: on connections that nothing else uses.
+
+Guarantees:
+- A stop waits behind nothing but another stop. It has a connection of its own, opened with the
+  robot; pause, resume and abort use a second one.
+- A stop that is not answered is repeated over a fresh connection until its deadline: it is the
+  one command that is safe to repeat. A deadline without an answer is an error of its own,
+  `StopUnconfirmed`.
+- A stop that was asked for while a motion was on its way to the controller may be served before
+  that motion. `epoch` lets the sender of the motion see this, and stop once more.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import anyio
+
+from aioduco.errors import DucoError, Refused, StopUnconfirmed
+
+if TYPE_CHECKING:
+    from aioduco._wire.lane import Lane
+
+#: seconds after which an unanswered stop is repeated over a fresh connection; doubled each time
+FIRST_ATTEMPT = 0.25
+#: seconds between two questions whether the arm moves
+STANDSTILL_EVERY = 0.01
+#: answers "it does not move" in a row that count as standing
+STANDSTILL_COUNT = 2
+#: seconds of `robotmoving` without an answer after which a fresh connection is used
+_ASK_LIMIT = 0.5
+
+
+class Control:
+    """Stops and pauses the arm, and sees it stand.
+
+    Args:
+        stop: lane for stops alone.
+        others: lane for pause, resume and abort.
+        watch: lane on which it is asked whether the arm moves.
+
+    Attributes:
+        epoch: number of stops and aborts that were asked for. It rises before anything is sent.
+        stops: stops that the controller accepted.
+        attempts: stops that were sent, repeats included.
+    """
+
+    def __init__(self, stop: Lane, others: Lane, watch: Lane) -> None:
+        self._stop = stop
+        self._others = others
+        self._watch = watch
+        self.epoch = 0
+        self.stops = 0
+        self.attempts = 0
+
+    async def open(self) -> None:
+        """Open the connections.
+
+        Raises:
+            ConnectError: there is no controller.
+        """
+        await self._stop.open()
+        await self._others.open()
+
+    async def aclose(self) -> None:
+        """Close the connections."""
+        try:
+            await self._others.aclose()
+        finally:
+            await self._stop.aclose()
+
+    async def stop(self, timeout: float) -> None:
+        """Send a stop until the controller accepts one.
+
+        Args:
+            timeout: seconds in which that must happen.
+
+        Raises:
+            StopUnconfirmed: it did not.
+        """
+        self.epoch += 1
+        until = time.monotonic() + timeout
+        budget = FIRST_ATTEMPT
+        lanes = (self._stop, self._others)
+        error: BaseException | None = None
+        attempt = 0
+        while (left := until - time.monotonic()) > 0:
+            # Each repeat is on the other lane: whatever holds the first, it does not hold both.
+            lane = lanes[attempt % 2]
+            began = time.monotonic()
+            self.attempts += 1
+            try:
+                answer: int = await lane.call("stop", (False,), min(budget, left))
+                if answer >= 0:
+                    self.stops += 1
+                    return
+                error = Refused("stop", answer, "no reason is given")
+            except DucoError as exc:
+                error = exc
+            attempt += 1
+            # One that fails at once (a refused port) is not repeated in a busy loop.
+            await anyio.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
+            budget *= 2
+        raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
+
+    def stop_now(self, timeout: float) -> None:
+        """Send a stop from any thread or signal handler, and block until it is accepted.
+
+        Args:
+            timeout: seconds in which that must happen.
+
+        Raises:
+            StopUnconfirmed: it did not.
+        """
+        self.epoch += 1
+        until = time.monotonic() + timeout
+        error: BaseException | None = None
+        while (left := until - time.monotonic()) > 0:
+            self.attempts += 1
+            began = time.monotonic()
+            try:
+                answer: int = self._stop.call_from_thread("stop", (False,), left)
+                if answer >= 0:
+                    self.stops += 1
+                    return
+                error = Refused("stop", answer, "no reason is given")
+            except DucoError as exc:
+                error = exc
+            time.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
+        raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
+
+    async def standstill(self, timeout: float) -> None:
+        """Wait until the arm stands.
+
+        Args:
+            timeout: seconds in which that must happen.
+
+        Raises:
+            StopUnconfirmed: the arm is still said to move, or nobody says anything.
+        """
+        due = time.monotonic()
+        until = due + timeout
+        still = 0
+        error: BaseException | None = None
+        while (left := until - time.monotonic()) > 0:
+            try:
+                moving: bool = await self._watch.call("robotmoving", (), min(_ASK_LIMIT, left))
+            except DucoError as exc:
+                error, still = exc, 0
+            else:
+                error, still = None, 0 if moving else still + 1
+                if still >= STANDSTILL_COUNT:
+                    return
+            now = time.monotonic()
+            due = max(due + STANDSTILL_EVERY, now)
+            await anyio.sleep(due - now)
+        if error is not None:
+            raise _unconfirmed(f"nothing was heard of the arm for {timeout:g} s", error) from error
+        raise _unconfirmed(f"the arm still moves after {timeout:g} s", None)
+
+    async def send(self, name: str) -> int:
+        """Send pause, resume or abort once. Returns the id of the task that it became.
+
+        Raises:
+            Refused: the controller refused it.
+            OutcomeUnknown: it was sent, but not answered.
+            ConnectionLost: it was not sent.
+        """
+        if name == "abort":
+            self.epoch += 1
+        answer: int = await self._others.call(name, (False,))
+        if answer < 0:
+            raise Refused(name, answer, "no reason is given")
+        return answer
+
+
+def _unconfirmed(what: str, error: BaseException | None) -> StopUnconfirmed:
+    why = f" (the last answer: {error})" if error is not None else ""
+    return StopUnconfirmed(
+        f"{what}{why}: the arm may be moving. Press the emergency stop if it does"
+    )

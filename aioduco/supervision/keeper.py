@@ -1,0 +1,195 @@
+"""Who brings the arm to rest: on request, on cancellation, and when a motion is unwatched.
+
+Guarantees:
+- Cancelling the await of a motion returns only when the arm stands, or raises `StopUnconfirmed`.
+- A motion that nobody can follow any more, or that is overdue, is stopped.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from typing import TYPE_CHECKING
+
+import anyio
+
+from aioduco.errors import ConnectionLost, DucoError, StopUnconfirmed, TaskUnknown
+from aioduco.supervision.control import STANDSTILL_EVERY, Control
+from aioduco.supervision.insist import insist
+from aioduco.supervision.lifecycle import TaskLifecycle
+from aioduco.supervision.poller import Poller
+from aioduco.supervision.task import Task
+
+if TYPE_CHECKING:
+    from aioduco._wire.lane import Lane
+    from aioduco.models.enums import Outcome
+    from aioduco.supervision.background import Background
+    from aioduco.supervision.settings import Settings
+
+_log = logging.getLogger(__name__)
+
+#: seconds for which the arm is watched after a stop of a motion whose answer was lost: the
+#: command may reach the controller later than the stop
+_LATE = 0.3
+#: seconds for a stopped task to be seen to have ended
+_SETTLE = 1.0
+#: seconds for a pause or a resume to be carried out
+_PAUSE_LIMIT = 10.0
+
+
+class Keeper:
+    """Stops, pauses and resumes the arm, and follows the tasks.
+
+    Args:
+        control: sends stop, pause, resume and abort.
+        poll: lane of the poller.
+        background: runs what no caller waits for.
+        settings: times and limits.
+
+    Attributes:
+        poller: follows the tasks.
+        loose: whether a motion may be running that is not followed. A stop ends that.
+    """
+
+    def __init__(
+        self, control: Control, poll: Lane, background: Background, settings: Settings
+    ) -> None:
+        self._control = control
+        self._poll = poll
+        self._background = background
+        self._settings = settings
+        self.poller = Poller(poll, self)
+        self.loose = False
+
+    @property
+    def stops(self) -> int:
+        """How many stops have been asked for."""
+        return self._control.epoch
+
+    @property
+    def moving(self) -> bool:
+        """Whether anything that this program started may be moving the arm."""
+        return self.loose or any(task.motion for task in self.poller.tasks)
+
+    async def halt(self) -> None:
+        """Stop the arm and see it stand.
+
+        Raises:
+            StopUnconfirmed: it is not known that it stands.
+        """
+        await self._control.stop(self._settings.stop_timeout)
+        await self._control.standstill(self._settings.standstill_timeout)
+        self.loose = False
+
+    async def stop(self) -> None:
+        """As `halt`, and wait until the motions are seen to have ended."""
+        await self.halt()
+        await self._settled(*self.poller.tasks)
+
+    async def halt_late(self) -> None:
+        """Stop a motion of which it is not known when it reaches the controller, if ever."""
+        self.loose = True
+        await self.halt()
+        until = time.monotonic() + _LATE
+        while time.monotonic() < until:
+            try:
+                moving: bool = await self._poll.call("robotmoving", (), _LATE)
+            except ConnectionLost:
+                # Nothing is known: one more stop does no harm, and reports if it cannot be sent.
+                moving = True
+            if moving:
+                await self.halt()
+            await anyio.sleep(STANDSTILL_EVERY)
+
+    async def forsaken(self, task: Task) -> None:
+        """The await of a task was cancelled: do what its `on_cancel` says, then return."""
+        if task.done or task.on_cancel == "detach":
+            return
+        if task.on_cancel == "pause":
+            try:
+                await insist(self.pause)
+            except DucoError as exc:
+                _log.error("%r could not be paused, so the arm is stopped: %s", task, exc)
+            else:
+                return
+        await insist(self.halt)
+        await insist(lambda: self._settled(task))
+
+    async def pause(self) -> None:
+        """Pause all tasks, and see the arm stand."""
+        await self._controlled("pause")
+        await self._control.standstill(self._settings.standstill_timeout)
+
+    async def resume(self) -> None:
+        """Resume all paused tasks."""
+        await self._controlled("resume")
+
+    async def abort(self) -> None:
+        """End the running motion and those read ahead, and see the arm stand."""
+        await self._controlled("abort")
+        await self._control.standstill(self._settings.standstill_timeout)
+
+    async def _controlled(self, name: str) -> None:
+        stops = self.stops
+        answer = await self._control.send(name)
+        task = Task(
+            self,
+            name,
+            answer,
+            TaskLifecycle(),
+            accepted_at=time.monotonic(),
+            stops_before=stops,
+            motion=False,
+            on_cancel="detach",
+        )
+        self.poller.follow(task)
+        await self.completed(task, _PAUSE_LIMIT)
+
+    async def completed(self, task: Task, timeout: float) -> Outcome:
+        """Wait for the end of a task that moves nothing.
+
+        Raises:
+            TaskUnknown: it has not ended within `timeout` seconds.
+            TaskError: it did not succeed.
+        """
+        with anyio.move_on_after(timeout):
+            await task.wait()
+        if not task.done:
+            raise TaskUnknown(
+                task.name, task.id, f"has not ended after {timeout:g} s; it may be running on"
+            )
+        return task.result()
+
+    async def _settled(self, *tasks: Task) -> None:
+        with anyio.move_on_after(_SETTLE):
+            for task in tasks:
+                if task.motion:
+                    await task.wait()
+
+    # -- what the poller finds -----------------------------------------------------------------
+
+    def lost(self, task: Task) -> None:
+        """A task ended with an unknown outcome: nobody watches over a motion that may go on."""
+        if task.motion:
+            self.loose = True
+            self._background.start(self._stop_unwatched(task), "aioduco stop of a lost task")
+
+    def overdue(self, task: Task) -> None:
+        """A task has not ended by its deadline."""
+        if task.motion:
+            self._background.start(self._stop_overdue(task), "aioduco stop of an overdue task")
+
+    async def _stop_unwatched(self, task: Task) -> None:
+        try:
+            await self.halt()
+        except StopUnconfirmed as exc:
+            task.fault = exc
+            _log.critical("%r was lost sight of: %s", task, exc)
+
+    async def _stop_overdue(self, task: Task) -> None:
+        try:
+            await self.halt()
+        except StopUnconfirmed as exc:
+            task.fault = exc
+            task.life.lose()
+            _log.critical("%r is overdue: %s", task, exc)

@@ -1,0 +1,225 @@
+"""The supervision of one robot: its lanes, its heartbeat, and the way out."""
+
+from __future__ import annotations
+
+import logging
+import time
+from typing import TYPE_CHECKING, NamedTuple
+
+import anyio
+
+from aioduco._wire.connection import Connection
+from aioduco._wire.lane import Lane
+from aioduco.errors import RobotStateError
+from aioduco.supervision.background import Background
+from aioduco.supervision.control import Control
+from aioduco.supervision.heartbeat import Heartbeat, HeartbeatStatistics, SignOfLife
+from aioduco.supervision.insist import insist
+from aioduco.supervision.keeper import Keeper
+from aioduco.supervision.launcher import Launcher
+from aioduco.supervision.opening import open_lines
+from aioduco.supervision.samples import Samples
+
+if TYPE_CHECKING:
+    from aioduco._wire.lane import LaneStatistics
+    from aioduco.supervision.settings import Settings
+
+_log = logging.getLogger(__name__)
+
+#: signs of life of the event loop per stall limit
+_SIGNS = 10
+#: seconds between two signs of life at most
+_SIGN_EVERY = 0.1
+#: seconds for a command on its way, beyond its own limit, and for the heartbeat's thread to end
+_GRACE = 1.0
+
+
+class SupervisorStatistics(NamedTuple):
+    """Figures of a robot.
+
+    Attributes:
+        lanes: figures of each lane, by name.
+        heartbeat: figures of the heartbeat; None without one.
+        tasks: tasks that the controller accepted.
+        live_tasks: tasks that live now.
+        polls: questions for the state of a task.
+        stops: stops that the controller accepted.
+        stop_attempts: stops that were sent, repeats included.
+        longest_stall: longest time for which the event loop did not run [s].
+    """
+
+    lanes: dict[str, LaneStatistics]
+    heartbeat: HeartbeatStatistics | None
+    tasks: int
+    live_tasks: int
+    polls: int
+    stops: int
+    stop_attempts: int
+    longest_stall: float
+
+
+class Supervisor:
+    """Supervises one robot.
+
+    `aclose` stops what this program moved and nothing else: a program that only looks on stops
+    nobody's arm.
+
+    Args:
+        host: name or address of the controller.
+        port: its TCP port.
+        settings: times and limits.
+
+    Attributes:
+        calls: the lane of all calls that are neither motions nor supervision.
+        poll: the lane on which tasks and the arm's standstill are asked about.
+        samples: makes samples of the state.
+        control: sends stop, pause, resume, abort.
+        keeper: brings the arm to rest.
+        launcher: starts motions and other tasks.
+        heartbeat: the heartbeat; None without one.
+    """
+
+    def __init__(self, host: str, port: int, settings: Settings) -> None:
+        self.host = host
+        self.port = port
+        self.settings = settings
+        self.samples = Samples()
+        self.calls = self._lane("call", size=settings.pool_size)
+        self.poll = self._lane("poll")
+        self._stop_lane = self._lane("stop")
+        self._control_lane = self._lane("control")
+        self._motion_lane = self._lane("motion")
+        self._life = SignOfLife()
+        self.heartbeat: Heartbeat | None = None
+        if settings.heartbeat is not None:
+            self.heartbeat = Heartbeat(
+                self._line, settings.heartbeat, self._life, settings.loop_stall_limit
+            )
+        self._background = Background(self._crashed)
+        self.control = Control(self._stop_lane, self._control_lane, self.poll)
+        self.keeper = Keeper(self.control, self.poll, self._background, settings)
+        self.launcher = Launcher(
+            self._motion_lane, self.keeper, self._background, self.heartbeat, settings
+        )
+        self._opened = False
+        self._closed = False
+
+    def _lane(self, name: str, size: int = 1) -> Lane:
+        return Lane(
+            name,
+            self.host,
+            self.port,
+            size=size,
+            connect_timeout=self.settings.connect_timeout,
+            call_timeout=self.settings.call_timeout,
+            trace=self.settings.trace,
+        )
+
+    def _line(self) -> Connection:
+        return Connection(self.host, self.port, connect_timeout=self.settings.connect_timeout)
+
+    @property
+    def lanes(self) -> tuple[Lane, ...]:
+        """All lanes, that of the stop first."""
+        return (self._stop_lane, self._control_lane, self.poll, self._motion_lane, self.calls)
+
+    @property
+    def state(self) -> str:
+        """State of the supervision in a word."""
+        if self._closed:
+            return "closed"
+        return "open" if self._opened else "not open"
+
+    def check_open(self, name: str) -> None:
+        """See that the robot is open.
+
+        Raises:
+            RobotStateError: it is not; `name` was not sent.
+        """
+        if not self._opened or self._closed:
+            raise RobotStateError(
+                f"{name} was not sent: the robot is {self.state}; "
+                "use it inside `async with aioduco.connect(...) as robot`"
+            )
+
+    def statistics(self) -> SupervisorStatistics:
+        """Figures since the robot was opened."""
+        return SupervisorStatistics(
+            lanes={lane.name: lane.statistics() for lane in self.lanes},
+            heartbeat=self.heartbeat.statistics() if self.heartbeat else None,
+            tasks=self.launcher.accepted,
+            live_tasks=len(self.keeper.poller.tasks),
+            polls=self.keeper.poller.polls,
+            stops=self.control.stops,
+            stop_attempts=self.control.attempts,
+            longest_stall=self._life.longest_stall,
+        )
+
+    async def open(self) -> None:
+        """Connect, see that a controller answers, and begin to supervise.
+
+        Raises:
+            ConnectError: there is no controller.
+        """
+        if self._opened or self._closed:
+            raise RuntimeError("a robot can be opened once; call aioduco.connect again")
+        try:
+            await open_lines(self)
+        except BaseException:
+            self._closed = True
+            await insist(self._close_lines)
+            raise
+        self._opened = True
+        self._background.start(self._live(), "aioduco sign of life")
+        self._background.start(self.keeper.poller.run(), "aioduco poller")
+
+    async def aclose(self) -> None:
+        """Leave by the ladder: stop what moves, see it stand, end the heartbeat, close.
+
+        Each rung is gone through even if the one before failed, and even if this is cancelled.
+
+        Raises:
+            StopUnconfirmed: it is not known that the arm stands.
+        """
+        if self._closed or not self._opened:
+            return
+        self._closed = True
+        self.launcher.closed = "the robot is closed, or is being closed"
+        cancelled: list[BaseException | None] = []
+        try:
+            limit = self.settings.call_timeout + _GRACE
+            cancelled.append((await insist(lambda: self.launcher.quiet(limit)))[1])
+            if self.keeper.moving:
+                cancelled.append((await insist(self.keeper.halt))[1])
+        finally:
+            if self.heartbeat is not None:
+                self.heartbeat.end()
+            cancelled.append((await insist(self._background.aclose))[1])
+            cancelled.append((await insist(self._close_lines))[1])
+        for cancellation in cancelled:
+            if cancellation is not None:
+                raise cancellation
+
+    async def _close_lines(self) -> None:
+        if self.heartbeat is not None:
+            self.heartbeat.end()
+        for lane in self.lanes:
+            await lane.aclose()
+        if self.heartbeat is not None:
+            self.heartbeat.join(_GRACE)
+
+    async def _live(self) -> None:
+        """Show that the event loop runs."""
+        every = min(self.settings.loop_stall_limit / _SIGNS, _SIGN_EVERY)
+        due = time.monotonic()
+        while True:
+            self._life.touch()
+            now = time.monotonic()
+            due = max(due + every, now)
+            await anyio.sleep(due - now)
+
+    def _crashed(self, error: BaseException) -> None:
+        """Part of the supervision failed: without a heartbeat the controller stops the arm."""
+        self.launcher.closed = f"the supervision of the robot failed ({error!r}); open it anew"
+        if self.heartbeat is not None:
+            self.heartbeat.end()

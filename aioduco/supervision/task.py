@@ -1,0 +1,269 @@
+"""A task of the controller as something to wait for: its state, its end, its errors."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any, Literal, Protocol
+
+import anyio
+
+from aioduco.errors import (
+    TaskError,
+    TaskFailed,
+    TaskIllegal,
+    TaskInterrupted,
+    TaskOverdue,
+    TaskParameterMismatch,
+    TaskStopped,
+    TaskUnknown,
+)
+from aioduco.models.enums import Outcome, TaskState
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable, Generator, Sequence
+
+    from aioduco.supervision.lifecycle import TaskLifecycle
+
+__all__ = ["OnCancel", "Task", "task_error"]
+
+#: what becomes of a motion when the await of it is cancelled
+OnCancel = Literal["stop", "pause", "detach"]
+
+
+class Keeper(Protocol):
+    """What a task needs of whoever supervises it."""
+
+    async def stop(self) -> None:
+        """Stop the arm and see it stand."""
+
+    async def pause(self) -> None:
+        """Pause all tasks."""
+
+    async def resume(self) -> None:
+        """Resume all tasks."""
+
+    async def forsaken(self, task: Task) -> None:
+        """The await of a task was cancelled: do what its `on_cancel` says, then return."""
+
+
+class Task:
+    """A task that the controller accepted. `await task` gives its outcome.
+
+    Awaiting it raises a typed error unless it finished or blended. Cancelling that await stops
+    the arm (see `on_cancel`); `wait()` only looks on, and can be cancelled without effect.
+    The controller stops, pauses and resumes all its tasks together, never one alone: so do
+    `cancel`, `pause` and `resume`.
+
+    Attributes:
+        id: the controller's number of the task.
+        name: the function that started it.
+        motion: whether it moves the arm.
+        on_cancel: what happens when the await of it is cancelled.
+        accepted_at: when the controller's acceptance was received [s of `time.monotonic`].
+        started_at: when it was first seen other than idle; None before.
+        ended_at: when its end was noticed; None before.
+        deadline: when the arm is stopped if it has not ended; None for never.
+    """
+
+    def __init__(
+        self,
+        keeper: Keeper,
+        name: str,
+        task_id: int,
+        life: TaskLifecycle,
+        *,
+        accepted_at: float,
+        stops_before: int,
+        motion: bool,
+        on_cancel: OnCancel,
+        deadline: float | None = None,
+        estimate: Callable[[Sequence[float]], float] | None = None,
+    ) -> None:
+        self._keeper = keeper
+        self.life = life
+        self.id = task_id
+        self.name = name
+        self.motion = motion
+        self.on_cancel: OnCancel = on_cancel
+        self.accepted_at = accepted_at
+        self.started_at: float | None = None
+        self.ended_at: float | None = None
+        self.deadline = deadline
+        #: how many stops had been asked for when it was sent
+        self.stops_before = stops_before
+        #: how long it takes from these joints on, if that can be told
+        self.estimate = estimate
+        #: when its end is expected; None if unknown
+        self.expected_end: float | None = None
+        #: why it was lost sight of, or not stopped in time
+        self.fault: BaseException | None = None
+        #: whether the arm was stopped because the deadline passed
+        self.overdue = False
+        self._errors: tuple[str, ...] = ()
+        self._settled = anyio.Event()
+        self._changed = anyio.Event()
+        self._states = [life.state]
+
+    def __repr__(self) -> str:
+        end = f" {self.outcome.value}" if self.outcome else ""
+        return f"<Task {self.id} {self.name} {self.state.name}{end}>"
+
+    @property
+    def state(self) -> TaskState:
+        """The state that was seen last."""
+        return self.life.state
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """How the task ended; None while it lives."""
+        return self.life.outcome if self.done else None
+
+    @property
+    def done(self) -> bool:
+        """Whether the task has ended, or was lost sight of."""
+        return self._settled.is_set()
+
+    @property
+    def errors(self) -> tuple[str, ...]:
+        """The controller's error list at the end of a task that failed."""
+        return self._errors
+
+    @property
+    def duration(self) -> float:
+        """Seconds from its start (its acceptance, until it is seen to start) to its end, or now."""
+        begin = self.accepted_at if self.started_at is None else self.started_at
+        return (time.monotonic() if self.ended_at is None else self.ended_at) - begin
+
+    def result(self) -> Outcome:
+        """The outcome of a task that is done.
+
+        Raises:
+            TaskError: it is not done, or it neither finished nor blended: one of the subclasses.
+        """
+        outcome = self.outcome
+        if outcome is None:
+            raise TaskError(self.name, self.id, "has not ended yet: await it")
+        if outcome.success:
+            return outcome
+        if self.overdue and outcome is Outcome.STOPPED:
+            raise TaskOverdue(
+                self.name, self.id, "did not end by its deadline: the arm was stopped"
+            )
+        raise task_error(self.name, self.id, outcome, self._errors) from self.fault
+
+    async def wait(self) -> Outcome:
+        """Wait for the end and return the outcome, whatever it is.
+
+        Cancelling this wait does nothing to the arm.
+        """
+        await self._settled.wait()
+        assert self.life.outcome is not None
+        return self.life.outcome
+
+    def __await__(self) -> Generator[Any, Any, Outcome]:
+        return self._follow().__await__()
+
+    async def _follow(self) -> Outcome:
+        try:
+            await self.wait()
+        except BaseException:  # a cancellation, or an interrupt that landed just here
+            await self._keeper.forsaken(self)
+            raise
+        return self.result()
+
+    async def __aiter__(self) -> AsyncIterator[TaskState]:
+        """Each state from the first on, once, until the end.
+
+        Leaving the loop does nothing to the arm.
+        """
+        seen = 0
+        while True:
+            while seen < len(self._states):
+                state = self._states[seen]
+                seen += 1
+                yield state
+            if self.done:
+                return
+            await self._changed.wait()
+
+    async def cancel(self) -> Outcome:
+        """Stop the arm, all its tasks included, and wait until it stands.
+
+        Returns:
+            The outcome of this task: stopped, unless it had ended before.
+
+        Raises:
+            StopUnconfirmed: it is not known that the arm stands.
+        """
+        if not self.done:
+            await self._keeper.stop()
+        return await self.wait()
+
+    async def pause(self) -> None:
+        """Pause the arm, all its tasks included."""
+        if not self.done:
+            await self._keeper.pause()
+
+    async def resume(self) -> None:
+        """Resume all paused tasks."""
+        if not self.done:
+            await self._keeper.resume()
+
+    async def forsake(self) -> None:
+        """Do to the arm what a cancelled await of this task does: see `on_cancel`."""
+        await self._keeper.forsaken(self)
+
+    # What follows is for the supervision alone.
+
+    def observed(self, state: TaskState, now: float) -> None:
+        """The controller reported a state."""
+        if self.life.observe(state) and self._states[-1] != self.life.state:
+            self._states.append(self.life.state)
+            self._wake()
+        if self.started_at is None and self.life.started:
+            self.started_at = now
+
+    def settle(self, errors: Sequence[str], now: float) -> None:
+        """The task has ended for good: wake whoever waits."""
+        if not self.done:
+            self._errors = tuple(errors)
+            self.ended_at = now
+            self._settled.set()
+            self._wake()
+
+    def _wake(self) -> None:
+        changed, self._changed = self._changed, anyio.Event()
+        changed.set()
+
+
+_MEANING: dict[Outcome, tuple[type[TaskError], str]] = {
+    Outcome.STOPPED: (TaskStopped, "was stopped"),
+    Outcome.INTERRUPTED: (
+        TaskInterrupted,
+        "was interrupted before its end, and did not blend into another motion",
+    ),
+    Outcome.FAILED: (TaskFailed, "ended with an error"),
+    Outcome.ILLEGAL: (
+        TaskIllegal,
+        (
+            "is not allowed in the robot's present state: is it enabled, without an emergency "
+            "stop or a running program, and are tool and work object known to it?"
+        ),
+    ),
+    Outcome.PARAMETER_MISMATCH: (TaskParameterMismatch, "has a parameter that it does not take"),
+    Outcome.UNKNOWN: (
+        TaskUnknown,
+        (
+            "was lost sight of: it may have ended, or may be running. Look at the robot's state "
+            "before you send anything"
+        ),
+    ),
+}
+
+
+def task_error(
+    name: str, task_id: int | None, outcome: Outcome, errors: Sequence[str] = ()
+) -> TaskError:
+    """The typed error for an outcome that is no success."""
+    kind, message = _MEANING[outcome]
+    return kind(name, task_id, message, errors)
