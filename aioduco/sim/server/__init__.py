@@ -1,0 +1,17 @@
+"""The simulated controller's network side: unframed strict binary Thrift over TCP.
+
+Own accept loop instead of thriftpy2's server, which shares its port silently (SO_REUSEPORT),
+drops clients that idle for three seconds and never joins its threads.
+
+Guarantees:
+- one thread per connection, which reads, calls the handler and answers, in order;
+- every answer leaves in one system call, without Nagle's delay;
+- bytes that are no message close their connection, and only that one;
+- `close` returns when every thread has ended and every socket is closed.
+"""
+
+from __future__ import annotations
+
+from aioduco.sim.server.server import Server
+
+__all__ = ["Server"]

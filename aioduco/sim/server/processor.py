@@ -1,0 +1,95 @@
+"""From one message to its answer: decode, call the handler, encode."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+from thriftpy2.protocol import TCyBinaryProtocol
+from thriftpy2.thrift import TApplicationException
+from thriftpy2.transport import TCyMemoryBuffer
+
+from aioduco._wire import idl
+from aioduco.sim.refusal import Refusal
+from aioduco.sim.server.message import CALL, EXCEPTION, REPLY
+
+if TYPE_CHECKING:
+    from aioduco._wire import rpc
+    from aioduco.sim.server.message import Message
+
+_log = logging.getLogger(__name__)
+
+#: thriftpy2 ships types of half of its functions
+_protocol: Any = TCyBinaryProtocol
+
+
+class Processor:
+    """Answers messages by a handler. Each connection has its own: it keeps buffers."""
+
+    __slots__ = ("_functions", "_handler", "_in", "_out", "_reader", "_writer")
+
+    def __init__(self, handler: rpc.Handler) -> None:
+        self._handler = handler
+        self._functions = idl.functions()
+        self._in = TCyMemoryBuffer()
+        self._out = TCyMemoryBuffer()
+        self._reader = _protocol(self._in, strict_decode=True)
+        self._writer = _protocol(self._out)
+
+    def answer(self, message: Message) -> bytes:
+        """The encoded answer; empty for a one-way call.
+
+        Whatever the handler raises becomes an application error with its text: the connection
+        goes on, as the message was whole.
+        """
+        kind, result = self._result(message)
+        if message.kind != CALL:
+            return b""
+        try:
+            return self._encode(message, kind, result)
+        except Exception as exc:
+            _log.exception("%s: the handler's result does not fit the wire", message.name)
+            error = TApplicationException(
+                TApplicationException.INTERNAL_ERROR,
+                f"{message.name}: the result does not fit the wire: {exc!r}",
+            )
+            return self._encode(message, EXCEPTION, error)
+
+    def _result(self, message: Message) -> tuple[int, Any]:
+        function = self._functions.get(message.name)
+        if function is None:
+            return _error(
+                TApplicationException.UNKNOWN_METHOD, f"unknown function {message.name!r}"
+            )
+        args = function.args()
+        self._in.setvalue(message.body)
+        try:
+            self._reader.read_struct(args)
+        except Exception as exc:
+            return _error(TApplicationException.PROTOCOL_ERROR, f"{message.name}: {exc}")
+        values = []
+        for name, zero in zip(function.parameters, function.zeros, strict=True):
+            value = getattr(args, name)
+            values.append(zero() if value is None else value)
+        try:
+            value = getattr(self._handler, message.name)(*values)
+        except Refusal as exc:
+            return _error(TApplicationException.INTERNAL_ERROR, str(exc))
+        except Exception as exc:
+            _log.exception("%s failed in the simulated controller", message.name)
+            return _error(TApplicationException.INTERNAL_ERROR, f"{message.name}: {exc!r}")
+        result = function.result()
+        if not function.void:
+            result.success = value
+        return REPLY, result
+
+    def _encode(self, message: Message, kind: int, result: Any) -> bytes:
+        self._out.clean()
+        self._writer.write_message_begin(message.name, kind, message.seqid)
+        self._writer.write_struct(result)
+        encoded: bytes = self._out.getvalue()
+        return encoded
+
+
+def _error(code: int, text: str) -> tuple[int, TApplicationException]:
+    return EXCEPTION, TApplicationException(code, text)
