@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from math import pi
 
+from aioduco.models import jog, realtime
 from aioduco.models.rules import (
     Choice,
     Duration,
@@ -93,15 +94,12 @@ SPIRAL_TURNS = Number(source="1.3.5")
 SPIRAL_LENGTH = Number(unit="m", source="1.3.5")
 SPIRAL_RADIUS = Number(0.0, unit="m", source="1.3.5")
 
-#: speedj: the manual prints the range of a speed's amount, [0.01π/180, 1.25π]; a joint may stand
-#: or turn backwards
-JOINT_VELOCITIES = Vector(Number(-1.25 * pi, 1.25 * pi, "rad/s", source="1.3.5"), length=6)
-#: speedl: the manual prints the range of a speed's amount, [0.00001, 5] m/s, and (0, 1.25π] and
-#: (0, 2π] rad/s in a row; a direction may be still or negative, and the stricter limit holds
-TWIST = Vector(
-    *[Number(-5.0, 5.0, "m/s", source="1.3.5")] * 3,
-    *[Number(-1.25 * pi, 1.25 * pi, "rad/s", source="1.3.5")] * 3,
-)
+# the builders check these too, so they stand beside them
+JOINT_VELOCITIES = realtime.JOINT_VELOCITIES
+TWIST = realtime.TWIST
+JOG_DIRECTION = jog.JOG_DIRECTION
+JOG_SPEED = jog.JOG_SPEED
+FRAME_TYPE = jog.FRAME_TYPE
 #: speedj and speedl: None to run until speed_stop (-1 on the wire)
 RUN_TIME = OrForever(Duration(0.001, source="1.3.5"))
 
@@ -121,10 +119,6 @@ SERVO_KD = Number(0.0, source="1.3.5")
 SERVO_SMOOTH_VELOCITY = Number(1.0, 100.0, source="1.3.5")
 SERVO_SMOOTH_ACCELERATION = Number(0.0, 1.0, source="1.3.5")
 
-#: manual 3.8; in manual 4.3 and in a C++ header 0 is positive and 1 negative for move_jog
-JOG_DIRECTION = Choice({-1: "negative", 1: "positive"}, source="1.3.5")
-JOG_SPEED = Number(0.0, 100.0, "%", open_low=True, source="1.3.5")
-FRAME_TYPE = Choice({0: "world", 1: "base", 2: "tool", 3: "work object"}, source="1.3.5")
 TEACH_SPACE = Choice({0: "joints", 1: "Cartesian"}, source="1.3.5")
 #: compliance of hand guiding; the manual gives the number of elements, not their range
 TEACH_SCALE = Integers(Integer(0, 2**31 - 1, source="1.3.5"), length=6, source="1.3.5")
@@ -306,13 +300,7 @@ EAXIS_NUMBER = Integer(0, 2**31 - 1, source="i32 on the wire")
 # -- 1.3.15 realtime ---------------------------------------------------------------------------
 
 REALTIME_MODE = Choice(
-    {
-        0: "joint position",
-        1: "joint velocity",
-        2: "joint torque",
-        3: "Cartesian position",
-        4: "Cartesian velocity",
-    },
+    {mode.value: mode.name.lower().replace("_", " ") for mode in realtime.RealtimeMode},
     source="1.3.15",
 )
 #: the manual gives the default only (100)

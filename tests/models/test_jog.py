@@ -1,0 +1,116 @@
+"""Jogs and realtime commands: what the builders take, and what they put on the wire."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, get_args
+
+import numpy as np
+import pytest
+
+from aioduco._wire import rpc
+from aioduco.errors import ParameterError
+from aioduco.models.jog import Axis, Jog, JogDirections, JogFrame
+from aioduco.models.pose import Joints, Pose
+from aioduco.models.realtime import RealtimeMode, RealtimePoint
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+SIX = [0.1, -0.2, 0.3, -0.4, 0.5, -0.6]
+
+
+def test_a_joint_is_jogged_on_and_on() -> None:
+    assert Jog.joint(3, -1, 20).wire() == rpc.MoveJogTaskParam(
+        jog_direction=-1, jog_type=2, axis_num=2, vel=20.0, jog_coordinate=1
+    )
+
+
+def test_a_joint_is_jogged_by_a_step() -> None:
+    assert Jog.joint(6, 1, 20.5, step=0.01).wire() == rpc.MoveJogTaskParam(
+        jog_direction=1,
+        jog_type=2,
+        axis_num=5,
+        vel=20.5,
+        jog_coordinate=1,
+        use_step=True,
+        step_jointValue=0.01,
+    )
+
+
+@pytest.mark.parametrize(("axis", "index"), [(a, i) for i, a in enumerate(get_args(Axis))])
+@pytest.mark.parametrize("frame", list(JogFrame))
+def test_a_direction_of_a_frame_is_jogged(axis: Axis, index: int, frame: JogFrame) -> None:
+    wire = Jog.cartesian(axis, 1, 100, frame=frame, step=0.002).wire()
+    assert (wire.jog_type, wire.axis_num, wire.jog_coordinate) == (1, index, frame)
+    assert type(wire.jog_coordinate) is int
+    assert wire.step_cartvalue == 0.002
+    # either manual's field for steps about an axis has the step; lengths have one field only
+    assert wire.step_jointValue == (0.002 if axis.startswith("r") else 0.0)
+
+
+def test_directions_are_said_as_the_controller_understands_them() -> None:
+    forward, back = Jog.joint(1, 1, 10), Jog.joint(1, -1, 10)
+    assert forward.wire().jog_direction == 1
+    assert back.wire().jog_direction == -1
+    assert forward.wire(JogDirections.MANUAL_4_3).jog_direction == 0
+    assert back.wire(JogDirections.MANUAL_4_3).jog_direction == 1
+
+
+def test_jogs_out_of_range_are_refused() -> None:
+    wrong: list[Callable[[], Jog]] = [
+        lambda: Jog.joint(0, 1, 10),
+        lambda: Jog.joint(7, 1, 10),
+        lambda: Jog.joint(1, 0, 10),
+        lambda: Jog.joint(1, 2, 10),
+        lambda: Jog.joint(1, 1, 0),
+        lambda: Jog.joint(1, 1, 100.1),
+        lambda: Jog.joint(1, 1, 10, step=0),
+        lambda: Jog.joint(1, 1, 10, step=-0.1),
+        lambda: Jog.joint(1, 1, 10, step=10.0),
+        lambda: Jog.cartesian("w", 1, 10),  # type: ignore[arg-type]  # what is tested
+        lambda: Jog.cartesian("x", 1, 10, frame=4),  # type: ignore[arg-type]  # what is tested
+        lambda: Jog.cartesian("rx", 1, 10, step=7.0),
+        lambda: Jog.cartesian("x", 1, 10, step=math.inf),
+    ]
+    for jog in wrong:
+        with pytest.raises(ParameterError):
+            jog()
+
+
+@pytest.mark.parametrize(
+    ("point", "mode", "field"),
+    [
+        (RealtimePoint.joint_position(SIX), 0, "joint_pos_cmd"),
+        (RealtimePoint.joint_position(Joints(*SIX)), 0, "joint_pos_cmd"),
+        (RealtimePoint.joint_velocity(np.array(SIX)), 1, "joint_vel_cmd"),
+        (RealtimePoint.joint_torque(SIX), 2, "joint_torq_cmd"),
+        (RealtimePoint.pose(Pose(*SIX)), 3, "cart_pos_tool_wobj_cmd"),
+        (RealtimePoint.twist(SIX), 4, "cart_vel_tool_wobj_cmd"),
+    ],
+)
+def test_a_realtime_command_fills_the_field_of_its_mode(
+    point: RealtimePoint, mode: int, field: str
+) -> None:
+    assert point.mode == mode
+    expected = rpc.RealTimeControlData(status=True)
+    setattr(expected, field, SIX)
+    assert point.wire() == expected
+
+
+@pytest.mark.parametrize("mode", list(RealtimeMode))
+def test_realtime_commands_out_of_range_are_refused(mode: RealtimeMode) -> None:
+    make: Any = getattr(RealtimePoint, mode.name.lower())
+    wrong: list[Any] = [SIX[:5], [*SIX, 0.0], [math.nan, *SIX[1:]], [math.inf, *SIX[1:]], None]
+    if mode is not RealtimeMode.JOINT_TORQUE:
+        wrong.append([0.0] * 5 + [6.5])
+    for values in wrong:
+        with pytest.raises(ParameterError):
+            make(values)
+
+
+def test_poses_and_joints_are_not_mixed_up() -> None:
+    with pytest.raises(ParameterError):
+        RealtimePoint.joint_position(Pose(*SIX))
+    with pytest.raises(ParameterError):
+        RealtimePoint.pose(Joints(*SIX))
