@@ -20,7 +20,6 @@ MAX_REPLY: Final = 4 * 1024 * 1024
 _MAX_DEPTH: Final = 32
 
 _I32 = struct.Struct("!i").unpack_from
-_I16 = struct.Struct("!h").unpack_from
 
 _FIXED: Final = {
     TType.BOOL: 1,
@@ -119,6 +118,7 @@ class StructScanner:
     def _fields(self, inner: _Struct, data: bytes | bytearray, size: int) -> bool:
         """Go past fields until one opens, the struct ends, or the bytes do."""
         fields = inner.fields
+        fixed = _FIXED
         at = self.position
         while at < size:
             kind = data[at]
@@ -128,14 +128,19 @@ class StructScanner:
                 return True
             if at + 3 > size:
                 break
-            field = fields.get(_I16(data, at + 1)[0])
+            field = fields.get((data[at + 1] << 8) | data[at + 2])
             if field is not None and field[0] != kind:
                 raise Malformed(f"field {field[1]} has the type {kind}, not {field[0]}")
-            width = _FIXED.get(kind)
-            if width is not None:
-                at += 3 + width
+            if kind in fixed:
+                at += 3 + fixed[kind]
                 continue
             shape = field[2] if field is not None and len(field) > 3 else _ANY
+            # lists of numbers, most of a status, are passed right here
+            if kind == _LIST and shape in fixed and at + 8 <= size and data[at + 3] == shape:
+                count = _I32(data, at + 4)[0]
+                if 0 <= count <= MAX_REPLY:
+                    at += 8 + count * fixed[shape]
+                    continue
             after = self._value(kind, shape, data, at + 3, size)
             if after is None:
                 break

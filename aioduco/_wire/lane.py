@@ -14,7 +14,7 @@ from aioduco._wire.connection import Connection
 from aioduco._wire.pool import Pool
 from aioduco._wire.rpc import AsyncRpc
 from aioduco._wire.semantics import Kind, kind
-from aioduco._wire.worker import AwaitedCall, BlockingCall, Dropped, Worker, doorbell
+from aioduco._wire.worker import AwaitedCall, BlockingCall, Deadlines, Dropped, Worker, doorbell
 from aioduco.errors import CallTimeout, ConnectError, ConnectionLost, NotSent, OutcomeUnknown
 from aioduco.trace import CallFinished, ConnectionEnded, ConnectionOpened, emit
 
@@ -147,6 +147,7 @@ class Lane:
         self._functions = idl.functions()
         self._connections = _Connections(name, host, port, connect_timeout, trace)
         self._pool: Pool[Worker, AwaitedCall] = Pool(size, self._connections.worker)
+        self._deadlines = Deadlines(self._expired)
         self._stuck: list[Worker] = []
         self._ring: Callable[[], None] = _nobody
         self._calls = 0
@@ -198,7 +199,7 @@ class Lane:
         self._ring = doorbell(self._dispatch)
         deadline = time.monotonic() + self._connections.connect_timeout
         try:
-            await self._carry_out(AwaitedCall(None, b"", deadline, self._finished, self._expired))
+            await self._carry_out(AwaitedCall(None, b"", deadline, self._finished))
         except BaseException as exc:
             await self.aclose()
             if isinstance(exc, TimeoutError):
@@ -223,6 +224,10 @@ class Lane:
             # what is set is past its last wait, so this takes no time
             if gone.is_set():
                 worker.join(_CLOSE_LIMIT)
+        for call in self._deadlines.calls:
+            # its thread hangs, and will find the connection given up when it comes back
+            call.fail(_hung(call.name, Dropped.UNKNOWN))
+        self._deadlines.stop()
 
     def within(self, timeout: float | None) -> AsyncRpc:
         """The functions of the wire with another time limit.
@@ -266,7 +271,7 @@ class Lane:
         begin = time.monotonic()
         deadline = None if seconds is None else begin + seconds
         self._calls += 1
-        call = AwaitedCall(function, encoded, deadline, self._finished, self._expired)
+        call = AwaitedCall(function, encoded, deadline, self._finished)
         if self._trace is None:
             return await self._carry_out(call)
         value: Any = None
@@ -283,55 +288,58 @@ class Lane:
         return value
 
     async def _carry_out(self, call: AwaitedCall) -> Any:
-        self._pool.add(call)
-        self._dispatch()
+        self._deadlines.add(call)
+        worker = self._pool.take(call)
+        if worker is not None:
+            self._submit(worker, call)
         try:
-            return await call.outcome()
+            return await call
         except BaseException as exc:
             if isinstance(exc, ConnectionLost | ConnectError):
                 self._failed += 1
             elif not isinstance(exc, Exception):
                 self._give_up(call)
             raise
+        finally:
+            self._deadlines.discard(call)
 
     def _give_up(self, call: AwaitedCall) -> None:
         """The task that waited was cancelled: nothing of the call stays behind."""
         if call.worker is None:
             self._pool.forget(call)
-            return
-        if call.worker.abandon(call, "the call was cancelled") is not Dropped.OVER:
+        elif call.worker.abandon(call, "the call was cancelled") is not Dropped.OVER:
             self._abandoned += 1
+
+    def _submit(self, worker: Worker, call: AwaitedCall) -> None:
+        try:
+            worker.submit(call)
+        except RuntimeError as exc:
+            self._pool.discard(worker)
+            call.fail(ConnectionLost(f"{call.name} was not sent: no thread for it ({exc})"))
 
     def _dispatch(self) -> None:
         for worker, call in self._pool.assign():
-            try:
-                worker.submit(call)
-            except RuntimeError as exc:
-                self._pool.discard(worker)
-                call.fail(ConnectionLost(f"{call.name} was not sent: no thread for it ({exc})"))
+            self._submit(worker, call)
 
     def _finished(self, call: AwaitedCall) -> None:
         """A thread is done with a call: its worker is free already, so it goes on first."""
-        self._dispatch()
+        if self._pool.waiting:
+            self._dispatch()
         call.settle()
 
-    def _expired(self, call: AwaitedCall, again: bool) -> bool:
-        """The time of a call is over, and its thread has not come back with it."""
+    def _expired(self, call: AwaitedCall, again: bool) -> None:
+        """The time of a call is over: it waits for a connection, or its thread is late with it."""
         worker = call.worker
         if worker is None:
             self._pool.forget(call)
             call.fail(NotSent(f"{call.name} was not sent: no connection of {self!r} was free"))
-            return False
-        if not again:
-            return True
-        dropped = worker.abandon(call, "its thread hangs")
-        if dropped is Dropped.OVER:
-            # its notice is on the way to the loop, which has been too busy to look at it
-            return True
-        self._abandoned += 1
-        self._replace(worker)
-        call.fail(_hung(call.name, dropped))
-        return False
+        elif again and not call.refused:
+            dropped = worker.abandon(call, "its thread hangs")
+            # if it is over, its notice is on the way to the loop, which was too busy for it
+            if dropped is not Dropped.OVER:
+                self._abandoned += 1
+                call.fail(_hung(call.name, dropped))
+                self._replace(worker)
 
     def _replace(self, worker: Worker) -> None:
         """Let a new worker take the place of one whose thread hangs in the system."""

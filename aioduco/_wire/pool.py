@@ -53,9 +53,12 @@ class Pool(Generic[W, C]):
         """Calls that wait for a worker."""
         return len(self._waiting)
 
-    def add(self, call: C) -> None:
-        """Put a call at the end of the queue."""
-        self._waiting.append(call)
+    def take(self, call: C) -> W | None:
+        """A free worker for a new call, claimed now; None if the call has to wait its turn."""
+        worker = None if self._waiting else self._free()
+        if worker is None:
+            self._waiting.append(call)
+        return worker
 
     def forget(self, call: C) -> bool:
         """Take a call out of the queue; whether it was still in it."""

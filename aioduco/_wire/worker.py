@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import enum
+import math
 import threading
 import time
 from queue import Empty, SimpleQueue
@@ -19,7 +20,7 @@ from aioduco._wire.semantics import kind
 from aioduco.errors import ConnectError, ConnectionLost, NotSent
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Generator
 
     from aioduco._wire.connection import Connection
     from aioduco._wire.idl import Function
@@ -70,15 +71,13 @@ class Call:
 
 
 class AwaitedCall(Call):
-    """A call that a task of an event loop awaits.
+    """A call that a task of the running event loop awaits.
 
     Args:
         finished: called on the loop when the thread is done with the call.
-        expired: called on the loop when the deadline has passed; it returns whether the call is
-            to be looked at once more, `GRACE` later.
     """
 
-    __slots__ = ("_expired", "_finished", "_future", "_loop", "_timer")
+    __slots__ = ("_finished", "_future", "loop", "overdue")
 
     def __init__(
         self,
@@ -86,47 +85,46 @@ class AwaitedCall(Call):
         arguments: bytes,
         deadline: float | None,
         finished: Callable[[AwaitedCall], None],
-        expired: Callable[[AwaitedCall, bool], bool],
     ) -> None:
         super().__init__(function, arguments, deadline)
-        self._loop = asyncio.get_running_loop()
-        self._future: asyncio.Future[Any] = self._loop.create_future()
+        self.loop = asyncio.get_running_loop()
+        self._future: asyncio.Future[Any] = self.loop.create_future()
         self._finished = finished
-        self._expired = expired
-        self._timer: asyncio.TimerHandle | None = None
-        if deadline is not None:
-            left = deadline - time.monotonic()
-            self._timer = self._loop.call_later(left, self._late, False)
+        #: whether its deadline has been seen to pass once
+        self.overdue = False
 
     @property
     def refused(self) -> bool:
         """Whether nobody waits any more; such a call is not handed to a thread."""
         return self._future.done()
 
-    async def outcome(self) -> Any:
-        """Wait for the value; raises what the call raised, and when it is cancelled."""
-        try:
-            return await self._future
-        finally:
-            if self._timer is not None:
-                self._timer.cancel()
+    @property
+    def due(self) -> float:
+        """When to look whether the call is over: at its deadline, then `GRACE` later."""
+        if self.deadline is None:
+            return math.inf
+        return self.deadline + GRACE if self.overdue else self.deadline
+
+    def __await__(self) -> Generator[Any, None, Any]:
+        """Wait for the value; raises what the call raised."""
+        return self._future.__await__()
 
     def notify(self) -> None:
         """Have `finished` called on the loop."""
         try:
-            self._loop.call_soon_threadsafe(self._finished, self)
+            self.loop.call_soon_threadsafe(self._finished, self)
         except RuntimeError:
             # the loop is closed: nobody waits any more, and the thread lives on for the next
             return
 
     def settle(self) -> None:
         """Give the waiting task what the thread left; on the loop."""
+        error, self.error = self.error, None
         if self._future.done():
             return
-        error, self.error = self.error, None
         if error is not None:
             # not kept here too: its traceback knows this call, which would be a cycle
-            self.fail(error)
+            self._future.set_exception(error)
         else:
             self._future.set_result(self.value)
 
@@ -135,9 +133,65 @@ class AwaitedCall(Call):
         if not self._future.done():
             self._future.set_exception(error)
 
-    def _late(self, again: bool) -> None:
-        if not self._future.done() and self._expired(self, again):
-            self._timer = self._loop.call_later(GRACE, self._late, True)
+
+class Deadlines:
+    """Sees that no task waits past its deadline, even if a thread hangs.
+
+    One timer for all calls of a lane: set for the earliest deadline, and looked after when it
+    rings. A timer per call would cost as much as a tenth of a call.
+
+    Args:
+        expired: called on the loop with a call whose deadline has passed and False, and once
+            more with True if the call is still there `GRACE` later.
+    """
+
+    def __init__(self, expired: Callable[[AwaitedCall, bool], None]) -> None:
+        self._expired = expired
+        #: the calls that somebody awaits
+        self.calls: set[AwaitedCall] = set()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._timer: asyncio.TimerHandle | None = None
+        self._rings_at = math.inf
+
+    def add(self, call: AwaitedCall) -> None:
+        """Watch a call until it is discarded."""
+        self.calls.add(call)
+        if call.deadline is None:
+            return
+        if call.deadline < self._rings_at or call.loop is not self._loop:
+            self._set(call.loop, call.deadline)
+
+    def discard(self, call: AwaitedCall) -> None:
+        """Watch the call no more. The timer is left as it is: the next call will use it."""
+        self.calls.discard(call)
+
+    def stop(self) -> None:
+        """Watch nothing any more."""
+        self.calls.clear()
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        self._rings_at = math.inf
+
+    def _set(self, loop: asyncio.AbstractEventLoop, at: float) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+        self._loop = loop
+        self._rings_at = at
+        self._timer = loop.call_later(at - time.monotonic(), self._ring)
+
+    def _ring(self) -> None:
+        now = time.monotonic()
+        self._timer = None
+        self._rings_at = math.inf
+        for call in [call for call in self.calls if call.due <= now]:
+            again, call.overdue = call.overdue, True
+            self._expired(call, again)
+            if again:
+                self.calls.discard(call)
+        next_due = min((call.due for call in self.calls), default=math.inf)
+        if self._loop is not None and next_due < math.inf:
+            self._set(self._loop, next_due)
 
 
 class BlockingCall(Call):

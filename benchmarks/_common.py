@@ -1,0 +1,165 @@
+"""What the benchmarks share: percentiles, the table, the JSON file, the server's process."""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import importlib.metadata
+import importlib.util
+import json
+import os
+import platform
+import subprocess
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+HERE = Path(__file__).resolve().parent
+RESULTS = HERE / "results"
+
+#: the percentiles that every benchmark gives
+PERCENTILES = (50.0, 99.0, 99.9)
+
+
+def percentile(ordered: Sequence[float], percent: float) -> float:
+    """The value below which so many percent of the ordered values lie (nearest rank)."""
+    if not ordered:
+        raise ValueError("no values were measured")
+    rank = -(-len(ordered) * percent // 100)
+    return ordered[min(len(ordered) - 1, max(0, int(rank) - 1))]
+
+
+def spread(seconds: Iterable[float]) -> dict[str, float]:
+    """p50, p99, p99.9 and max in microseconds, of durations in seconds."""
+    ordered = sorted(seconds)
+    figures = {f"p{percent:g}_us": percentile(ordered, percent) * 1e6 for percent in PERCENTILES}
+    return {name: round(value, 1) for name, value in figures.items()} | {
+        "max_us": round(ordered[-1] * 1e6, 1)
+    }
+
+
+def machine() -> dict[str, Any]:
+    """The machine and the versions that a result was measured with; nothing that names a host."""
+    packages = ("aioduco", "thriftpy2", "thrift", "anyio", "numpy", "mujoco")
+    versions = {}
+    for name in packages:
+        if importlib.util.find_spec(name) is not None:
+            versions[name] = importlib.metadata.version(name)
+    return {
+        "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
+        "system": f"{platform.system()} {platform.release()}",
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+        "python": platform.python_version(),
+        "packages": versions,
+    }
+
+
+def _processor() -> str:
+    info = Path("/proc/cpuinfo")
+    if info.exists():
+        for line in info.read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.machine()
+
+
+def write_results(name: str, results: dict[str, Any]) -> Path:
+    """Write `results/<name>.json`, with the machine that they were measured on."""
+    RESULTS.mkdir(exist_ok=True)
+    path = RESULTS / f"{name}.json"
+    text = json.dumps({"machine": machine()} | results, indent=2, ensure_ascii=False)
+    path.write_text(text + "\n", encoding="utf-8")
+    return path
+
+
+def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
+    """Print a table: by rich if it is installed, in plain text otherwise."""
+    cells = [[_cell(value) for value in row] for row in rows]
+    if importlib.util.find_spec("rich") is not None:
+        from rich.console import Console  # noqa: PLC0415  # optional
+        from rich.table import Table  # noqa: PLC0415  # optional
+
+        table = Table(title=title, title_justify="left")
+        for index, column in enumerate(columns):
+            table.add_column(column, justify="right" if index else "left")
+        for row in cells:
+            table.add_row(*row)
+        Console(width=110).print(table)
+        return
+    widths = [max(map(len, column)) for column in zip(columns, *cells, strict=True)]
+    print(title)
+    for row in [list(columns), *cells]:
+        first, *rest = (
+            text.ljust(width) if index == 0 else text.rjust(width)
+            for index, (text, width) in enumerate(zip(row, widths, strict=True))
+        )
+        print("  ".join([first, *rest]))
+    print()
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, float):
+        if value >= 100:
+            return f"{value:,.0f}"
+        return f"{value:.1f}" if value >= 10 else f"{value:.2f}"
+    return str(value)
+
+
+def arguments(doc: str | None, name: str) -> argparse.Namespace:
+    """The options that every benchmark takes."""
+    parser = argparse.ArgumentParser(description=(doc or "").splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="seconds instead of minutes, for CI")
+    parser.add_argument(
+        "--save", action="store_true", help=f"write the figures to benchmarks/results/{name}.json"
+    )
+    return parser.parse_args()
+
+
+def apart() -> tuple[set[int], set[int]] | None:
+    """Cores for the client and a core for the server, or None if there are too few.
+
+    A controller is another machine. When the scheduler puts both on one core, a direct call
+    takes a third of the time and nothing that is compared here means anything.
+    """
+    if not hasattr(os, "sched_getaffinity"):
+        return None
+    cores = sorted(os.sched_getaffinity(0))
+    return (set(cores[:-1]), {cores[-1]}) if len(cores) > 1 else None
+
+
+class ServerProcess:
+    """A script that serves in a process of its own and says where in one line of JSON.
+
+    The process ends when its standard input is closed, so it cannot outlive the benchmark.
+    """
+
+    def __init__(self, script: str, *options: str) -> None:
+        self._command = [sys.executable, str(HERE / script), *options]
+        self.endpoints: dict[str, int] = {}
+
+    def __enter__(self) -> ServerProcess:
+        self._process = subprocess.Popen(
+            self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        cores = apart()
+        if cores is not None:
+            client, server = cores
+            os.sched_setaffinity(self._process.pid, server)
+            os.sched_setaffinity(0, client)
+        assert self._process.stdout is not None
+        line = self._process.stdout.readline()
+        if not line:
+            raise RuntimeError(f"{self._command} ended before it served")
+        self.endpoints = json.loads(line)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._process.communicate(timeout=10)
