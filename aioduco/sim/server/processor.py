@@ -66,7 +66,7 @@ class Processor:
         try:
             self._reader.read_struct(args)
         except Exception as exc:
-            return _error(TApplicationException.PROTOCOL_ERROR, f"{message.name}: {exc}")
+            return _error(TApplicationException.PROTOCOL_ERROR, str(exc))
         values = []
         for name, zero in zip(function.parameters, function.zeros, strict=True):
             value = getattr(args, name)
@@ -77,7 +77,7 @@ class Processor:
             return _error(TApplicationException.INTERNAL_ERROR, str(exc))
         except Exception as exc:
             _log.exception("%s failed in the simulated controller", message.name)
-            return _error(TApplicationException.INTERNAL_ERROR, f"{message.name}: {exc!r}")
+            return _error(TApplicationException.INTERNAL_ERROR, repr(exc))
         result = function.result()
         if not function.void:
             result.success = value

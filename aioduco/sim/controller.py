@@ -1,0 +1,382 @@
+"""The controller as a state machine: no clock, no thread, no wire, no physics.
+
+`tick` is called once per cycle with what the arm's sensors say, and answers with what its drives
+get. Commands come between ticks; each makes a task and returns its id.
+
+Invariants:
+- set-points reach the drives only while the robot is enabled and no STOP0 holds;
+- a stop is accepted in every state, and needs nothing else to end first;
+- what a safety stop ended stays ended: only power off, power on, enable lead out of it.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState, TaskState
+from aioduco.sim.frames import Frames, Tool, WorkObject
+from aioduco.sim.heartbeat import Heartbeat
+from aioduco.sim.motion import Motion, Phase
+from aioduco.sim.planner.mover import SetPoint
+from aioduco.sim.power import Power
+from aioduco.sim.signals import Signals
+from aioduco.sim.tasks import TaskTable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from aioduco.sim.motion import Plan
+    from aioduco.sim.planner.mover import Mover
+
+    Vector = NDArray[np.float64]
+
+#: joint speed above which an arm counts as moving [rad/s]
+_STANDSTILL = 2e-3
+#: time after the set-points stand, after which an arm counts as standing in any case [s]
+_PATIENCE = 0.5
+#: distance of a joint from its set-point that trips the position deviation stop [rad]
+_DEVIATION = 0.2
+#: from the end of the shutdown task to the end of the network, for its answer to leave [s]
+_LAST_ANSWERS = 0.2
+_ZEROS = np.zeros(6)
+_ZEROS.flags.writeable = False
+
+
+@dataclass(frozen=True, slots=True)
+class Sensed:
+    """What the controller knows of the arm in one cycle.
+
+    Attributes:
+        time: simulated time [s].
+        now: time of the network, for the heartbeat [s].
+        q: actual joints [rad]. Shape (6,).
+        qd: actual joint speeds [rad/s]. Shape (6,).
+    """
+
+    time: float
+    now: float
+    q: Vector
+    qd: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """What the drives get: a set-point, or the brakes."""
+
+    setpoint: SetPoint
+    brake: bool
+
+
+class View(NamedTuple):
+    """The controller's state at one instant, for readers without a lock.
+
+    Attributes:
+        robot, program, safety, mode: as get_robot_state tells them.
+        moving: whether the arm moves.
+        emergency_stop: whether the emergency stop is pressed.
+        collision_axis: joint that detected a collision, 1 to 6, or 0.
+        error: 1 while a safety stop holds, else 0.
+        errors: the error list.
+        speed: global speed [%].
+        tool: the tool in use.
+        wobj: the work object in use.
+    """
+
+    robot: RobotState
+    program: ProgramState
+    safety: SafetyState
+    mode: OperationMode
+    moving: bool
+    emergency_stop: bool
+    collision_axis: int
+    error: int
+    errors: tuple[str, ...]
+    speed: int
+    tool: Tool
+    wobj: WorkObject
+
+
+class Controller:
+    """Everything that decides what the arm does.
+
+    Args:
+        mover: makes a mover that stands at the given joints [rad].
+        q: the arm's joints at the start [rad]. Shape (6,).
+    """
+
+    def __init__(self, mover: Callable[[Vector], Mover], q: Vector) -> None:
+        self.tasks = TaskTable()
+        self.signals = Signals()
+        self.frames = Frames()
+        self.heartbeat = Heartbeat()
+        self.mode = OperationMode.AUTO
+        self.halted = False
+        self._power = Power(self.tasks)
+        self._motion = Motion(self.tasks, mover, q)
+        self._sensed = Sensed(0.0, 0.0, q, _ZEROS)
+        self._fault: SafetyState | None = None
+        self._emergency_stop = False
+        self._collision_axis = 0
+        self._standing = True
+        self._commanded_rest = 0.0
+        self._halt_at: float | None = None
+        self._errors: deque[str] = deque(maxlen=20)
+        self._speed = 100
+
+    # -- what others ask ---------------------------------------------------------------------
+
+    @property
+    def safety(self) -> SafetyState:
+        """State of the safety controller."""
+        if self._fault is not None:
+            return self._fault
+        if self._power.state in (RobotState.START, RobotState.INITIALIZE):
+            return SafetyState.INIT
+        return (
+            SafetyState.POWER_OFF if self._power.state is RobotState.POWER_OFF else SafetyState.RUN
+        )
+
+    @property
+    def program(self) -> ProgramState:
+        """State of the program: of all motions together."""
+        match self._motion.phase:
+            case Phase.IDLE:
+                return ProgramState.STOPPED
+            case Phase.STOPPING:
+                return ProgramState.STOPPING
+            case Phase.PAUSING:
+                return ProgramState.PAUSING
+            case Phase.PAUSED:
+                return ProgramState.PAUSED
+            case Phase.RUNNING:
+                manual = self.mode is OperationMode.MANUAL
+                return ProgramState.TASK_RUNNING if manual else ProgramState.RUNNING
+
+    @property
+    def starting(self) -> bool:
+        """Whether the controller is starting again, and serves nobody."""
+        return self._power.state in (RobotState.START, RobotState.INITIALIZE)
+
+    @property
+    def busy(self) -> bool:
+        """Whether something is under way that needs every cycle."""
+        return (
+            self._motion.phase not in (Phase.IDLE, Phase.PAUSED)
+            or self._power.busy
+            or self._halt_at is not None
+            or not self._standing
+        )
+
+    def view(self) -> View:
+        """The state, for readers."""
+        return View(
+            self._power.state,
+            self.program,
+            self.safety,
+            self.mode,
+            not self._standing,
+            self._emergency_stop,
+            self._collision_axis,
+            int(self._fault is not None),
+            tuple(self._errors),
+            self._speed,
+            self.frames.tool(),
+            self.frames.wobj(),
+        )
+
+    # -- commands: each is a task, and returns its id ----------------------------------------
+
+    def change_power(self, name: str) -> int:
+        """power_on, power_off, enable, disable, shutdown or restart."""
+        return self._power.request(name)
+
+    def move(self, name: str, plan: Plan) -> int:
+        """Queue a motion."""
+        if reason := self._cannot_move():
+            return self.reject(name, TaskState.ILLEGAL, reason)
+        id_ = self.tasks.new(name)
+        self._motion.append(id_, plan)
+        self._collect_failures()
+        return id_
+
+    def stop(self) -> int:
+        """End every task; ends itself when the arm stands."""
+        id_ = self.tasks.new("stop")
+        self._power.drop_waiting(TaskState.STOPPED, "stopped")
+        self._motion.stop(TaskState.STOPPED, "stopped", id_)
+        return id_
+
+    def abort(self) -> int:
+        """End the running motion and those behind it; ends itself when the arm stands."""
+        id_ = self.tasks.new("abort")
+        self._motion.stop(TaskState.INTERRUPT, "aborted", id_)
+        return id_
+
+    def pause(self) -> int:
+        """Pause every motion; ends when the arm stands."""
+        id_ = self.tasks.new("pause")
+        self._motion.pause(id_)
+        return id_
+
+    def resume(self) -> int:
+        """Go on with the motions that were paused."""
+        if self._motion.phase in (Phase.PAUSED, Phase.PAUSING) and (reason := self._cannot_move()):
+            return self.reject("resume", TaskState.ILLEGAL, reason)
+        self._motion.resume()
+        return self.finish("resume")
+
+    def switch_mode(self, mode: OperationMode) -> int:
+        """Manual or automatic; motions that run are paused."""
+        if mode is not self.mode:
+            self.mode = mode
+            if self._motion.phase is Phase.RUNNING:
+                self._motion.pause()
+        return self.finish("switch_mode")
+
+    def set_speed(self, percent: int) -> int:
+        """Global speed [%]."""
+        self._speed = percent
+        self._motion.set_speed(percent / 100.0)
+        return self.finish("speed")
+
+    def finish(self, name: str) -> int:
+        """A task that is done at once."""
+        id_ = self.tasks.new(name)
+        self.tasks.set(id_, TaskState.FINISHED)
+        return id_
+
+    def reject(self, name: str, state: TaskState, message: str) -> int:
+        """A task that ends at once without having been done."""
+        id_ = self.tasks.new(name)
+        self.tasks.set(id_, state, message)
+        self.note_error(f"{name}: {message}")
+        return id_
+
+    # -- what is not a task ------------------------------------------------------------------
+
+    def note_error(self, message: str) -> None:
+        """Add to the error list."""
+        self._errors.append(message)
+
+    def fault(self, category: SafetyState, message: str) -> None:
+        """A safety stop: STOP0 cuts the power, STOP1 stops and then cuts it, STOP2 stops."""
+        self.note_error(message)
+        if self._fault is None or category > self._fault:
+            self._fault = category
+        if category is SafetyState.STOP0:
+            self._cut(message)
+        else:
+            self._motion.stop(TaskState.ERROR, message)
+
+    def press_emergency_stop(self) -> None:
+        """The emergency stop of the pendant is pressed, or its circuit is open."""
+        if not self._emergency_stop:
+            self._emergency_stop = True
+            self.fault(SafetyState.STOP0, "emergency stop pressed")
+
+    def release_emergency_stop(self) -> None:
+        """The button is out again; the safety stop stays until the power was off."""
+        self._emergency_stop = False
+
+    def collide(self, joint: int) -> None:
+        """A joint, 1 to 6, has detected a collision."""
+        if self._power.state is not RobotState.ENABLE:
+            return
+        self._collision_axis = joint
+        self.fault(SafetyState.STOP2, f"Joint {joint} 检测到碰撞")
+
+    def reset_collision(self) -> None:
+        """Take back the warning; the safety stop stays."""
+        self._collision_axis = 0
+
+    def beat(self, time: int) -> None:
+        """rpc_heartbeat with a time in milliseconds."""
+        self.heartbeat.beat(self._sensed.now, time)
+
+    # -- the cycle ---------------------------------------------------------------------------
+
+    def tick(self, sensed: Sensed) -> Drive:
+        """One cycle."""
+        self._sensed = sensed
+        if self.heartbeat.lost(sensed.now):
+            self._lose_heartbeat()
+        at_rest = self._is_at_rest(sensed)
+        standing = self._standing = not self._motion.moving and at_rest
+        if self._fault is SafetyState.STOP1 and standing:
+            self._cut("power cut after the stop")
+        if self._halt_at is not None and sensed.time >= self._halt_at:
+            self.halted = True
+        safe = self._fault is None and not self._emergency_stop
+        for event, name in self._power.tick(sensed.time, safe=safe, standing=standing):
+            if event == "begun":
+                self._power_begun(name)
+            else:
+                self._power_ended(name)
+        if self._power.state is not RobotState.ENABLE:
+            return Drive(SetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
+        setpoint = self._motion.tick(at_rest=at_rest)
+        self._collect_failures()
+        deviation = np.abs(setpoint.q - sensed.q)
+        if deviation.max() > _DEVIATION:
+            joint = int(deviation.argmax()) + 1
+            self.fault(SafetyState.STOP0, f"joint {joint}: position deviation")
+            return Drive(SetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
+        return Drive(setpoint, brake=False)
+
+    def _is_at_rest(self, sensed: Sensed) -> bool:
+        """Whether the arm stands, or will not stand more than it does, as one that trembles."""
+        if self._motion.moving:
+            self._commanded_rest = sensed.time
+        if float(np.abs(sensed.qd).max()) <= _STANDSTILL:
+            return True
+        return sensed.time - self._commanded_rest > _PATIENCE
+
+    def _power_begun(self, name: str) -> None:
+        if name in ("disable", "power_off", "shutdown", "restart"):
+            self._motion.stop(TaskState.STOPPED, f"stopped by {name}")
+
+    def _power_ended(self, name: str) -> None:
+        if name == "enable":
+            self._motion.reset(self._sensed.q)
+        elif name == "power_on":
+            self._errors.clear()
+        elif name in ("power_off", "shutdown", "restart"):
+            self._clear_fault()
+            if name == "shutdown":
+                self._halt_at = self._sensed.time + _LAST_ANSWERS
+
+    def _clear_fault(self) -> None:
+        self._collision_axis = 0
+        self._fault = SafetyState.STOP0 if self._emergency_stop else None
+
+    def _cut(self, message: str) -> None:
+        self._motion.cut(message, self._sensed.q)
+        self._power.cut(message)
+
+    def _lose_heartbeat(self) -> None:
+        """A lost program leaves a standing arm. It is no safety stop: the next one may move."""
+        if self._motion.phase is not Phase.IDLE or self._power.busy:
+            self.note_error("heartbeat lost: all tasks were stopped")
+            self.stop()
+
+    def _cannot_move(self) -> str:
+        if self._power.state is not RobotState.ENABLE:
+            return f"the robot is not enabled, but in state {self._power.state.name}"
+        if self._fault is not None:
+            return f"safety stop {self._fault.name}"
+        if self._motion.phase is Phase.STOPPING:
+            return "the robot is stopping"
+        if self._power.changing is not None:
+            return f"{self._power.changing} is under way"
+        return "the queue of motions is full" if self._motion.full else ""
+
+    def _collect_failures(self) -> None:
+        for message in self._motion.failures:
+            self.note_error(message)
+        self._motion.failures.clear()

@@ -1,0 +1,54 @@
+"""What the simulated controller answers: a class for each section of the manual.
+
+Together they are every function of the wire. What none of them has is answered by an
+application error, never by a made-up value.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from aioduco._wire import rpc
+from aioduco.sim.handlers.frames import FrameHandlers
+from aioduco.sim.handlers.log import LogHandlers
+from aioduco.sim.handlers.motion import MotionHandlers
+from aioduco.sim.handlers.settings import SettingHandlers
+from aioduco.sim.handlers.signals import SignalHandlers
+from aioduco.sim.handlers.state import StateHandlers
+from aioduco.sim.handlers.system import SystemHandlers
+from aioduco.sim.refusal import Refusal
+
+if TYPE_CHECKING:
+    from aioduco.sim.handlers.base import Context
+
+__all__ = ["Handlers"]
+
+
+def _not_simulated(name: str, _args: tuple[Any, ...]) -> NoReturn:
+    raise Refusal(f"{name} is not simulated yet")
+
+
+class Handlers(
+    SystemHandlers,
+    MotionHandlers,
+    SignalHandlers,
+    FrameHandlers,
+    StateHandlers,
+    SettingHandlers,
+    LogHandlers,
+    rpc.RpcClient,
+):
+    """Every function of the wire.
+
+    The generated client stands at the end of the line: it has a method for each function, whose
+    every call here ends in a refusal.
+    """
+
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
+        rpc.RpcClient.__init__(self, _not_simulated)
+
+
+def handlers(context: Context) -> rpc.Handler:
+    """The handlers, as what a server wants: this line is the proof that none is missing."""
+    return Handlers(context)

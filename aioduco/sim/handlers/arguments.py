@@ -1,0 +1,74 @@
+"""What arguments of tasks may be; a wrong one ends the task as the real controller ends it."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from aioduco.errors import ParameterError
+from aioduco.models.enums import TaskState
+from aioduco.models.pose import Pose
+from aioduco.sim.frames import UnknownName
+from aioduco.sim.handlers.base import Rejected, mismatch
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.sim.frames import Frames, Tool, WorkObject
+
+
+def number(name: str, value: float, low: float, high: float, unit: str) -> float:
+    """A number within a range; NaN is in none."""
+    if not low <= value <= high:
+        raise mismatch(f"{name} is {value}, but must be from {low:.6g} to {high:.6g} {unit}")
+    return value
+
+
+def numbers(name: str, values: Sequence[float], length: int) -> tuple[float, ...]:
+    """So many finite numbers."""
+    if len(values) != length or not all(map(math.isfinite, values)):
+        raise mismatch(f"{name} must be {length} finite numbers")
+    return tuple(values)
+
+
+def pose(name: str, values: Sequence[float]) -> Pose:
+    """A pose [m, rad]."""
+    try:
+        return Pose.of(list(values))
+    except ParameterError as exc:
+        raise mismatch(f"{name} must be {exc.expected}") from None
+
+
+def joints(name: str, values: Sequence[float]) -> tuple[float, ...]:
+    """Six joint angles [rad], each from -2π to 2π.
+
+    A wrong number of them is illegal, a wrong value is a mismatch: so the controller does it.
+    """
+    if len(values) != 6:
+        raise Rejected(TaskState.ILLEGAL, f"{name} has {len(values)} numbers, but must have 6")
+    for value in values:
+        number(name, value, -2 * math.pi, 2 * math.pi, "rad")
+    return tuple(values)
+
+
+def name_of(name: str, value: str, max_bytes: int) -> str:
+    """A name that is not empty and not too long."""
+    if not 0 < len(value.encode()) <= max_bytes:
+        raise mismatch(f"{name} must have 1 to {max_bytes} bytes")
+    return value
+
+
+def tool(frames: Frames, name: str) -> Tool:
+    """A tool by name; the one in use for an empty name."""
+    try:
+        return frames.tool(name)
+    except UnknownName as exc:
+        raise Rejected(TaskState.ILLEGAL, str(exc)) from None
+
+
+def wobj(frames: Frames, name: str) -> WorkObject:
+    """A work object by name; the one in use for an empty name."""
+    try:
+        return frames.wobj(name)
+    except UnknownName as exc:
+        raise Rejected(TaskState.ILLEGAL, str(exc)) from None

@@ -1,0 +1,84 @@
+"""What all handlers share: the simulation behind them, and how a task is answered."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from aioduco.models.enums import TaskState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco.kinematics import Arm
+    from aioduco.sim.controller import Controller
+    from aioduco.sim.frames import Frames
+    from aioduco.sim.runtime import Runtime
+    from aioduco.sim.signals import Signals
+
+
+class Rejected(Exception):
+    """A task cannot be done: it ends at once, in a state that says why."""
+
+    def __init__(self, state: TaskState, message: str) -> None:
+        super().__init__(message)
+        self.state = state
+
+
+def mismatch(message: str) -> Rejected:
+    """A parameter is wrong."""
+    return Rejected(TaskState.PARAMETER_MISMATCH, message)
+
+
+@dataclass(frozen=True, slots=True)
+class Context:
+    """What handlers act on.
+
+    Attributes:
+        arm: the arm's dimensions and kinematics.
+        runtime: the running simulation.
+        signals: inputs and outputs.
+        frames: tools and work objects.
+        series, model, serial: what get_robot_type tells.
+    """
+
+    arm: Arm
+    runtime: Runtime
+    signals: Signals
+    frames: Frames
+    series: str
+    model: str
+    serial: str
+
+
+class Section:
+    """Base of the handlers of one section."""
+
+    def __init__(self, context: Context) -> None:
+        self._arm = context.arm
+        self._runtime = context.runtime
+        self._signals = context.signals
+        self._frames = context.frames
+        self._context = context
+
+    def _task(self, name: str, block: bool, command: Callable[[Controller], int]) -> int:
+        """Give a command that makes a task.
+
+        Returns:
+            The state in which the task ended, or the task's id when the call does not block.
+        """
+        with self._runtime.command() as controller:
+            try:
+                id_ = command(controller)
+            except Rejected as exc:
+                id_ = controller.reject(name, exc.state, str(exc))
+        return int(self._runtime.wait(id_)) if block else id_
+
+    def _setting(self, name: str, change: Callable[[], None]) -> int:
+        """Change a setting; the state in which that task ended."""
+
+        def command(controller: Controller) -> int:
+            change()
+            return controller.finish(name)
+
+        return self._task(name, True, command)

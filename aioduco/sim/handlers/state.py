@@ -1,0 +1,155 @@
+"""Where the arm is and how it moves (manual 1.3.7)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aioduco._wire.rpc import RobotStatus
+from aioduco.models.enums import RobotState
+from aioduco.models.pose import Pose
+from aioduco.sim.frames import UnknownName
+from aioduco.sim.handlers.base import Context, Section
+from aioduco.sim.refusal import Refusal
+from aioduco.sim.tip import Tip, tip
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from aioduco.sim.runtime import Snapshot
+
+#: The simulated drives do not warm up: joints and boards have this temperature [°C].
+_AMBIENT = 25.0
+
+
+class StateHandlers(Section):
+    """Joints, tool and flange, actual and commanded; the robot's states."""
+
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
+        self._last: tuple[Snapshot, Tip, Tip] | None = None
+        self._effort = np.array(self._arm.effort)
+
+    # -- joints --------------------------------------------------------------------------------
+
+    def get_actual_joints_position(self) -> list[float]:
+        """各关节的角度 [rad]."""
+        return _list(self._runtime.snapshot.q)
+
+    def get_actual_joints_speed(self) -> list[float]:
+        """各关节角速度 [rad/s]."""
+        return _list(self._runtime.snapshot.qd)
+
+    def get_actual_joints_acceleration(self) -> list[float]:
+        """各关节角加速度 [rad/s²]."""
+        return _list(self._runtime.snapshot.qdd)
+
+    def get_actual_joints_torque(self) -> list[float]:
+        """各关节力矩 [N m]."""
+        return _list(self._runtime.snapshot.torque)
+
+    def get_target_joints_position(self) -> list[float]:
+        """各关节的规划角度 [rad]."""
+        return _list(self._runtime.snapshot.setpoint.q)
+
+    def get_target_joints_speed(self) -> list[float]:
+        """各关节规划角速度 [rad/s]."""
+        return _list(self._runtime.snapshot.setpoint.qd)
+
+    def get_target_joints_acceleration(self) -> list[float]:
+        """各关节角规划加速度 [rad/s²]."""
+        return _list(self._runtime.snapshot.setpoint.qdd)
+
+    # -- tool and flange -----------------------------------------------------------------------
+
+    def get_tcp_pose(self) -> list[float]:
+        """工具末端点在基坐标系下的位姿 [m, rad]."""
+        return self._tips(self._runtime.snapshot)[0].pose
+
+    def get_tcp_speed(self) -> list[float]:
+        """工具末端原点的空间速度 [m/s, rad/s]."""
+        return self._tips(self._runtime.snapshot)[0].speed
+
+    def get_tcp_acceleration(self) -> list[float]:
+        """工具末端原点的空间加速度 [m/s², rad/s²]."""
+        return self._tips(self._runtime.snapshot)[0].acceleration
+
+    def get_tcp_pose_coord(self, tool: str, wobj: str) -> list[float]:
+        """The tip of a tool in the frame of a work object, both by name [m, rad]."""
+        try:
+            offset, base = self._frames.tool(tool), self._frames.wobj(wobj)
+        except UnknownName as exc:
+            raise Refusal(f"get_tcp_pose_coord: {exc}") from None
+        flange = self._arm.fkine(self._runtime.snapshot.q)
+        return list(Pose.from_matrix(base.inverse @ flange @ offset.matrix))
+
+    def get_flange_pose(self) -> list[float]:
+        """末端法兰在基坐标系下的位姿 [m, rad]."""
+        return self._flange().pose
+
+    def get_flange_speed(self) -> list[float]:
+        """末端法兰在基坐标系下的速度 [m/s, rad/s]."""
+        return self._flange().speed
+
+    def get_flange_acceleration(self) -> list[float]:
+        """末端法兰在基坐标系下的加速度 [m/s², rad/s²]."""
+        return self._flange().acceleration
+
+    # -- the robot -----------------------------------------------------------------------------
+
+    def get_robot_state(self) -> list[int]:
+        """Robot, program, safety controller, operation mode."""
+        view = self._runtime.snapshot.view
+        return [int(view.robot), int(view.program), int(view.safety), int(view.mode)]
+
+    def getRobotStatus(self) -> RobotStatus:  # noqa: N802 - the name on the wire
+        """Everything about the arm at one instant."""
+        snapshot = self._runtime.snapshot
+        view, setpoint = snapshot.view, snapshot.setpoint
+        actual, expected = self._tips(snapshot)
+        return RobotStatus(
+            jointExpectPosition=_list(setpoint.q),
+            jointExpectVelocity=_list(setpoint.qd),
+            jointExpectAccelera=_list(setpoint.qdd),
+            jointActualPosition=_list(snapshot.q),
+            jointActualVelocity=_list(snapshot.qd),
+            jointActualAccelera=_list(snapshot.qdd),
+            # Of the motors no data are public: the joint's largest torque stands for the rated.
+            jointActualCurrent=_list(1000.0 * snapshot.torque / self._effort),
+            jointTemperature=[_AMBIENT] * 6,
+            driverTemperature=[_AMBIENT] * 6,
+            cartExpectPosition=expected.pose,
+            cartExpectVelocity=expected.speed,
+            cartExpectAccelera=expected.acceleration,
+            cartActualPosition=actual.pose,
+            cartActualVelocity=actual.speed,
+            cartActualAccelera=actual.acceleration,
+            slaveReady=[view.robot is RobotState.ENABLE] * 6,
+            collision=view.collision_axis != 0,
+            collisionAxis=view.collision_axis,
+            emcStopSignal=view.emergency_stop,
+            robotState=int(view.robot),
+            robotError=view.error,
+        )
+
+    def _tips(self, snapshot: Snapshot) -> tuple[Tip, Tip]:
+        """The tool's tip, actual and commanded; computed once per snapshot."""
+        last = self._last
+        if last is not None and last[0] is snapshot:
+            return last[1], last[2]
+        tool, geometry = snapshot.view.tool, self._arm.geometry
+        point = snapshot.setpoint
+        actual = tip(geometry, snapshot.q, snapshot.qd, snapshot.qdd, tool.matrix)
+        expected = tip(geometry, point.q, point.qd, point.qdd, tool.matrix)
+        self._last = (snapshot, actual, expected)
+        return actual, expected
+
+    def _flange(self) -> Tip:
+        now = self._runtime.snapshot
+        return tip(self._arm.geometry, now.q, now.qd, now.qdd, np.eye(4))
+
+
+def _list(vector: NDArray[np.float64]) -> list[float]:
+    numbers: list[float] = vector.tolist()
+    return numbers

@@ -1,0 +1,306 @@
+"""The thread that runs the simulation: clock -> physics -> controller -> snapshot.
+
+Who may touch what:
+- the world belongs to this thread alone;
+- the controller is changed only under the lock, which is never held across a world step, so that
+  a command waits for one tick at most;
+- readers take the latest snapshot, which is immutable, without a lock.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import threading
+import time
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from aioduco.sim.clock import LoopStatistics, LoopTimes, Pace
+from aioduco.sim.controller import Controller, Drive, Sensed, View
+from aioduco.sim.planner.mover import SetPoint
+from aioduco.sim.refusal import Refusal
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from numpy.typing import NDArray
+
+    from aioduco.models.enums import TaskState
+
+    Vector = NDArray[np.float64]
+
+_log = logging.getLogger(__name__)
+
+#: while nothing happens, the controller ticks this often [s of real time]
+_STRIDE = 0.02
+#: simulated time of standing after which the physics need no further steps [s]
+_SETTLING = 0.3
+
+
+class Plant(Protocol):
+    """The physics, as far as the runtime needs them."""
+
+    q: Vector
+    qd: Vector
+    qdd: Vector
+    torque: Vector
+
+    def step(self, setpoint: SetPoint) -> None:
+        """Go on by one cycle."""
+
+    def brake(self, on: bool) -> None:
+        """Put the brakes on, or release them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Snapshot:
+    """Arm and controller after one cycle.
+
+    Attributes:
+        time: simulated time [s].
+        q, qd, qdd: actual joints, their speeds and accelerations [rad, s]. Shape (6,) each.
+        torque: actual joint torques [N m]. Shape (6,).
+        setpoint: what the drives follow.
+        view: the controller's state.
+    """
+
+    time: float
+    q: Vector
+    qd: Vector
+    qdd: Vector
+    torque: Vector
+    setpoint: SetPoint
+    view: View
+
+
+class Runtime:
+    """Runs a controller and its arm in a thread of its own.
+
+    Args:
+        controller: the state machine.
+        plant: the physics; touched by the thread only, once it runs.
+        cycle: time of one controller cycle [s].
+        speed: simulated seconds in a real one; inf for as fast as possible.
+        on_network: told from the thread when the controller's network goes away (False: it is
+            starting again, None: it was shut down) and comes back (True).
+    """
+
+    def __init__(
+        self,
+        controller: Controller,
+        plant: Plant,
+        *,
+        cycle: float = 0.001,
+        speed: float = 1.0,
+        on_network: Callable[[bool | None], None] = lambda _up: None,
+    ) -> None:
+        self._controller = controller
+        self._plant = plant
+        self._cycle = cycle
+        self._pace = Pace(cycle, speed)
+        self._times = LoopTimes()
+        self._on_network = on_network
+        self._lock = threading.Lock()
+        self._wake = threading.Event()
+        self._news = threading.Condition()
+        self._watchers = 0
+        self._waiters: dict[int, list[threading.Event]] = {}
+        self._closing = False
+        self._failure: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, name="sim-loop", daemon=True)
+        self._network: bool | None = True
+        self._count = 0
+        self._quiet = 0
+        self._drive = Drive(
+            SetPoint(plant.q.copy(), np.zeros(6), np.zeros(6)),
+            brake=True,
+        )
+        self._snapshot = self._look()
+
+    # -- for handlers and tests, from any thread -----------------------------------------------
+
+    @property
+    def snapshot(self) -> Snapshot:
+        """The latest snapshot.
+
+        Raises:
+            Refusal: The simulation has failed, so that what is known of the arm is old.
+        """
+        if self._failure is not None:
+            raise Refusal(f"the simulation failed: {self._failure!r}")
+        return self._snapshot
+
+    @contextlib.contextmanager
+    def command(self) -> Iterator[Controller]:
+        """The controller, to give it commands; readers see their effect when this ends.
+
+        Raises:
+            Refusal: The simulation has failed.
+        """
+        if self._failure is not None:
+            raise Refusal(f"the simulation failed: {self._failure!r}")
+        with self._lock:
+            yield self._controller
+            self._snapshot = replace(self._snapshot, view=self._controller.view())
+            released = self._take_ended()
+        for event in released:
+            event.set()
+        self._wake.set()
+
+    def task_state(self, id_: int) -> TaskState:
+        """State of a task."""
+        return self._controller.tasks.state(id_)
+
+    def wait(self, id_: int) -> TaskState:
+        """Wait until a task has ended; the state that it ended in.
+
+        Raises:
+            Refusal: The simulation ended or failed before the task.
+        """
+        tasks = self._controller.tasks
+        with self._lock:
+            if (state := tasks.state(id_)).ended:
+                return state
+            ended = threading.Event()
+            self._waiters.setdefault(id_, []).append(ended)
+        if not self._closing:  # after the registration: `_release` comes after the flag
+            ended.wait()
+        if not (state := tasks.state(id_)).ended:
+            raise Refusal("the simulation ended before the task")
+        return state
+
+    def wait_until(self, predicate: Callable[[], bool], timeout: float) -> bool:
+        """Wait until something holds, asked after every cycle.
+
+        Args:
+            predicate: what to wait for.
+            timeout: the longest wait, in simulated time [s].
+
+        Returns:
+            Whether it holds.
+        """
+        end = self.snapshot.time + timeout
+        with self._news:
+            self._watchers += 1
+            try:
+                while not predicate():
+                    if self.snapshot.time >= end or self._closing:
+                        return False
+                    self._news.wait()
+                return True
+            finally:
+                self._watchers -= 1
+
+    def statistics(self) -> LoopStatistics:
+        """How well the cycle is kept."""
+        return self._times.statistics(self._pace.slipped)
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def release(self) -> None:
+        """Let go of every call that waits for a task, now and from now on."""
+        self._closing = True
+        with self._lock:
+            waiters, self._waiters = self._waiters, {}
+        for events in waiters.values():
+            for event in events:
+                event.set()
+        with self._news:
+            self._news.notify_all()
+        self._wake.set()
+
+    def close(self) -> None:
+        """End the thread, and return when it has ended."""
+        self.release()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    # -- the thread ----------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        try:
+            self._loop()
+        except Exception as exc:
+            _log.exception("the simulation failed")
+            self._failure = exc
+            self.release()
+
+    def _loop(self) -> None:
+        idle, late, begun = False, 0.0, 0.0
+        braked: bool | None = None
+        self._pace.begin(time.perf_counter())
+        while not self._closing:
+            now = time.perf_counter()
+            if idle:
+                if self._wake.wait(_STRIDE):
+                    self._wake.clear()
+                cycles = self._pace.due(time.perf_counter())
+            else:
+                cycles = 1
+                delay = self._pace.delay(now)
+                if delay > 0.0:
+                    time.sleep(delay)
+                    late = time.perf_counter() - now - delay
+                else:
+                    late = -delay
+                begun = time.perf_counter()
+                if braked is not self._drive.brake:
+                    braked = self._drive.brake
+                    self._plant.brake(braked)
+                self._plant.step(self._drive.setpoint)
+            self._count += cycles
+            self._pace.ran(cycles)
+            self._tick()
+            if not idle:
+                self._times.add(late, time.perf_counter() - begun)
+            if idle != self._is_idle(cycles):
+                idle = not idle
+                self._pace.begin(time.perf_counter(), idle=idle)
+
+    def _tick(self) -> None:
+        plant = self._plant
+        sensed = Sensed(
+            self._count * self._cycle, time.monotonic(), plant.q.copy(), plant.qd.copy()
+        )
+        with self._lock:
+            self._drive = self._controller.tick(sensed)
+            self._snapshot = self._look()
+            released = self._take_ended()
+            network = None if self._controller.halted else not self._controller.starting
+        for event in released:
+            event.set()
+        if self._watchers:
+            with self._news:
+                self._news.notify_all()
+        if network is not self._network:
+            self._network = network
+            self._on_network(network)
+
+    def _look(self) -> Snapshot:
+        plant = self._plant
+        return Snapshot(
+            self._count * self._cycle,
+            plant.q.copy(),
+            plant.qd.copy(),
+            plant.qdd.copy(),
+            plant.torque.copy(),
+            self._drive.setpoint,
+            self._controller.view(),
+        )
+
+    def _take_ended(self) -> list[threading.Event]:
+        """Those who wait for the tasks that ended. Under the lock."""
+        released: list[threading.Event] = []
+        for id_ in self._controller.tasks.take_ended():
+            released += self._waiters.pop(id_, ())
+        return released
+
+    def _is_idle(self, cycles: int) -> bool:
+        """Whether the arm has stood for so long that physics would change nothing."""
+        self._quiet = 0 if self._controller.busy else self._quiet + cycles
+        return self._quiet * self._cycle >= _SETTLING

@@ -1,0 +1,296 @@
+"""The simulated controller as an object: start it, drive its inputs, look at the arm."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import anyio.to_thread
+import numpy as np
+
+from aioduco.kinematics import arm as arm_of
+from aioduco.models.pose import Joints
+from aioduco.sim.controller import Controller
+from aioduco.sim.handlers import handlers
+from aioduco.sim.handlers.base import Context
+from aioduco.sim.planner.mover import Mover
+from aioduco.sim.runtime import Runtime
+from aioduco.sim.server import Server
+from aioduco.sim.world import World
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import TracebackType
+    from typing import Self
+
+    from numpy.typing import NDArray
+
+    from aioduco.models.pose import JointsLike
+    from aioduco.sim.clock import LoopStatistics
+    from aioduco.sim.controller import View
+    from aioduco.sim.process import SimulatorProcess
+
+#: time of one controller cycle [s]
+CYCLE = 0.001
+#: Elbow bent and flange down, as in the vendor's demo: far from every singularity [rad].
+READY = (0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0)
+
+
+class Simulator:
+    """A simulated controller with its arm, on a TCP port of this computer.
+
+    It runs in threads of this process, between entering and leaving it:
+
+        with Simulator() as sim:          # or: async with Simulator() as sim
+            ... connect to sim.host, sim.port ...
+
+    What the methods below do, they do to the arm and the cabinet, as a person at the machine would;
+    programs under test use the port.
+
+    Args:
+        model: the arm, such as "gcr5_910"; `aioduco.kinematics.models()` lists them.
+        host: address to listen on; loopback unless told otherwise.
+        port: TCP port; 0 picks a free one, which `port` then tells.
+        speed: simulated seconds in a real one; `math.inf` for as fast as possible.
+        seed: of everything random in the simulation.
+        joints: where the arm stands at the start [rad]; None for the elbow bent, flange down.
+        on_shutdown: called when a client has shut the controller down, from one of its threads.
+
+    Raises:
+        ParameterError: There is no such model, or `joints` are no six angles.
+    """
+
+    def __init__(
+        self,
+        model: str = "gcr5_910",
+        *,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        speed: float = 1.0,
+        seed: int = 0,
+        joints: JointsLike | None = None,
+        on_shutdown: Callable[[], object] = lambda: None,
+    ) -> None:
+        self.arm = arm_of(model)
+        self.speed = speed
+        self.seed = seed
+        self._start = Joints.of(READY if joints is None else joints).array
+        self._address = (host, port)
+        self._halted = threading.Event()
+        self._on_shutdown = on_shutdown
+        self._server: Server | None = None
+        self._runtime: Runtime | None = None
+        self._controller: Controller | None = None
+
+    def __repr__(self) -> str:
+        state = f"on {self.host}:{self.port}" if self._server is not None else "not running"
+        return f"<{type(self).__name__} {self.arm.name} {state}>"
+
+    # -- life ----------------------------------------------------------------------------------
+
+    def start(self) -> Self:
+        """Build the arm and listen.
+
+        Raises:
+            OSError: The address cannot be listened on.
+            RuntimeError: It is running already.
+        """
+        if self._runtime is not None:
+            raise RuntimeError("this simulator is running already")
+        self._halted.clear()
+        world = World(self.arm, timestep=CYCLE)
+        world.reset(self._start)
+
+        def mover(q: NDArray[np.float64]) -> Mover:
+            return Mover(self.arm, q, CYCLE)
+
+        controller = Controller(mover, self._start)
+        runtime = Runtime(
+            controller, world, cycle=CYCLE, speed=self.speed, on_network=self._network
+        )
+        series, _, model = self.arm.name.upper().partition("_")
+        context = Context(
+            self.arm,
+            runtime,
+            controller.signals,
+            controller.frames,
+            series,
+            model,
+            f"SIM{self.seed:08d}",
+        )
+        server = Server(handlers(context), host=self._address[0], port=self._address[1])
+        server.start()
+        self._server, self._runtime, self._controller = server, runtime, controller
+        runtime.start()
+        return self
+
+    def close(self) -> None:
+        """Cut the connections and stop the simulation; returns when its threads have ended."""
+        server, runtime = self._server, self._runtime
+        self._server = None
+        if runtime is None or server is None:
+            return
+        runtime.release()
+        try:
+            server.close()
+        finally:
+            runtime.close()
+            self._runtime = self._controller = None
+
+    def __enter__(self) -> Self:
+        return self.start()
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    async def __aenter__(self) -> Self:
+        return await anyio.to_thread.run_sync(self.start)
+
+    async def __aexit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        with anyio.CancelScope(shield=True):
+            await anyio.to_thread.run_sync(self.close)
+
+    @staticmethod
+    def spawn(**options: Any) -> SimulatorProcess:
+        """Run a simulator in a process of its own.
+
+        Args:
+            options: those of `Simulator`; numbers, texts and lists only.
+
+        Returns:
+            A context manager that gives the running process with its `host` and `port`.
+        """
+        from aioduco.sim.process import SimulatorProcess  # noqa: PLC0415 - it names this class
+
+        return SimulatorProcess(options)
+
+    # -- what can be seen ----------------------------------------------------------------------
+
+    @property
+    def host(self) -> str:
+        """The address that is listened on."""
+        return self._address[0]
+
+    @property
+    def port(self) -> int:
+        """The TCP port that is listened on; 0 before the start if any will do."""
+        return self._address[1] if self._server is None else self._server.port
+
+    @property
+    def connections(self) -> int:
+        """How many clients are connected."""
+        return 0 if self._server is None else self._server.connections
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the start [s]."""
+        return self._running().snapshot.time
+
+    @property
+    def joints(self) -> Joints:
+        """Actual joints [rad]."""
+        return Joints.of(self._running().snapshot.q)
+
+    @property
+    def moving(self) -> bool:
+        """Whether the arm moves."""
+        return self.view.moving
+
+    @property
+    def view(self) -> View:
+        """The controller's states, error list, tool and work object at this instant."""
+        return self._running().snapshot.view
+
+    @property
+    def halted(self) -> bool:
+        """Whether a client has shut the controller down."""
+        return self._halted.is_set()
+
+    def get_digital_output(self, num: int) -> bool:
+        """A general output of the cabinet, 1 to 16."""
+        return self._machine().signals.standard_out[num]
+
+    def statistics(self) -> LoopStatistics:
+        """How well the controller's cycle is kept."""
+        return self._running().statistics()
+
+    def wait_until(self, predicate: Callable[[], bool], timeout: float = 10.0) -> None:
+        """Wait until something holds, asked after every cycle.
+
+        Args:
+            predicate: what to wait for, such as `lambda: not sim.moving`.
+            timeout: the longest wait, in simulated time [s].
+
+        Raises:
+            TimeoutError: It did not come to hold.
+        """
+        if not self._running().wait_until(predicate, timeout):
+            raise TimeoutError(f"it did not come to hold within {timeout} s of simulated time")
+
+    async def wait_until_async(self, predicate: Callable[[], bool], timeout: float = 10.0) -> None:
+        """The same, awaited; the predicate is asked in another thread."""
+        await anyio.to_thread.run_sync(self.wait_until, predicate, timeout)
+
+    # -- what a person at the machine would do -------------------------------------------------
+
+    def set_digital_input(self, num: int, value: bool) -> None:
+        """Set a general input of the cabinet, 1 to 16."""
+        with self._running().command() as controller:
+            controller.signals.standard_in[num] = value
+
+    def set_tool_digital_input(self, num: int, value: bool) -> None:
+        """Set an input of the tool, 1 or 2."""
+        with self._running().command() as controller:
+            controller.signals.tool_in[num] = value
+
+    def emergency_stop(self) -> None:
+        """Press the emergency stop."""
+        with self._running().command() as controller:
+            controller.press_emergency_stop()
+
+    def release_emergency_stop(self) -> None:
+        """Release the emergency stop; power off, power on and enable lead out of the stop."""
+        with self._running().command() as controller:
+            controller.release_emergency_stop()
+
+    def collide(self, joint: int) -> None:
+        """Let a joint, 1 to 6, detect a collision."""
+        if not 1 <= joint <= 6:
+            raise ValueError(f"joint is {joint}, but must be from 1 to 6")
+        with self._running().command() as controller:
+            controller.collide(joint)
+
+    def drop_connections(self) -> int:
+        """Cut every connection, as a pulled cable would; how many there were."""
+        return 0 if self._server is None else self._server.drop()
+
+    # -- inside --------------------------------------------------------------------------------
+
+    def _running(self) -> Runtime:
+        if self._runtime is None:
+            raise RuntimeError("this simulator is not running: enter it by `with` or `async with`")
+        return self._runtime
+
+    def _machine(self) -> Controller:
+        self._running()
+        assert self._controller is not None
+        return self._controller
+
+    def _network(self, up: bool | None) -> None:
+        """The controller's network came up (True), went down for a restart, or for good (None)."""
+        if self._server is not None:
+            self._server.refuse(not up)
+        if up is None:
+            self._halted.set()
+            self._on_shutdown()
