@@ -82,8 +82,10 @@ class Keeper:
         self.loose = False
 
     async def stop(self) -> None:
-        """As `halt`, and wait until the motions are seen to have ended."""
-        await self.halt()
+        """As `halt`, to its end even if cancelled, until the motions are seen to have ended."""
+        _, cancelled = await insist(self.halt)
+        if cancelled is not None:
+            raise cancelled
         await self._settled(*self.poller.tasks)
 
     async def halt_late(self) -> None:

@@ -1,0 +1,129 @@
+"""What the sections of the manual have in common, so that a function takes a few lines.
+
+A function that reads or sets something checks its arguments by `ranges` and awaits the wire:
+
+    async def set_tool_digital_out(self, num: int, value: bool) -> None:
+        ...
+        num_, value_ = ranges.TOOL_IO("num", num), ranges.FLAG("value", value)
+        done("set_tool_digital_out", await self._rpc.set_tool_digital_out(num_, value_, True))
+
+A motion checks its arguments and returns a value; `False` stands for `block`:
+
+    return self._motion(lambda rpc: rpc.movej2(q, v_, a_, r_, False, op_, def_acc_), r_)
+
+The lambda is called at once, with a client that only notes the call: so the call is checked by
+the type checker, and nothing is sent before the motion is started.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Coroutine, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from aioduco._wire.rpc import AsyncRpc
+from aioduco.errors import Refused
+from aioduco.models.enums import Outcome, TaskState
+from aioduco.supervision.command import Command, MotionCommand
+from aioduco.supervision.lifecycle import TaskLifecycle
+from aioduco.supervision.task import task_error
+
+if TYPE_CHECKING:
+    from aioduco.supervision.supervisor import Supervisor
+
+__all__ = ["Section", "done", "succeeded"]
+
+Call: TypeAlias = Callable[[AsyncRpc], Coroutine[Any, Any, int]]
+
+
+class Section:
+    """A section of the manual: functions of one robot."""
+
+    __slots__ = ("_rpc", "_supervisor", "_unlimited")
+
+    def __init__(self, supervisor: Supervisor) -> None:
+        self._supervisor = supervisor
+        #: the functions of the wire with the robot's call_timeout
+        self._rpc = supervisor.calls.rpc
+        #: the same without a deadline, for functions that wait inside the controller
+        self._unlimited = supervisor.calls.within(None)
+
+    def __repr__(self) -> str:
+        where = f"{self._supervisor.host}:{self._supervisor.port}"
+        return f"<{type(self).__name__} of {where}, {self._supervisor.state}>"
+
+    def _motion(
+        self,
+        call: Call,
+        r: float = 0.0,
+        *,
+        estimate: Callable[[Sequence[float]], float] | None = None,
+    ) -> MotionCommand:
+        """A motion as a value.
+
+        Args:
+            call: makes the call of the wire, with block false.
+            r: blend radius [m].
+            estimate: how many seconds it takes from given joints on, if that can be told.
+        """
+        name, args = noted(call)
+        command = Command(name, args, blends=r > 0.0, estimate=estimate)
+        return MotionCommand(self._supervisor.launcher, command)
+
+    async def _perform(self, call: Call, timeout: float) -> None:
+        """Carry out a function that becomes a task and moves nothing, and see its end.
+
+        Args:
+            call: makes the call of the wire, with block false.
+            timeout: seconds in which it must end.
+        """
+        name, args = noted(call)
+        self._supervisor.check_open(name)
+        await self._supervisor.launcher.perform(name, args, timeout)
+
+
+def noted(call: Call) -> tuple[str, tuple[Any, ...]]:
+    """Name and arguments of a call, without making it."""
+    calls: list[tuple[str, tuple[Any, ...]]] = []
+
+    def note(name: str, args: tuple[Any, ...]) -> Any:
+        calls.append((name, args))
+
+    _ = call(AsyncRpc(note))
+    ((name, args),) = calls
+    return name, args
+
+
+def done(function: str, answer: int) -> None:
+    """Check the end state of a task that a blocking function returned.
+
+    Args:
+        function: the function of the wire.
+        answer: what it returned.
+
+    Raises:
+        TaskError: the task did not succeed: one of the subclasses.
+        Refused: the answer is no end state of a task.
+    """
+    state = TaskState(answer)
+    if state is TaskState.FINISHED:
+        return
+    if not state.ended:
+        raise Refused(function, answer, "it does not take these arguments in its present state")
+    life = TaskLifecycle()
+    life.observe(state)
+    outcome = life.outcome or Outcome.UNKNOWN
+    raise task_error(function, None, outcome)
+
+
+def succeeded(function: str, answer: int) -> None:
+    """Check the answer of a function that returns 0 on success.
+
+    Args:
+        function: the function of the wire.
+        answer: what it returned.
+
+    Raises:
+        Refused: it is not 0.
+    """
+    if answer != 0:
+        raise Refused(function, answer, "it does not take these arguments in its present state")

@@ -1,0 +1,113 @@
+"""System control (系统控制, manual 1.3.2, and switch_mode of 1.3.7)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.section import Section, done
+
+if TYPE_CHECKING:
+    from aioduco.models.enums import OperationMode
+
+__all__ = ["System"]
+
+
+class System(Section):
+    """Power, brakes and the operation mode (系统控制, manual 1.3.2).
+
+    Each function has ended when it returns. Cancelling its await cancels the waiting, not what
+    the controller does. `Robot.bring_up` does what is needed before a motion, in the right order.
+    """
+
+    __slots__ = ()
+
+    async def power_on(self, *, timeout: float = 30.0) -> None:
+        """Power the arm up (机器人上电).
+
+        Args:
+            timeout: seconds in which it must have happened.
+
+        Raises:
+            TaskError: it was not done; TaskUnknown if it took too long.
+
+        Manual section 1.3.2.
+        """
+        await self._perform(lambda rpc: rpc.power_on(False), timeout)
+
+    async def power_off(self, *, timeout: float = 30.0) -> None:
+        """Power the arm down (机器人下电); the brakes close.
+
+        Args:
+            timeout: seconds in which it must have happened.
+
+        Raises:
+            TaskError: it was not done; TaskUnknown if it took too long.
+
+        Manual section 1.3.2.
+        """
+        await self._perform(lambda rpc: rpc.power_off(False), timeout)
+
+    async def enable(self, *, timeout: float = 30.0) -> None:
+        """Enable the joints (机器人上使能); the brakes open.
+
+        Args:
+            timeout: seconds in which it must have happened.
+
+        Raises:
+            TaskError: it was not done; TaskUnknown if it took too long.
+
+        Manual section 1.3.2.
+        """
+        await self._perform(lambda rpc: rpc.enable(False), timeout)
+
+    async def disable(self, *, timeout: float = 30.0) -> None:
+        """Disable the joints (机器人下使能); the brakes close.
+
+        Args:
+            timeout: seconds in which it must have happened.
+
+        Raises:
+            TaskError: it was not done; TaskUnknown if it took too long.
+
+        Manual section 1.3.2.
+        """
+        await self._perform(lambda rpc: rpc.disable(False), timeout)
+
+    async def shutdown(self) -> None:
+        """Switch the controller off (机器人关机). Every connection ends soon after.
+
+        Raises:
+            OutcomeUnknown: the connection ended before the answer came.
+
+        Manual section 1.3.2.
+        """
+        await self._rpc.shutdown(False)
+
+    async def restart(self) -> None:
+        """Start the controller anew (机器人重启). Every connection ends soon after.
+
+        Raises:
+            OutcomeUnknown: the connection ended before the answer came.
+
+        Manual section 1.3.2.
+        """
+        await self._rpc.restart(False)
+
+    async def switch_mode(self, mode: OperationMode | int) -> None:
+        """Switch between manual and automatic mode (手自动模式切换).
+
+        It works only if the safety settings do not leave the mode to an input. A switch may
+        leave the program paused; `Robot.stop` clears that.
+
+        Args:
+            mode: OperationMode.MANUAL (0) or OperationMode.AUTO (1).
+
+        Raises:
+            ParameterError: the mode is another one.
+            TaskError: the controller did not switch.
+
+        Manual section 1.3.7.
+        """
+        mode_ = ranges.SWITCH_MODE("mode", int(mode))
+        done("switch_mode", await self._rpc.switch_mode(mode_))

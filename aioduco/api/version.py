@@ -1,0 +1,43 @@
+"""What the arm and its controller are (manual 1.3.7)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from aioduco.api.section import Section
+
+__all__ = ["RobotType", "Version"]
+
+
+class RobotType(NamedTuple):
+    """What the arm is (get_robot_type).
+
+    Attributes:
+        series: its series.
+        model: its model.
+        extension: further letters of the model.
+        serial_number: its serial number.
+    """
+
+    series: str
+    model: str
+    extension: str
+    serial_number: str
+
+
+class Version(Section):
+    """Type of the arm, version of the controller's software (manual 1.3.7)."""
+
+    __slots__ = ()
+
+    async def get_robot_version(self) -> str:
+        """Read the version of the controller's software (控制器版本). Not in the manual."""
+        return await self._rpc.get_robot_version()
+
+    async def get_robot_type(self) -> RobotType:
+        """Read series, model, extension and serial number (机器人系列号, 型号, SN).
+
+        What the controller leaves out is empty. Manual section 1.3.7.
+        """
+        parts = [*await self._rpc.get_robot_type(), "", "", "", ""][:4]
+        return RobotType(*parts)

@@ -1,0 +1,312 @@
+"""The robot: `connect` opens one, `Robot` is what a program works with."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from typing import TYPE_CHECKING
+
+import anyio
+
+from aioduco.errors import HeartbeatLost, ParameterError
+from aioduco.supervision.settings import Settings
+
+if TYPE_CHECKING:
+    from types import TracebackType
+    from typing import Self
+
+    from aioduco.api.io import IO
+    from aioduco.api.motion import Motion
+    from aioduco.api.state import State
+    from aioduco.api.system import System
+    from aioduco.api.version import Version
+    from aioduco.models.state import RobotStates
+    from aioduco.supervision.heartbeat import HeartbeatStatistics
+    from aioduco.supervision.supervisor import SupervisorStatistics
+    from aioduco.supervision.task import OnCancel, Task
+    from aioduco.trace import Trace
+
+__all__ = ["Robot", "connect"]
+
+#: seconds between two looks whether the heartbeat beats again
+_LOOK_EVERY = 0.002
+
+
+def connect(
+    host: str,
+    port: int = 7003,
+    *,
+    call_timeout: float = 2.0,
+    connect_timeout: float = 3.0,
+    pool_size: int = 4,
+    heartbeat: float | None = 1.0,
+    loop_stall_limit: float = 1.0,
+    on_cancel: OnCancel = "stop",
+    stop_timeout: float = 5.0,
+    standstill_timeout: float = 5.0,
+    trace: Trace | None = None,
+) -> Robot:
+    """Name a robot; `async with` connects to it, and leaves it standing.
+
+        async with aioduco.connect("192.168.1.10") as robot:
+            await robot.bring_up()
+            await robot.motion.movej2(home, v=1.0, a=1.0)
+
+    Args:
+        host: name or address of the controller; 192.168.1.10 as it comes from the factory.
+        port: its TCP port.
+        call_timeout: most seconds that a call takes, the wait for a connection included.
+        connect_timeout: most seconds that opening a connection takes.
+        pool_size: most connections for calls other than motions and supervision, 1 to 64.
+        heartbeat: seconds without a sign of life of this program after which the controller
+            stops the arm, 0.2 to 60; None for no heartbeat: a lost connection then stops
+            nothing.
+        loop_stall_limit: seconds without the event loop running after which the program counts
+            as hung, and the heartbeat is withheld.
+        on_cancel: what happens to the arm when the await of a motion is cancelled: "stop",
+            "pause", or "detach" (it moves on).
+        stop_timeout: seconds in which a stop must be accepted by the controller.
+        standstill_timeout: seconds in which the arm must stand after that.
+        trace: a hook that sees each call and each connection, see `aioduco.trace`.
+
+    Returns:
+        The robot, not connected yet.
+
+    Raises:
+        ParameterError: an argument is out of range.
+
+    Manual section 1.3.1.
+    """
+    return Robot(
+        host,
+        port,
+        Settings(
+            call_timeout=call_timeout,
+            connect_timeout=connect_timeout,
+            pool_size=pool_size,
+            heartbeat=heartbeat,
+            loop_stall_limit=loop_stall_limit,
+            on_cancel=on_cancel,
+            stop_timeout=stop_timeout,
+            standstill_timeout=standstill_timeout,
+            trace=trace,
+        ),
+    )
+
+
+class Robot:
+    """A robot arm and its controller. Made by `connect`, used in `async with`.
+
+    Entering connects, asks the controller one question and starts the heartbeat. Leaving goes
+    down a ladder, each rung with a deadline, whatever happened inside: what this program moves is
+    stopped, and seen to stand; the heartbeat ends; the connections close.
+
+    Attributes:
+        host: name or address of the controller.
+        port: its TCP port.
+        system: power, brakes, operation mode.
+        motion: motions.
+        state: state of the arm and of the controller.
+        io: inputs and outputs.
+        version: type of the arm, version of the software.
+    """
+
+    system: System
+    motion: Motion
+    state: State
+    io: IO
+    version: Version
+
+    def __init__(self, host: str, port: int, settings: Settings) -> None:
+        if not isinstance(host, str) or not host:
+            raise ParameterError("host", host, "a name or an address")
+        if type(port) is not int or not 1 <= port <= 65535:
+            raise ParameterError("port", port, "a whole number from 1 to 65535")
+        # Thrift is loaded here and not at import: `import aioduco` stays quick.
+        from aioduco.api.io import IO  # noqa: PLC0415
+        from aioduco.api.motion import Motion  # noqa: PLC0415
+        from aioduco.api.state import State  # noqa: PLC0415
+        from aioduco.api.system import System  # noqa: PLC0415
+        from aioduco.api.version import Version  # noqa: PLC0415
+        from aioduco.supervision.supervisor import Supervisor  # noqa: PLC0415
+
+        self.host = host
+        self.port = port
+        self._supervisor = Supervisor(host, port, settings)
+        self.system = System(self._supervisor)
+        self.motion = Motion(self._supervisor)
+        self.state = State(self._supervisor)
+        self.io = IO(self._supervisor)
+        self.version = Version(self._supervisor)
+
+    def __repr__(self) -> str:
+        tasks = len(self.tasks)
+        return f"<Robot {self.host}:{self.port} {self._supervisor.state}, {tasks} live tasks>"
+
+    def __del__(self) -> None:
+        supervisor = getattr(self, "_supervisor", None)
+        if supervisor is not None and supervisor.state == "open":
+            warnings.warn(f"unclosed {self!r}", ResourceWarning, source=self, stacklevel=2)
+            if supervisor.heartbeat is not None:
+                supervisor.heartbeat.end()
+
+    async def open(self) -> None:
+        """Connect, see that a controller answers, and start the heartbeat.
+
+        For notebooks and fixtures; programs use `async with`, which closes whatever happens.
+
+        Raises:
+            ConnectError: the host is unknown, the port is closed, or nothing answers.
+            NotAController: something else than a controller answers.
+            ConnectTimeout: something accepts connections, but answers nothing.
+        """
+        await self._supervisor.open()
+
+    async def aclose(self) -> None:
+        """Stop what this program moves, see it stand, end the heartbeat, close.
+
+        It is gone through to its end even if it is cancelled.
+
+        Raises:
+            StopUnconfirmed: it is not known that the arm stands.
+        """
+        await self._supervisor.aclose()
+
+    async def __aenter__(self) -> Self:
+        await self.open()
+        return self
+
+    async def __aexit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        await self.aclose()
+
+    @property
+    def tasks(self) -> tuple[Task, ...]:
+        """The tasks of this program that live, in the order of their acceptance."""
+        return self._supervisor.keeper.poller.tasks
+
+    @property
+    def heartbeat(self) -> HeartbeatStatistics | None:
+        """State and figures of the heartbeat; None without one."""
+        heartbeat = self._supervisor.heartbeat
+        return heartbeat.statistics() if heartbeat is not None else None
+
+    def statistics(self) -> SupervisorStatistics:
+        """Figures of lanes, tasks, stops and heartbeat since the robot was opened."""
+        return self._supervisor.statistics()
+
+    async def bring_up(self, *, timeout: float = 30.0) -> RobotStates:
+        """Bring the arm into a state in which it can move: power on, enable, clear.
+
+        A safety stop is cleared by powering off and on, a collision by its reset, a paused
+        program by a stop. Each step is taken when the controller's states call for it, and its
+        end is seen in them.
+
+        Args:
+            timeout: seconds in which the arm must be ready.
+
+        Returns:
+            The states: enabled, with no program running.
+
+        Raises:
+            RobotStateError: a person has to do something first, such as to release the emergency
+                stop; or the arm is not ready in time. It says what.
+        """
+        from aioduco.supervision.bringup import bring_up  # noqa: PLC0415  # loaded with Thrift
+
+        return await bring_up(self._supervisor, timeout)
+
+    async def stop(self) -> None:
+        """Stop the arm, all tasks included (停止所有任务), and wait until it stands.
+
+        The stop waits behind nothing, is repeated over fresh connections until it is accepted,
+        and goes on to its end even if this is cancelled. It holds also for a motion that is on
+        its way to the controller. Motions that were running raise `TaskStopped`.
+
+        Raises:
+            StopUnconfirmed: it is not known that the arm stands: press the emergency stop.
+
+        Manual section 1.3.3.
+        """
+        self._supervisor.check_open("stop")
+        await self._supervisor.keeper.stop()
+
+    def stop_now(self, timeout: float = 2.0) -> None:
+        """Send a stop from any thread or signal handler; it needs no event loop.
+
+        It returns when the controller has accepted the stop; the arm is then slowing down.
+
+        Args:
+            timeout: seconds in which a stop must be accepted.
+
+        Raises:
+            StopUnconfirmed: none was: press the emergency stop.
+
+        Manual section 1.3.3.
+        """
+        self._supervisor.check_open("stop")
+        self._supervisor.control.stop_now(timeout)
+
+    async def pause(self) -> None:
+        """Pause all tasks (暂停所有任务), and wait until the arm stands.
+
+        Raises:
+            TaskError: the controller did not pause.
+            StopUnconfirmed: the arm does not stand.
+
+        Manual section 1.3.3.
+        """
+        self._supervisor.check_open("pause")
+        await self._supervisor.keeper.pause()
+
+    async def resume(self) -> None:
+        """Resume all paused tasks (恢复所有暂停的任务).
+
+        Raises:
+            TaskError: the controller did not resume.
+
+        Manual section 1.3.3.
+        """
+        self._supervisor.check_open("resume")
+        await self._supervisor.keeper.resume()
+
+    async def abort(self) -> None:
+        """End the running motion and those read ahead, and wait until the arm stands.
+
+        It is not in manual 3.8, but on its wire; manual 4.3 describes it.
+
+        Raises:
+            TaskError: the controller did not abort.
+            StopUnconfirmed: the arm does not stand.
+        """
+        self._supervisor.check_open("abort")
+        await self._supervisor.keeper.abort()
+
+    async def rearm_heartbeat(self, *, timeout: float = 2.0) -> None:
+        """Go on after the event loop hung and the heartbeat was withheld.
+
+        The controller has stopped the arm by then. Nothing moves by this; motions may be started
+        again.
+
+        Args:
+            timeout: seconds in which a beat must be answered.
+
+        Raises:
+            HeartbeatLost: none was.
+        """
+        self._supervisor.check_open("rpc_heartbeat")
+        heartbeat = self._supervisor.heartbeat
+        if heartbeat is None:
+            return
+        heartbeat.rearm()
+        due = time.monotonic()
+        until = due + timeout
+        while not heartbeat.heard:
+            if due >= until:
+                raise HeartbeatLost(f"no heartbeat was answered within {timeout:g} s")
+            due += _LOOK_EVERY
+            await anyio.sleep(max(0.0, due - time.monotonic()))

@@ -1,0 +1,177 @@
+"""From whatever state the robot is in to one in which it can move.
+
+`BringUp` decides, without a clock or a connection; `bring_up` carries out.
+"""
+
+from __future__ import annotations
+
+import time
+from enum import Enum, auto
+from typing import TYPE_CHECKING
+
+import anyio
+
+from aioduco.errors import DucoError, RobotStateError, StaleState, TaskError
+from aioduco.models.enums import ProgramState, RobotState, SafetyState
+
+if TYPE_CHECKING:
+    from aioduco.models.state import RobotStates
+    from aioduco.supervision.supervisor import Supervisor
+
+#: seconds between two looks at the states
+LOOK_EVERY = 0.02
+
+_STOPS = {SafetyState.STOP0, SafetyState.STOP1, SafetyState.STOP2}
+_PAUSED = {ProgramState.PAUSED, ProgramState.PAUSING}
+_BUSY = {ProgramState.RUNNING, ProgramState.TASK_RUNNING}
+_BOOTING = {RobotState.START, RobotState.INITIALIZE}
+_STARTING = {SafetyState.INIT, SafetyState.WAIT, SafetyState.BOOT}
+
+_HANDS: dict[SafetyState, str] = {
+    SafetyState.FAIL: (
+        "the safety controller reports a fatal error: switch the cabinet off and on again; if it "
+        "comes back, call the vendor"
+    ),
+    SafetyState.RECOVERY: (
+        "the safety controller is in recovery mode: bring the arm back inside its safety limits "
+        "at the pendant, then leave that mode"
+    ),
+    SafetyState.CONFIG: "the safety controller is being configured: finish that at the pendant",
+    SafetyState.MODEL: "the arm's model is being configured: finish that at the pendant",
+    SafetyState.UPDATE: "the safety controller is being updated: wait until that has ended",
+}
+
+
+class Step(Enum):
+    """What is to be done next."""
+
+    DONE = auto()
+    WAIT = auto()
+    RESET_COLLISION = auto()
+    STOP = auto()
+    POWER_OFF = auto()
+    POWER_ON = auto()
+    ENABLE = auto()
+
+
+class BringUp:
+    """Decides the next step from what is seen.
+
+    After a safety stop the arm is powered off and on, once. A step is asked for once; until the
+    states follow, it is waited for.
+    """
+
+    def __init__(self) -> None:
+        self._asked: set[Step] = set()
+
+    def next(self, states: RobotStates, *, emergency_stop: bool, collision: bool) -> Step:
+        """Return what is to be done now.
+
+        Args:
+            states: the controller's states.
+            emergency_stop: whether an emergency stop is reported as pressed.
+            collision: whether a collision is reported.
+
+        Raises:
+            RobotStateError: a person has to do something first; it says what.
+        """
+        self._refuse_what_needs_hands(states, emergency_stop)
+        stopped = states.safety in _STOPS
+        step = Step.WAIT
+        if states.safety in _STARTING or states.robot in _BOOTING:
+            step = Step.WAIT
+        elif collision and Step.RESET_COLLISION not in self._asked:
+            step = Step.RESET_COLLISION
+        elif stopped and Step.POWER_OFF not in self._asked:
+            step = Step.POWER_OFF
+        elif states.robot is RobotState.POWER_OFF:
+            step = Step.POWER_ON
+        elif stopped:
+            step = Step.WAIT
+        elif states.robot is RobotState.DISABLE:
+            step = Step.ENABLE
+        elif states.program in _PAUSED:
+            step = Step.STOP
+        elif states.robot is RobotState.ENABLE and states.program is ProgramState.STOPPED:
+            step = Step.DONE
+        return self._once(step)
+
+    def _once(self, step: Step) -> Step:
+        if step in self._asked and step is not Step.DONE:
+            return Step.WAIT
+        self._asked.add(step)
+        return step
+
+    @staticmethod
+    def _refuse_what_needs_hands(states: RobotStates, emergency_stop: bool) -> None:
+        if emergency_stop:
+            raise RobotStateError(
+                "an emergency stop is pressed: see that nobody is near the arm, release the "
+                "button, then call bring_up() again"
+            )
+        if (reason := _HANDS.get(states.safety)) is not None:
+            raise RobotStateError(f"{reason}; then call bring_up() again")
+        if states.robot is RobotState.UPDATE:
+            raise RobotStateError("the robot is being updated: wait until that has ended")
+        if states.robot is RobotState.ENABLE and states.program in _BUSY:
+            raise RobotStateError(
+                f"the controller is busy (program {states.program.name}): end the program at the "
+                "pendant, or call robot.stop(), then call bring_up() again"
+            )
+
+
+async def bring_up(supervisor: Supervisor, timeout: float) -> RobotStates:
+    """Bring the robot into a state in which it can move; `Robot.bring_up` describes it."""
+    supervisor.check_open("bring_up")
+    decide = BringUp()
+    due = time.monotonic()
+    until = due + timeout
+    seen = "nothing was heard of it"
+    while due < until:
+        try:
+            states = supervisor.samples.states(await supervisor.calls.rpc.get_robot_state())
+            status = await supervisor.calls.rpc.getRobotStatus()
+        except StaleState as exc:
+            seen = str(exc)
+        else:
+            seen = str(states)
+            step = decide.next(
+                states, emergency_stop=status.emcStopSignal, collision=status.collision
+            )
+            if step is Step.DONE:
+                return states
+            if step is not Step.WAIT:
+                await _carry_out(supervisor, step, states, until - time.monotonic())
+                due = time.monotonic()
+                continue
+        due = max(due + LOOK_EVERY, time.monotonic())
+        await anyio.sleep(max(0.0, due - time.monotonic()))
+    raise RobotStateError(
+        f"the robot is not ready after {timeout:g} s: {seen}; {await _errors(supervisor)}. Look at "
+        "the pendant for what it waits for"
+    )
+
+
+async def _carry_out(supervisor: Supervisor, step: Step, states: RobotStates, left: float) -> None:
+    launcher, rpc = supervisor.launcher, supervisor.calls.rpc
+    try:
+        match step:
+            case Step.RESET_COLLISION:
+                await rpc.collision_detection_reset()
+            case Step.STOP:
+                await supervisor.keeper.stop()
+            case Step.POWER_OFF | Step.POWER_ON | Step.ENABLE:
+                await launcher.perform(step.name.lower(), (False,), max(left, 0.1))
+    except TaskError as exc:
+        raise RobotStateError(
+            f"the controller did not {step.name.lower()} ({states}): {exc}. Is an emergency stop "
+            "or a protective stop active? Clear it, then call bring_up() again"
+        ) from exc
+
+
+async def _errors(supervisor: Supervisor) -> str:
+    try:
+        errors = await supervisor.calls.rpc.get_last_error()
+    except DucoError:
+        return "its errors could not be read"
+    return f"its errors: {'; '.join(errors)}" if errors else "it reports no errors"
