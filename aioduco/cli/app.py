@@ -5,7 +5,7 @@ from __future__ import annotations
 import typer
 
 import aioduco
-from aioduco.cli.demo import command as demo_command
+from aioduco.cli.demo.command import demo
 from aioduco.cli.sim import sim
 
 __all__ = ["app"]
@@ -18,7 +18,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command()(sim)
-app.command()(demo_command.demo)
+app.command()(demo)
 
 
 def _version(wanted: bool) -> None:

@@ -3,27 +3,34 @@
 from __future__ import annotations
 
 import importlib.util
+from typing import TYPE_CHECKING
 
 import typer
 
-__all__ = ["check_model", "need"]
+from aioduco.kinematics import arm as arm_of
+from aioduco.kinematics import models
+
+if TYPE_CHECKING:
+    from aioduco.kinematics import Arm
+
+__all__ = ["arm", "need"]
 
 _BRINGS = {"sim": ("mujoco", "ruckig"), "cli": ("matplotlib",)}
 
 
-def need(extra: str) -> None:
-    """End with a message that says what to install, if an extra is missing."""
-    missing = [name for name in _BRINGS[extra] if importlib.util.find_spec(name) is None]
+def need(*extras: str) -> None:
+    """End with a message that says what to install, if something of the extras is missing."""
+    wanted = [name for extra in extras for name in _BRINGS[extra]]
+    missing = [name for name in wanted if importlib.util.find_spec(name) is None]
     if missing:
         typer.echo(f"this needs {' and '.join(missing)}: pip install 'aioduco[sim,cli]'", err=True)
         raise typer.Exit(1)
 
 
-def check_model(model: str) -> None:
-    """Refuse the name of an arm that is not known, and list the known ones."""
-    from aioduco.kinematics import models  # noqa: PLC0415 - not every command needs it
-
+def arm(model: str) -> Arm:
+    """Give the arm of a name; refuse one that is not known, and list the known ones."""
     if model not in models():
         raise typer.BadParameter(
-            f"no arm {model!r}; known are {', '.join(models())}", param_hint="--model"
+            f"no arm is named {model!r}; there are {', '.join(models())}", param_hint="--model"
         )
+    return arm_of(model)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import threading
 from typing import Annotated
@@ -25,20 +26,20 @@ def sim(
         float, typer.Option(min=0.01, max=1000.0, help="Times faster than the wall clock.")
     ] = 1.0,
 ) -> None:
-    """Run a simulated controller until Ctrl-C."""
+    """Run a simulated controller until Ctrl-C, or until a client shuts it down."""
     extras.need("sim")
-    from aioduco.sim import Simulator  # noqa: PLC0415 - it brings MuJoCo
+    extras.arm(model)
+    from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this command alone
 
-    extras.check_model(model)
     ended = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: ended.set())
+    simulator = Simulator(model, host=host, port=port, speed=speed, on_shutdown=ended.set)
     try:
-        with Simulator(model=model, host=host, port=port, speed=speed) as running:
-            typer.echo(
-                f"simulated {model} listening on {running.host}:{running.port}; Ctrl-C ends it"
-            )
-            ended.wait()
+        simulator.start()
     except OSError as error:
         typer.echo(f"cannot listen on {host}:{port}: {error.strerror or error}", err=True)
         raise typer.Exit(1) from None
+    with contextlib.closing(simulator):
+        typer.echo(f"simulated {model} on {simulator.host}:{simulator.port}; Ctrl-C ends it")
+        ended.wait()

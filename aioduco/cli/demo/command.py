@@ -1,0 +1,143 @@
+"""`aioduco demo`: options, the question before a real arm moves, and what comes out."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import anyio
+import numpy as np
+import typer
+from rich.console import Console
+
+from aioduco.cli import extras
+from aioduco.cli.demo import session, view
+from aioduco.cli.demo.report import Report
+from aioduco.cli.demo.script import Plan
+from aioduco.errors import DucoError
+from aioduco.kinematics import forward
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from aioduco.cli.demo.session import Found
+    from aioduco.kinematics import Arm
+
+__all__ = ["demo"]
+
+NOT_CONFIRMED = 3
+INTERRUPTED = 130
+OUTPUT = Path("-")
+
+
+def demo(
+    host: Annotated[
+        str | None, typer.Option(help="Address of a controller. Without it: a simulated arm.")
+    ] = None,
+    port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the controller.")] = 7003,
+    model: Annotated[str, typer.Option(help="The arm to simulate, or that is there.")] = "gcr5_910",
+    speed: Annotated[
+        float, typer.Option(min=0.01, max=100.0, help="Times faster than the wall, if simulated.")
+    ] = 1.0,
+    plot: Annotated[Path, typer.Option(help="Where to write the plot.")] = Path("demo.png"),
+    no_plot: Annotated[bool, typer.Option("--no-plot", help="Write no plot.")] = False,
+    result: Annotated[
+        Path | None, typer.Option("--json", help="Where to write the result. -: the output.")
+    ] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before a real arm moves.")] = False,
+) -> None:
+    """Make a small pick and place, show it, and say how well it went."""
+    extras.need(*(() if no_plot else ("cli",)), *(() if host else ("sim",)))
+    arm = extras.arm(model)
+    console = Console(stderr=result == OUTPUT)
+    plan = Plan.for_reach(arm.reach, careful=host is not None)
+    if host is not None:
+        if not yes:
+            _ask(host, port, plan, console)
+        report = Report(model, f"{host}:{port}", simulated=False)
+        ended = _perform(host, port, plan, report, console)
+    else:
+        from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this case alone
+
+        with Simulator.spawn(model=model, speed=speed) as sim:
+            report = Report(model, f"{sim.host}:{sim.port}", simulated=True, speed=speed)
+            ended = _perform(sim.host, sim.port, plan, report, console)
+
+    console.print(view.summary(report))
+    if report.error:
+        console.print(f"error: {report.error}", style="bold red", markup=False, highlight=False)
+    if not no_plot and len(report.track):
+        _plot(report, arm, plot)
+        console.print(f"plot: {plot}", highlight=False)
+    if result is not None:
+        _write(report, result)
+    if not ended:
+        raise typer.Exit(INTERRUPTED)
+    raise typer.Exit(0 if report.ok else 1)
+
+
+def _perform(host: str, port: int, plan: Plan, report: Report, console: Console) -> bool:
+    shown = view.view_for(console)
+    shown.open(report)
+    try:
+        return anyio.run(session.perform, host, port, plan, report, shown)
+    finally:
+        shown.close()
+
+
+def _ask(host: str, port: int, plan: Plan, console: Console) -> None:
+    """Say what is there and what will move, and go on only if that is confirmed."""
+    try:
+        found = anyio.run(session.look, host, port)
+    except DucoError as error:
+        console.print(f"error: {error}", style="bold red", markup=False, highlight=False)
+        raise typer.Exit(1) from None
+    warning = _warning(f"{host}:{port}", plan, found)
+    console.print(warning, markup=False, highlight=False, soft_wrap=True)
+    try:
+        agreed = typer.confirm("Move the arm?", default=False)
+    except typer.Abort:
+        agreed = False
+    if not agreed:
+        console.print("not confirmed: nothing was sent that moves the arm")
+        raise typer.Exit(NOT_CONFIRMED)
+
+
+def _warning(controller: str, plan: Plan, found: Found) -> str:
+    """What someone must know who lets the arm move."""
+    now, start = found.status.joints.array, plan.start.array
+    far = np.rad2deg(np.abs(start - now))
+    joint = int(far.argmax())
+    return f"""\
+controller at {controller}: {found.states}
+joints now:    {_degrees(now)}
+joints first:  {_degrees(start)}   (joint {joint + 1} turns by {far[joint]:.0f}°)
+joints aside:  {_degrees(plan.aside.array)}
+The arm will be powered on and enabled if it is not. It goes to the first joints, picks and places
+{plan.width * 1e3:.0f} mm to each side of there and {plan.depth * 1e3:.0f} mm below, and turns \
+aside and back. Joints turn at {np.rad2deg(plan.joint_speed):.0f} °/s, lines are made at \
+{plan.line_speed * 1e3:.0f} mm/s. Digital output 1 switches.
+No path is checked for obstacles. Is everyone out of reach, and someone at the emergency stop?"""
+
+
+def _degrees(joints: NDArray[np.float64]) -> str:
+    return "  ".join(f"{angle:7.1f}°" for angle in np.rad2deg(joints))
+
+
+def _plot(report: Report, arm: Arm, path: Path) -> None:
+    from aioduco.cli.demo import plot  # noqa: PLC0415 - matplotlib takes half a second to load
+
+    def skeleton(joints: NDArray[np.float64]) -> NDArray[np.float64]:
+        origins: NDArray[np.float64] = forward.frames(arm.geometry, joints)[:, :3, 3]
+        return origins
+
+    plot.save(report, path, skeleton)
+
+
+def _write(report: Report, path: Path) -> None:
+    text = json.dumps(report.as_json(), indent=2)
+    if path == OUTPUT:
+        typer.echo(text)
+    else:
+        path.write_text(text + "\n", encoding="utf-8")

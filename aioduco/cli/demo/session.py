@@ -1,0 +1,109 @@
+"""One demonstration from connecting to leaving; Ctrl-C ends it with a standing arm."""
+
+from __future__ import annotations
+
+import signal
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import anyio
+
+import aioduco
+from aioduco.cli.demo.script import pick_and_place
+from aioduco.cli.demo.stage import Stage
+from aioduco.errors import DucoError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from anyio.abc import TaskStatus
+
+    from aioduco.cli.demo.report import Report
+    from aioduco.cli.demo.script import Plan
+    from aioduco.cli.demo.view import View
+    from aioduco.models.state import RobotStates, RobotStatus
+
+__all__ = ["Found", "look", "perform"]
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What is there before anything is sent that moves the arm.
+
+    Attributes:
+        states: the controller's four states.
+        status: where the arm is.
+    """
+
+    states: RobotStates
+    status: RobotStatus
+
+
+async def look(host: str, port: int) -> Found:
+    """Read the states of a controller and its arm, and leave. Nothing else is sent.
+
+    Raises:
+        ConnectError: there is no controller.
+    """
+    async with aioduco.connect(host, port, heartbeat=None) as robot:
+        return Found(await robot.state.get_robot_state(), await robot.state.getRobotStatus())
+
+
+async def perform(host: str, port: int, plan: Plan, report: Report, view: View) -> bool:
+    """Connect, bring the arm up, and go through the choreography.
+
+    Args:
+        host: address of the controller.
+        port: its port.
+        plan: where to and how fast.
+        report: where the result is written, an error included.
+        view: what is told while it runs.
+
+    Returns:
+        Whether it was let go to its end: False after Ctrl-C, or when the process was asked to end.
+    """
+    work = anyio.CancelScope()
+    async with anyio.create_task_group() as listening:
+        # It outlives the work, so that a second Ctrl-C does not cut the stop short.
+        await listening.start(_end_on_signal, work, view)
+        with work:
+            try:
+                await _perform(host, port, plan, report, view)
+            except* (DucoError, TimeoutError) as group:
+                report.error = "; ".join(str(error) for error in _leaves(group))
+        listening.cancel_scope.cancel()
+    if work.cancelled_caught:
+        report.error = report.error or "interrupted: the arm was stopped, and stands"
+    return not work.cancelled_caught
+
+
+async def _perform(host: str, port: int, plan: Plan, report: Report, view: View) -> None:
+    async with aioduco.connect(host, port) as robot:
+        await robot.bring_up()
+        stage = Stage(robot, report, view)
+        async with anyio.create_task_group() as watching:
+            watching.start_soon(stage.watch)
+            await stage.seen()
+            await pick_and_place(robot, stage, plan)
+            watching.cancel_scope.cancel()
+
+
+async def _end_on_signal(
+    work: anyio.CancelScope,
+    view: View,
+    *,
+    task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED,
+) -> None:
+    with anyio.open_signal_receiver(signal.SIGINT, signal.SIGTERM) as signals:
+        task_status.started()
+        async for _number in signals:
+            view.note("stopping the arm; this needs a moment")
+            work.cancel()
+
+
+def _leaves(group: BaseExceptionGroup[BaseException]) -> Iterator[BaseException]:
+    for error in group.exceptions:
+        if isinstance(error, BaseExceptionGroup):
+            yield from _leaves(error)
+        else:
+            yield error

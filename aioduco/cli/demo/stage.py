@@ -1,0 +1,146 @@
+"""What the choreography runs on: it follows each motion, watches the arm, and keeps the report."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import anyio
+import numpy as np
+
+from aioduco.cli.demo.report import MotionRecord, Report
+from aioduco.errors import RobotStateError, TaskError
+from aioduco.models.enums import Outcome
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco.cli.demo.view import View
+    from aioduco.models.state import RobotStatus
+    from aioduco.robot import Robot
+    from aioduco.supervision.command import MotionCommand
+    from aioduco.supervision.task import Task
+
+__all__ = ["Running", "Stage"]
+
+STANDING = 2e-3  # joint speed below which a joint stands [rad/s]
+SAMPLE_EVERY = 0.01  # seconds between two samples of the arm
+PATIENCE = 30.0  # seconds in which the arm must begin to move, or come to stand
+
+
+class Running:
+    """A motion that the controller has taken: its task, and its line in the report."""
+
+    def __init__(self, task: Task, record: MotionRecord) -> None:
+        self.task = task
+        self.record = record
+
+
+class Stage:
+    """Runs motions on a robot, and keeps what was seen.
+
+    Args:
+        robot: the robot, connected.
+        report: where the result is written.
+        view: what is told while it runs.
+    """
+
+    def __init__(self, robot: Robot, report: Report, view: View) -> None:
+        self._robot = robot
+        self._report = report
+        self._view = view
+        self._origin = time.monotonic()
+        self._now: RobotStatus | None = None
+        self._seen = anyio.Event()
+
+    async def watch(self) -> None:
+        """Take samples of the arm until cancelled."""
+        due = time.monotonic()
+        while True:
+            self._take(await self._robot.state.getRobotStatus())
+            now = time.monotonic()
+            due = max(due + SAMPLE_EVERY, now)
+            await anyio.sleep(due - now)
+
+    @property
+    def now(self) -> RobotStatus:
+        """The newest sample of the arm."""
+        if self._now is None:
+            raise RobotStateError("the arm was not seen yet; nothing was sent")
+        return self._now
+
+    def note(self, text: str) -> None:
+        """Tell of something that is no motion."""
+        self._view.note(text)
+
+    async def move(
+        self, name: str, motion: MotionCommand, *, expect: Outcome = Outcome.FINISHED
+    ) -> None:
+        """Make a motion and follow it to its end.
+
+        Args:
+            name: what it is for.
+            motion: the motion, not sent yet.
+            expect: how it should end.
+        """
+        await self.finish(await self.start(name, motion, expect=expect))
+
+    async def start(
+        self, name: str, motion: MotionCommand, *, expect: Outcome = Outcome.FINISHED
+    ) -> Running:
+        """Send a motion, and return as soon as the controller took it."""
+        record = MotionRecord(name, motion.command.name, expect)
+        self._report.motions.append(record)
+        task = await motion.start()
+        record.task_id = task.id
+        record.begin = task.accepted_at - self._origin
+        self._view.began(record)
+        return Running(task, record)
+
+    async def finish(self, running: Running) -> None:
+        """Follow a motion to its end, and keep how it ended.
+
+        Raises:
+            TaskError: it ended otherwise than expected.
+        """
+        task, record = running.task, running.record
+        error: TaskError | None = None
+        try:
+            await task
+        except TaskError as raised:
+            error = raised
+        record.outcome = task.outcome
+        record.end = (task.ended_at or time.monotonic()) - self._origin
+        record.tracking_error = self._report.track.greatest_error(record.begin, record.end)
+        if not record.ok:
+            record.message = str(error or "")
+        self._view.ended(record)
+        if error is not None and not record.ok:
+            raise error
+
+    async def moved(self, angle: float) -> None:
+        """Wait until a joint has moved by an angle [rad] from where it is now."""
+        begin = self.now.joints.array
+        await self._until(lambda status: np.abs(status.joints.array - begin).max() > angle)
+
+    async def standing(self) -> None:
+        """Wait until all joints stand."""
+        await self._until(lambda status: np.abs(status.joint_speeds).max() < STANDING)
+
+    async def seen(self) -> None:
+        """Wait until the arm was seen once."""
+        await self._until(lambda _status: True)
+
+    async def _until(self, condition: Callable[[RobotStatus], bool]) -> None:
+        with anyio.fail_after(PATIENCE):
+            while self._now is None or not condition(self._now):
+                await self._seen.wait()
+
+    def _take(self, status: RobotStatus) -> None:
+        self._now = status
+        actual, pose = tuple(status.joints), tuple(status.pose)
+        at = status.received_at - self._origin
+        self._report.track.add(at, tuple(status.expected_joints), actual, pose)
+        self._view.sample(actual, pose, status.state.name.lower())
+        seen, self._seen = self._seen, anyio.Event()
+        seen.set()
