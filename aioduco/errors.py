@@ -14,16 +14,27 @@ __all__ = [
     "ConnectionLost",
     "ControllerError",
     "DucoError",
+    "FirstPointTooFar",
+    "GoalToleranceViolated",
     "HeartbeatLost",
+    "LaneFailed",
     "NotAController",
     "NotSent",
     "OutcomeUnknown",
     "ParameterError",
+    "PathToleranceViolated",
     "ProtocolError",
     "Refused",
     "RobotStateError",
+    "SetPointTooFar",
     "StaleState",
     "StopUnconfirmed",
+    "StreamClosed",
+    "StreamError",
+    "StreamLost",
+    "StreamRefused",
+    "StreamStarved",
+    "StreamStopped",
     "TaskError",
     "TaskFailed",
     "TaskIllegal",
@@ -226,3 +237,58 @@ class Unreachable(DucoError):
 
     Nothing was sent.
     """
+
+
+class SetPointTooFar(ParameterError):
+    """A set-point lies further from the one before than a stream allows. It was not sent.
+
+    The stream goes on: the arm stays at the set-point before.
+    """
+
+
+class StreamError(DucoError):
+    """A stream ended other than by its program closing it.
+
+    Attributes:
+        statistics: the stream's statistics at its end; None if it never began.
+    """
+
+    def __init__(self, message: str, statistics: object = None) -> None:
+        self.statistics = statistics
+        super().__init__(message)
+
+
+class StreamClosed(StreamError):
+    """The stream was closed, and takes no set-points any more."""
+
+
+class StreamStarved(StreamError):
+    """The program sent no set-point in time. The arm was brought to rest, and stopped."""
+
+
+class StreamStopped(StreamError):
+    """The robot was stopped while the stream ran. The stream sends nothing any more."""
+
+
+class StreamRefused(StreamError):
+    """The controller refused a set-point, or left the state in which it follows them."""
+
+
+class StreamLost(StreamError, ConnectionLost):
+    """The stream's connection broke, or was not answered in time. A stop was tried."""
+
+
+class FirstPointTooFar(StreamError):
+    """The first set-point was too far from where the arm was. Nothing was sent."""
+
+
+class LaneFailed(StreamError):
+    """The stream's lane ended by an error of its own, or its process was killed."""
+
+
+class PathToleranceViolated(StreamError):
+    """The arm strayed from its trajectory. It was brought to rest, and stopped."""
+
+
+class GoalToleranceViolated(StreamError):
+    """The arm did not come close enough to the end of its trajectory in time. It stands."""

@@ -166,6 +166,8 @@ class Source:
         """
         follower = self._follower
         if follower is None or self.state is State.ENDED:
+            if self._closing:
+                self.end(Reason.CLOSED)
             return None
         if self.state is not State.DECELERATING:
             self._follow(follower, take)

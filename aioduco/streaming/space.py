@@ -33,14 +33,14 @@ Quaternion = tuple[float, float, float, float]
 
 
 class Space(Protocol):
-    """What interpolation, limits and states need to know of a space.
+    """What interpolation, limits and states need to know of a space."""
 
-    Attributes:
-        groups: the slices of a displacement whose lengths are limited: each joint by itself;
-            for poses the translation and the rotation.
-    """
+    @property
+    def groups(self) -> tuple[slice, ...]:
+        """The slices of a displacement whose lengths are limited.
 
-    groups: tuple[slice, ...]
+        Each joint by itself; for poses the translation and the rotation.
+        """
 
     def decode(self, values: Sequence[float]) -> Config:
         """The point that six numbers of the wire mean."""

@@ -1,0 +1,276 @@
+"""The lane of a stream: it owns a connection and a schedule, and sends what the program feeds.
+
+The same code runs in a process of its own, started as `python -m aioduco.streaming.lane` with
+the descriptors of the shared block and of a socket to the program, or in a thread. The socket
+carries no data: the lane writes a byte when there is something to look at in the block, and
+the end of the stream from the other side means that the other side is gone.
+
+When the program dies, the lane brings the arm to rest, stops the robot, and ends.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import os
+import select
+import signal
+import socket
+import sys
+import threading
+import time
+import traceback
+from pathlib import Path
+from typing import Any
+
+from aioduco._wire.connection import Connection
+from aioduco._wire.lifecycle import ConnectionState
+from aioduco.errors import ControllerError, DucoError
+from aioduco.streaming.drive import Driver, Each
+from aioduco.streaming.pacing import Schedule, sharpen_sleep, sleep_until
+from aioduco.streaming.queued import Pool, Queue
+from aioduco.streaming.shared import Block, Command, Control, Status
+from aioduco.streaming.source import Reason, State
+
+__all__ = ["Lane", "main"]
+
+_DRIVERS: dict[str, type[Each | Queue | Pool]] = {"each": Each, "queue": Queue, "pool": Pool}
+
+#: ends after which the lane stops the robot itself: nobody else knows, or nobody else can
+_STOPS = (
+    Reason.STARVED,
+    Reason.PROGRAM_DIED,
+    Reason.REFUSED,
+    Reason.CONNECTION,
+    Reason.FAILED,
+)
+_LOOK = 5_000_000  # ns between two looks at whether the program lives
+_REPORT = 10_000_000  # ns between two reports of the set-point
+
+
+class Lane:
+    """One run of a lane, from the connection to the last call.
+
+    Args:
+        block: the shared block, with the configuration.
+        link: the lane's end of the socket to the program.
+        process: whether this is a process of its own.
+    """
+
+    def __init__(self, block: Block, link: socket.socket, *, process: bool) -> None:
+        self._block = block
+        self._config = block.config
+        self._link = link
+        self._poll = select.poll()
+        self._poll.register(link, select.POLLIN | select.POLLHUP)
+        self._looked = self._reported = 0
+        self._obeyed = Command.RUN
+        self._told: object = None
+        self._driver: Driver | None = None
+        self._terminated = False
+        self._process = process
+        self._parent = os.getppid()
+
+    def run(self) -> None:
+        """Run to the end of the stream. Whatever happens is written into the block."""
+        block, config = self._block, self._config
+        reason, text = Reason.NONE, ""
+        connection = self._connection()
+        try:
+            connection.open()
+            self._driver = _DRIVERS[config["driver"]](config, connection, block)
+            block.status[Status.READY] = 1
+            self._tell()
+            self._loop(self._driver)
+        except ControllerError as exc:
+            reason, text = Reason.REFUSED, str(exc)
+        except DucoError as exc:
+            reason, text = Reason.CONNECTION, str(exc)
+        except Exception:
+            # A lane's own error is the program's to see: it must not end without a word.
+            reason, text = Reason.FAILED, traceback.format_exc()[-900:]
+        if self._driver is not None:
+            reason = self._driver.reason or reason
+            with contextlib.suppress(DucoError):
+                self._driver.publish()
+        text = block.text or text
+        try:
+            self._leave(connection, reason)
+        except (DucoError, OSError) as exc:
+            text = f"{text}; and the robot could not be stopped: {exc}".strip("; ")
+        finally:
+            connection.close()
+            block.text = text
+            block.status[Status.MEMORY] = _memory()
+            block.status[Status.REASON] = reason
+            block.status[Status.STATE] = State.ENDED
+            self._tell()
+            self._link.close()
+
+    def terminate(self) -> None:
+        """Come to rest and end, from a signal handler."""
+        self._terminated = True
+
+    def _connection(self) -> Connection:
+        config = self._config
+        return Connection(config["host"], config["port"], connect_timeout=config["connect_timeout"])
+
+    def _leave(self, connection: Connection, reason: Reason) -> None:
+        """Make what the lane was streaming end on the controller's side, too."""
+        if self._block.status[Status.SENT] == 0 or reason is Reason.STOPPED:
+            return
+        calls = [tuple(call) for call in self._config["leave"]]
+        if reason in _STOPS:
+            calls.append(("stop", True))
+        if calls and connection.state is not ConnectionState.IDLE:
+            connection.close()
+            connection = self._connection()
+            connection.open()
+        try:
+            for name, *args in calls:
+                connection.call(name, tuple(args), self._config["timeout"])
+        finally:
+            connection.close()
+
+    def _loop(self, driver: Driver) -> None:
+        block, config = self._block, self._config
+        clock = time.monotonic_ns
+        spin = int(config["spin"] * 1e9)
+        lateness = block.histograms["lateness"].record
+        interval = block.histograms["interval"].record
+        work = block.histograms["work"].record
+        status = block.status
+        schedule = Schedule(int(config["period"] * 1e9), clock())
+        before = clock()
+        while True:
+            due = schedule.due
+            now = sleep_until(due, spin)
+            lateness(now - due)
+            interval(now - before)
+            before = now
+            self._obey(driver, now)
+            more = driver.tick()
+            status[Status.TICKS] += 1
+            status[Status.BEAT] = now
+            self._publish(driver, now)
+            if not more:
+                return
+            now = clock()
+            work(now - before)
+            # A tick that was skipped was as late as the time since it was due: without it the
+            # percentiles of a lane that stood still would look well.
+            for missed in range(schedule.advance(now)):
+                lateness(now - due - (missed + 1) * schedule.period)
+            status[Status.MISSED] = schedule.missed
+
+    def _obey(self, driver: Driver, now: int) -> None:
+        """Do what the program wants, and see whether it lives."""
+        command = self._block.control[Control.COMMAND]
+        if command != self._obeyed:
+            self._obeyed = Command(command)
+            match self._obeyed:
+                case Command.CLOSE:
+                    driver.close()
+                case Command.ABORT:
+                    driver.brake(Reason.ABORTED)
+                case Command.HALT:
+                    driver.end(Reason.STOPPED)
+        if now - self._looked < _LOOK:
+            return
+        self._looked = now
+        if self._terminated:
+            driver.brake(Reason.FAILED)
+            self._block.text = "the lane's process was told to end by a signal"
+        if self._gone():
+            driver.brake(Reason.PROGRAM_DIED)
+
+    def _gone(self) -> bool:
+        """Whether the program is gone: its end of the socket is closed, or its process is.
+
+        A child that the program forked keeps the socket open, so that is not enough to know.
+        """
+        if self._process and os.getppid() != self._parent:
+            return True
+        if not self._poll.poll(0):
+            return False
+        try:
+            return not self._link.recv(64, socket.MSG_DONTWAIT)
+        except BlockingIOError:
+            return False
+        except OSError:
+            return True
+
+    def _publish(self, driver: Driver, now: int) -> None:
+        block = self._block
+        told = (driver.state, driver.reason)
+        if told != self._told:
+            self._told = told
+            driver.publish()
+            block.status[Status.STATE], block.status[Status.REASON] = told
+            self._tell()
+        elif now - self._reported >= _REPORT:
+            self._reported = now
+            driver.publish()
+        below = block.control[Control.WAKE_BELOW]
+        if below and block.ring.level <= below:
+            self._tell()
+
+    def _tell(self) -> None:
+        """Wake the program; what there is to see stands in the block."""
+        with contextlib.suppress(OSError):
+            self._link.send(b"\1", socket.MSG_DONTWAIT | socket.MSG_NOSIGNAL)
+
+
+def prepare(config: dict[str, Any]) -> str:
+    """Give the calling thread what the configuration asks for of the system.
+
+    Returns:
+        What was not allowed, in words.
+    """
+    refused: list[str] = []
+    sharpen_sleep(threading.get_native_id())
+    if config["cpus"]:
+        try:
+            os.sched_setaffinity(0, config["cpus"])
+        except OSError as exc:
+            refused.append(f"CPU affinity: {exc.strerror}")
+    if config["priority"]:
+        try:
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(config["priority"]))
+        except OSError as exc:
+            refused.append(f"SCHED_FIFO: {exc.strerror}")
+    return "; ".join(refused)
+
+
+def _memory() -> int:
+    """The largest size of this process so far [kB]; 0 where the system does not tell."""
+    try:
+        lines = Path("/proc/self/status").read_text().splitlines()
+    except OSError:
+        return 0
+    return next((int(line.split()[1]) for line in lines if line.startswith("VmHWM")), 0)
+
+
+def main(arguments: list[str]) -> int:
+    """Run a lane in this process.
+
+    Args:
+        arguments: the descriptors of the shared block and of the socket to the program.
+    """
+    # Ctrl-C reaches every process of a terminal; the end of the stream is the program's.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    memory, link = (int(argument) for argument in arguments)
+    block = Block.open(memory)
+    lane = Lane(block, socket.socket(fileno=link), process=True)
+    signal.signal(signal.SIGTERM, lambda *_: lane.terminate())
+    signal.signal(signal.SIGHUP, lambda *_: lane.terminate())
+    prepare(block.config)
+    # Nothing that was imported is garbage: leave it out of every collection from here on.
+    gc.collect()
+    gc.freeze()
+    lane.run()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
