@@ -11,7 +11,9 @@ range, or an odd one, the comment says what is checked instead, and why.
 from __future__ import annotations
 
 from math import pi
+from typing import TYPE_CHECKING
 
+from aioduco.errors import ParameterError
 from aioduco.models import jog, realtime
 from aioduco.models.rules import (
     Choice,
@@ -30,6 +32,9 @@ from aioduco.models.rules import (
     Text,
     Vector,
 )
+
+if TYPE_CHECKING:
+    from aioduco.models.rules import FlagsLike, VectorLike, Whole
 
 # -- shared ------------------------------------------------------------------------------------
 
@@ -209,7 +214,7 @@ SENSOR_WRENCH = Vector(
     *[Number(unit="N·m", source="1.3.10")] * 3,
 )
 #: the speed of the correction is the force's error divided by this: a negative one runs away.
-#: 0 passes only for directions that are off, which the caller checks
+#: 0 passes for directions that are off, see `damping`
 DAMPING = Vector(
     *[Number(0.0, unit="N/(m/s)", source="1.3.10")] * 3,
     *[Number(0.0, unit="N·m/(rad/s)", source="1.3.10")] * 3,
@@ -312,3 +317,40 @@ REALTIME_LOST_TIME = Number(0.0, unit="s", open_low=True, source="1.3.15")
 
 AXIS_NUMBER = Integer(0, 2**31 - 1, source="i32 on the wire")
 MATRIX = Points(FINITES, 0, 2**31 - 1, source="list<list<double>> on the wire")
+
+# -- what two parameters must be together ------------------------------------------------------
+
+
+def pulse(freq: Whole, duty_cycle: Whole) -> tuple[int, int]:
+    """Check frequency [Hz] and duty cycle [%] of pulses, which last 1 ms at least (1.3.7).
+
+    Raises:
+        ParameterError: one is out of range, or the pulse is shorter; the controller would then
+            turn the pulses off.
+    """
+    hertz, percent = PULSE_FREQUENCY("freq", freq), PULSE_DUTY("duty_cycle", duty_cycle)
+    if percent * 10 < hertz:  # percent / 100 / hertz < 0.001 s
+        least = -(-hertz // 10)
+        raise ParameterError(
+            "duty_cycle", percent, f"at least {least} % at {hertz} Hz, so that pulses last 1 ms"
+        )
+    return hertz, percent
+
+
+def damping(direction: FlagsLike, damp: VectorLike) -> tuple[list[bool], list[float]]:
+    """Check which directions give way to force, and their damping (1.3.10).
+
+    Raises:
+        ParameterError: one is out of range, or a direction that is on has no damping: the speed
+            is the force's error divided by it.
+    """
+    on, by = DIRECTIONS("direction", direction), DAMPING("damp", damp)
+    for index, (active, value) in enumerate(zip(on, by, strict=True)):
+        if active and value == 0.0:
+            raise ParameterError(
+                f"damp[{index}]",
+                value,
+                "above 0 in a direction that is on: the speed is the force divided by it "
+                f"({DAMPING.element[index].unit})",
+            )
+    return on, by

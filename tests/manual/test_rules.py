@@ -297,6 +297,27 @@ def test_lists_of_integers() -> None:
         error(logic, value)
 
 
+def test_pulses_last_a_millisecond() -> None:
+    assert ranges.pulse(100, 10) == (100, 10)
+    assert ranges.pulse(10, 1) == (10, 1)
+    for freq, duty in ((100, 9), (11, 1), (0, 50), (101, 50), (50, 0), (50, 101)):
+        with pytest.raises(ParameterError):
+            ranges.pulse(freq, duty)
+    with pytest.raises(ParameterError, match="at least 2 % at 11 Hz"):
+        ranges.pulse(11, 1)
+
+
+def test_a_direction_that_gives_way_has_damping() -> None:
+    on = [False, False, True, False, False, True]
+    damp = [0.0, 0.0, 1000.0, 0.0, 0.0, 57.0]
+    assert ranges.damping(on, damp) == (on, damp)
+    with pytest.raises(ParameterError, match="above 0") as caught:
+        ranges.damping(on, [0.0, 0.0, 1000.0, 0.0, 0.0, 0.0])
+    assert caught.value.parameter == "damp[5]"
+    with pytest.raises(ParameterError):
+        ranges.damping(on, [0.0, 0.0, -1000.0, 0.0, 0.0, 57.0])
+
+
 @pytest.mark.parametrize(
     "name", [name for name, rule in vars(ranges).items() if isinstance(rule, Rule)]
 )
