@@ -30,13 +30,13 @@ class Event:
 
 @dataclass(frozen=True, slots=True)
 class CallFinished(Event):
-    """A call has its answer, or an error; one that was cancelled has a `ConnectionLost`.
+    """A call is over: it has its answer, or an error, or was cancelled.
 
     Attributes:
         function: the function of the wire.
         arguments: what was given, in the order of the wire.
         result: what was answered; None after an error.
-        error: what was raised, or None.
+        error: what was raised, the cancellation included; None after an answer.
         duration: seconds from the begin of the call, waiting for a connection included.
     """
 

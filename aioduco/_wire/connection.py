@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 import socket
-import struct
 import threading
 import time
 import warnings
@@ -15,6 +13,7 @@ from aioduco._wire.framing import Malformed
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
 from aioduco._wire.rpc import RpcClient
 from aioduco._wire.semantics import Kind, kind
+from aioduco._wire.stream import DeadlinePassed, Ended, Stream
 from aioduco.errors import (
     CallTimeout,
     ConnectError,
@@ -24,16 +23,6 @@ from aioduco.errors import (
     OutcomeUnknown,
     ProtocolError,
 )
-
-#: A peer that vanished without a word is given up after about eight seconds, whether the
-#: connection idles (probes from the fifth second on) or bytes are on their way.
-_KEEP_ALIVE: Final = (("TCP_KEEPIDLE", 5), ("TCP_KEEPINTVL", 1), ("TCP_KEEPCNT", 3))
-_USER_TIMEOUT_MS: Final = 8000
-
-#: seconds by which the system's own limit on a read or write may be longer than what is left
-_SLACK: Final = 0.02
-
-_CHUNK: Final = 16384
 
 #: time limit of calls through `Connection.rpc`, in seconds
 _CALL_TIMEOUT: Final = 2.0
@@ -53,14 +42,6 @@ class ConnectionStatistics(NamedTuple):
     answered: int
     bytes_sent: int
     bytes_received: int
-
-
-class _Deadline(Exception):
-    """The time for the call is over."""
-
-
-class _Ended(Exception):
-    """The other side closed the connection."""
 
 
 class Connection:
@@ -86,10 +67,9 @@ class Connection:
         # just changing. Guards the state and the closing of the socket, so that `abandon` never
         # shuts a socket down whose number belongs to another file by then.
         self._guard = threading.RLock()
-        self._socket: socket.socket | None = None
+        self._stream: Stream | None = None
         self._owner: int | None = None
         self._sequence = 0
-        self._limit: float | None = -1.0
         self._calls = 0
         self._answered = 0
         self._bytes_sent = 0
@@ -122,7 +102,7 @@ class Connection:
         return f"<Connection {self.host}:{self.port} {state}{reason}, {self._calls} calls>"
 
     def __del__(self) -> None:
-        if getattr(self, "_socket", None) is not None:
+        if getattr(self, "_stream", None) is not None:
             warnings.warn(f"unclosed {self!r}", ResourceWarning, source=self, stacklevel=2)
             self.close()
 
@@ -152,29 +132,20 @@ class Connection:
             raise ConnectError(self.host, self.port, f"unknown host ({exc})") from exc
         error: OSError = TimeoutError("no time left after the name was resolved")
         for family, type_, protocol, _, address in found:
-            left = deadline - time.monotonic()
-            if left <= 0 or self.state is not ConnectionState.NEW:
+            if self.state is not ConnectionState.NEW or time.monotonic() >= deadline:
                 break
             try:
-                made = socket.socket(family, type_, protocol)
-            except OSError as exc:
-                error = exc
-                continue
-            with self._guard:
-                self._socket = made
-            try:
-                _configure(made)
-                made.settimeout(left)
-                made.connect(address)
-                # from here on the system limits reads and writes, see `_time`
-                made.settimeout(None)
+                stream = Stream(family, type_, protocol)
+                with self._guard:
+                    self._stream = stream
+                stream.connect(address, deadline)
             except OSError as exc:
                 error = exc
                 self._drop()
                 continue
             break
         with self._guard:
-            if self._socket is not None and self._life.opened():
+            if self._stream is not None and self._life.opened():
                 return
             abandoned = self.state is not ConnectionState.NEW
         if abandoned:
@@ -234,15 +205,15 @@ class Connection:
         with self._guard:
             if not self._life.begin():
                 raise ConnectionLost(f"{function.name} cannot use {self!r}; nothing was sent")
-            sock = self._socket
-        assert sock is not None
+            stream = self._stream
+        assert stream is not None
         self._calls += 1
         self._sequence = self._sequence % codec.LAST_SEQUENCE + 1
         reply = codec.ReplyReader(function, self._sequence)
         try:
-            self._check_quiet(sock)
-            self._send(sock, codec.message(function, self._sequence, arguments), deadline)
-            data = self._receive(sock, reply, deadline)
+            _check_silent(stream)
+            self._send(stream, codec.message(function, self._sequence, arguments), deadline)
+            data = self._receive(stream, reply, deadline)
             value = self._decode(reply, data)
         except BaseException as exc:
             raised = self._failure(function, exc)
@@ -252,7 +223,7 @@ class Connection:
         with self._guard:
             if not self._life.complete():
                 # abandoned while the last bytes came: the caller has been told otherwise
-                lost = self._failure(function, _Ended())
+                lost = self._failure(function, Ended())
                 raise lost
         self._answered += 1
         if len(data) > reply.length:
@@ -270,88 +241,34 @@ class Connection:
         except ControllerError as exc:
             return exc
 
-    def _check_quiet(self, sock: socket.socket) -> None:
-        """Find a connection that the peer closed, or wrote to unasked, before anything is sent."""
-        try:
-            stray = sock.recv(64, socket.MSG_PEEK | socket.MSG_DONTWAIT)
-        except BlockingIOError:
-            return
-        if stray:
-            raise Malformed(f"bytes came that nobody asked for: {stray!r}")
-        raise _Ended
-
-    def _send(self, sock: socket.socket, data: bytes, deadline: float | None) -> None:
-        self._time(sock, deadline)
-        sent = sock.send(data)
+    def _send(self, stream: Stream, data: bytes, deadline: float | None) -> None:
+        sent = stream.send(data, deadline)
         self._life.sent()
-        self._bytes_sent += sent
         while sent < len(data):
-            self._time(sock, deadline)
-            try:
-                more = sock.send(data[sent:])
-            except BlockingIOError:
-                continue
-            sent += more
-            self._bytes_sent += more
+            sent += stream.send(data[sent:], deadline)
+        self._bytes_sent += sent
 
     def _receive(
-        self, sock: socket.socket, reply: codec.ReplyReader, deadline: float | None
+        self, stream: Stream, reply: codec.ReplyReader, deadline: float | None
     ) -> bytes | bytearray:
-        data: bytes | bytearray = b""
-        while True:
-            try:
-                chunk = sock.recv(_CHUNK)
-            except BlockingIOError:
-                self._time(sock, deadline)
-                continue
-            if not chunk:
-                raise _Ended
-            self._bytes_received += len(chunk)
-            if not data:
-                self._life.answering()
-                data = chunk
-            else:
-                # most answers come in one piece; the others are gathered without copies
-                data = bytearray(data) if isinstance(data, bytes) else data
-                data += chunk
-            if reply.whole(data):
-                return data
-            self._time(sock, deadline)
-
-    def _time(self, sock: socket.socket, deadline: float | None) -> None:
-        """See that the next read or write ends at the deadline at the latest.
-
-        The limit is the system's own (SO_RCVTIMEO), not Python's: a read is then one blocking
-        system call that gives the interpreter's lock away once instead of twice. It is set anew
-        only if what is left differs.
-        """
-        if deadline is None:
-            left = None
-            if self._limit is None:
-                return
-        else:
-            left = deadline - time.monotonic()
-            if left <= 0:
-                raise _Deadline
-            if self._limit is not None and left <= self._limit <= left + min(_SLACK, left / 8):
-                return
-        # a little longer, so that it also fits the next call with the same time
-        limit = None if left is None else left + min(_SLACK, left / 8) / 2
-        microseconds = 0 if limit is None else math.ceil(limit * 1e6)
-        packed = struct.pack("@ll", *divmod(microseconds, 1_000_000))
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, packed)
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, packed)
-        self._limit = limit
+        data: bytes | bytearray = stream.receive(deadline)
+        self._life.answering()
+        while not reply.whole(data):
+            # most answers come in one piece; the others are gathered without copies
+            data = bytearray(data) if isinstance(data, bytes) else data
+            data += stream.receive(deadline)
+        self._bytes_received += len(data)
+        return data
 
     def _failure(self, function: idl.Function, exc: BaseException) -> BaseException:
         """Poison the connection and say what the caller is told: the one place for that."""
         match exc:
-            case _Deadline():
+            case DeadlinePassed() if self.progress is Progress.NOTHING_SENT:
+                reason = "the system did not take it in time"
+            case DeadlinePassed():
                 reason = "no answer came in time"
-            case _Ended():
+            case Ended():
                 reason = "the controller closed the connection"
-            case BlockingIOError():
-                reason = "it could not be sent in time"
             case OSError():
                 reason = f"the connection broke ({exc.strerror or exc})"
             case Malformed():
@@ -366,27 +283,22 @@ class Connection:
         if not isinstance(exc, Exception):
             return exc
         name = function.name
-        late = isinstance(exc, _Deadline | BlockingIOError)
+        late = isinstance(exc, DeadlinePassed)
         if self.progress is Progress.NOTHING_SENT:
             return (NotSent if late else ConnectionLost)(f"{name} was not sent, since {reason}")
         if kind(name) is not Kind.READ:
             return OutcomeUnknown(name, reason)
         if late:
             return CallTimeout(f"{name}: {reason}; the connection was closed")
-        if isinstance(exc, _Ended | OSError):
+        if isinstance(exc, Ended | OSError):
             return ConnectionLost(f"{name}: {reason}; it only reads, so it may be called again")
         return ProtocolError(f"{name}: {reason}; the connection was closed")
 
     def abandon(self, reason: str = "the call was given up") -> None:
         """Poison the connection from any thread; a call that is under way returns at once."""
         with self._guard:
-            if not self._life.poison(reason) or self._socket is None:
-                return
-            try:
-                self._socket.shutdown(socket.SHUT_RDWR)
-            except OSError:
-                # not connected yet, or already broken: there is nothing to wake
-                return
+            if self._life.poison(reason) and self._stream is not None:
+                self._stream.shutdown()
 
     def _end(self, reason: str) -> None:
         with self._guard:
@@ -395,9 +307,9 @@ class Connection:
 
     def _drop(self) -> None:
         with self._guard:
-            sock, self._socket = self._socket, None
-        if sock is not None:
-            sock.close()
+            stream, self._stream = self._stream, None
+            if stream is not None:
+                stream.close()
 
     def close(self) -> None:
         """Close the connection; on the owner's thread, or on any when no call is under way."""
@@ -406,12 +318,8 @@ class Connection:
             self._drop()
 
 
-def _configure(sock: socket.socket) -> None:
-    sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-    for name, value in _KEEP_ALIVE:
-        if hasattr(socket, name):
-            sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
-    # without it, bytes that nobody acknowledges are repeated for some fifteen minutes
-    if hasattr(socket, "TCP_USER_TIMEOUT"):
-        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, _USER_TIMEOUT_MS)
+def _check_silent(stream: Stream) -> None:
+    """Find out, before anything is sent, that the other side closed the connection or spoke."""
+    stray = stream.waiting_bytes()
+    if stray:
+        raise Malformed(f"bytes came that nobody asked for: {stray!r}")

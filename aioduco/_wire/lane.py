@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import anyio
 
 from aioduco._wire import codec, idl
-from aioduco._wire.connection import Connection
+from aioduco._wire.handoff import AwaitedCall, BlockingCall, Deadlines, Farewell, doorbell
 from aioduco._wire.pool import Pool
 from aioduco._wire.rpc import AsyncRpc
 from aioduco._wire.semantics import Kind, kind
-from aioduco._wire.worker import AwaitedCall, BlockingCall, Deadlines, Dropped, Worker, doorbell
+from aioduco._wire.source import Source
+from aioduco._wire.worker import Dropped, Worker
 from aioduco.errors import CallTimeout, ConnectError, ConnectionLost, NotSent, OutcomeUnknown
-from aioduco.trace import CallFinished, ConnectionEnded, ConnectionOpened, emit
+from aioduco.trace import CallFinished, emit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -29,8 +30,8 @@ _CLOSE_LIMIT: Final = 1.0
 #: seconds after which `call_from_thread` sends a stop on a second connection as well
 _STOP_PATIENCE: Final = 0.1
 
-#: threads that may hang in the system at one time, per connection, before calls are refused
-_STUCK_LIMIT: Final = 4
+#: threads per connection that may be on their way out at one time; they could hang in the system
+_LEAVING_LIMIT: Final = 4
 
 
 class _Default(enum.Enum):
@@ -58,7 +59,8 @@ class LaneStatistics(NamedTuple):
         workers: threads, each with at most one connection.
         opened: connections that were opened.
         abandoned: calls that were cancelled, or given up, while they were under way.
-        stuck: threads that hang in the operating system and were replaced.
+        leaving: threads that lost their call and have not ended yet; a number that stays is
+            one of threads that hang in the operating system, in the resolution of a name.
     """
 
     calls: int
@@ -68,44 +70,7 @@ class LaneStatistics(NamedTuple):
     workers: int
     opened: int
     abandoned: int
-    stuck: int
-
-
-class _Connections:
-    """Makes the connections of a lane, counts them and tells the hook.
-
-    The workers know this and not the lane, so that a lane that was forgotten can be found out.
-    """
-
-    def __init__(
-        self, lane: str, host: str, port: int, connect_timeout: float, trace: Trace | None
-    ) -> None:
-        self.lane = lane
-        self.host = host
-        self.port = port
-        self.connect_timeout = connect_timeout
-        self.trace = trace
-        self.count = 0
-        self._workers = 0
-
-    def worker(self) -> Worker:
-        self._workers += 1
-        return Worker(f"aioduco-{self.lane}-{self._workers}", self)
-
-    def make(self) -> Connection:
-        return Connection(self.host, self.port, connect_timeout=self.connect_timeout)
-
-    def opened(self, connection: Connection, duration: float) -> None:
-        self.count += 1
-        if self.trace is not None:
-            peer = (connection.host, connection.port)
-            emit(self.trace, ConnectionOpened(time.monotonic(), self.lane, peer, duration))
-
-    def ended(self, connection: Connection) -> None:
-        if self.trace is not None:
-            peer = (connection.host, connection.port)
-            event = ConnectionEnded(time.monotonic(), self.lane, peer, connection.reason)
-            emit(self.trace, event)
+    leaving: int
 
 
 class Lane:
@@ -145,10 +110,10 @@ class Lane:
         self._trace = trace
         self._state = LaneState.NEW
         self._functions = idl.functions()
-        self._connections = _Connections(name, host, port, connect_timeout, trace)
+        self._connections = Source(name, host, port, connect_timeout, trace)
         self._pool: Pool[Worker, AwaitedCall] = Pool(size, self._connections.worker)
         self._deadlines = Deadlines(self._expired)
-        self._stuck: list[Worker] = []
+        self._leaving: list[Worker] = []
         self._ring: Callable[[], None] = _nobody
         self._calls = 0
         self._failed = 0
@@ -170,7 +135,7 @@ class Lane:
             workers=len(workers),
             opened=self._connections.count,
             abandoned=self._abandoned,
-            stuck=len(self._stuck),
+            leaving=sum(worker.alive for worker in self._leaving),
         )
 
     def __repr__(self) -> str:
@@ -213,16 +178,18 @@ class Lane:
         self._state = LaneState.CLOSED
         for call in self._pool.drain():
             call.fail(ConnectionLost(f"{call.name} was not sent, since its lane was closed"))
-        workers = [*self._pool.workers, *self._stuck]
+        workers = [*self._pool.workers, *self._leaving]
         for worker in workers:
             worker.abandon(None, "its lane was closed")
-        farewells = [worker.farewell() for worker in workers]
+        farewells = [Farewell() for _ in workers]
+        for worker, farewell in zip(workers, farewells, strict=True):
+            worker.dismiss(farewell.ring)
         with anyio.move_on_after(_CLOSE_LIMIT, shield=True):
-            for gone in farewells:
-                await gone.wait()
-        for worker, gone in zip(workers, farewells, strict=True):
-            # what is set is past its last wait, so this takes no time
-            if gone.is_set():
+            for farewell in farewells:
+                await farewell.wait()
+        for worker, farewell in zip(workers, farewells, strict=True):
+            # a thread that said it is past its last wait, so this takes no time
+            if farewell.said:
                 worker.join(_CLOSE_LIMIT)
         for call in self._deadlines.calls:
             # its thread hangs, and will find the connection given up when it comes back
@@ -292,6 +259,8 @@ class Lane:
         worker = self._pool.take(call)
         if worker is not None:
             self._submit(worker, call)
+        else:
+            self._dispatch()
         try:
             return await call
         except BaseException as exc:
@@ -307,8 +276,23 @@ class Lane:
         """The task that waited was cancelled: nothing of the call stays behind."""
         if call.worker is None:
             self._pool.forget(call)
-        elif call.worker.abandon(call, "the call was cancelled") is not Dropped.OVER:
-            self._abandoned += 1
+        else:
+            self._drop(call.worker, call, "the call was cancelled")
+
+    def _drop(self, worker: Worker, call: AwaitedCall, reason: str) -> Dropped:
+        """Abandon a call that is under way, and the thread with it."""
+        dropped = worker.abandon(call, reason)
+        if dropped is Dropped.OVER:
+            return dropped
+        self._abandoned += 1
+        # The next call gets a new thread at once, and need not wait for this one to notice. But
+        # if many hang, the rest is waited for: calls then fail at their deadlines.
+        self._leaving = [leaving for leaving in self._leaving if leaving.alive]
+        if len(self._leaving) < _LEAVING_LIMIT * self._pool.size and self._pool.discard(worker):
+            self._leaving.append(worker)
+            worker.dismiss()
+            self._dispatch()
+        return dropped
 
     def _submit(self, worker: Worker, call: AwaitedCall) -> None:
         try:
@@ -334,20 +318,10 @@ class Lane:
             self._pool.forget(call)
             call.fail(NotSent(f"{call.name} was not sent: no connection of {self!r} was free"))
         elif again and not call.refused:
-            dropped = worker.abandon(call, "its thread hangs")
+            dropped = self._drop(worker, call, "its thread hangs")
             # if it is over, its notice is on the way to the loop, which was too busy for it
             if dropped is not Dropped.OVER:
-                self._abandoned += 1
                 call.fail(_hung(call.name, dropped))
-                self._replace(worker)
-
-    def _replace(self, worker: Worker) -> None:
-        """Let a new worker take the place of one whose thread hangs in the system."""
-        self._stuck = [stuck for stuck in self._stuck if stuck.alive]
-        if len(self._stuck) < _STUCK_LIMIT * self._pool.size and self._pool.discard(worker):
-            worker.dismiss()
-            self._stuck.append(worker)
-            self._dispatch()
 
     def call_from_thread(self, name: str, args: tuple[Any, ...], timeout: float | None) -> Any:
         """Call a function of the wire and block until its answer is there.
@@ -398,18 +372,27 @@ class Lane:
             return self._alone(function, encoded, deadline)
         call = BlockingCall(function, encoded, deadline, self._ring)
         worker.submit(call)
-        is_stop = kind(function.name) is Kind.STOP
-        if call.wait(_STOP_PATIENCE if is_stop else None):
-            return call.outcome()
-        if not is_stop:
-            raise _hung(function.name, worker.abandon(call, "its thread hangs"))
+        if kind(function.name) is Kind.STOP:
+            return self._insist(call, function)
         try:
-            return self._alone(function, encoded, deadline)
-        except (ConnectError, ConnectionLost):
-            # the first one may still have come through
-            if call.wait(0.0):
-                return call.outcome()
+            answered = call.wait()
+        except BaseException:
+            worker.abandon(call, "the call was interrupted")
             raise
+        if not answered:
+            raise _hung(function.name, worker.abandon(call, "its thread hangs"))
+        return call.outcome()
+
+    def _insist(self, call: BlockingCall, function: idl.Function) -> Any:
+        """Have a stop carried out that is under way: if it hangs, by a second one."""
+        if call.wait(_STOP_PATIENCE):
+            return call.outcome()
+        try:
+            return self._alone(function, call.arguments, call.deadline)
+        except (ConnectError, ConnectionLost):
+            if call.wait():
+                return call.outcome()
+            raise _hung(function.name, Dropped.UNKNOWN) from None
 
     def _alone(self, function: idl.Function, encoded: bytes, deadline: float | None) -> Any:
         """Call on a connection of the calling thread's own."""

@@ -1,0 +1,146 @@
+"""A TCP socket whose every operation ends at a deadline."""
+
+from __future__ import annotations
+
+import math
+import socket
+import struct
+import time
+from typing import Any, Final
+
+#: A peer that vanished without a word is given up after about eight seconds, whether the
+#: connection idles (probes from the fifth second on) or bytes are on their way.
+_KEEP_ALIVE: Final = (("TCP_KEEPIDLE", 5), ("TCP_KEEPINTVL", 1), ("TCP_KEEPCNT", 3))
+_USER_TIMEOUT_MS: Final = 8000
+
+#: seconds by which the system's own limit on a read or write may be longer than what is left
+_SLACK: Final = 0.02
+
+_CHUNK: Final = 16384
+
+
+class DeadlinePassed(Exception):
+    """The time for an operation is over."""
+
+
+class Ended(Exception):
+    """The other side closed the connection."""
+
+
+class Stream:
+    """A blocking socket with absolute deadlines.
+
+    Deadlines are times of `time.monotonic()`; None is no limit. They are kept by the system's
+    limits on a socket (SO_RCVTIMEO, SO_SNDTIMEO), not by Python's: a read is then one blocking
+    system call that gives the interpreter's lock away once instead of twice. A limit is set
+    anew only if what is left differs from it.
+
+    One thread at a time; `shutdown` may be called from any.
+    """
+
+    __slots__ = ("_limit", "_socket")
+
+    def __init__(self, family: int, type_: int, protocol: int) -> None:
+        self._socket = socket.socket(family, type_, protocol)
+        #: the system's limit in seconds; None: none, as on a new socket
+        self._limit: float | None = None
+
+    def connect(self, address: Any, deadline: float) -> None:
+        """Connect; raises what the system says, TimeoutError at the deadline.
+
+        Args:
+            address: as `socket.getaddrinfo` gives it.
+            deadline: when it must have happened.
+        """
+        sock = self._socket
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        for name, value in _KEEP_ALIVE:
+            if hasattr(socket, name):
+                sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
+        # without it, bytes that nobody acknowledges are repeated for some fifteen minutes
+        if hasattr(socket, "TCP_USER_TIMEOUT"):
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, _USER_TIMEOUT_MS)
+        left = deadline - time.monotonic()
+        if left <= 0:
+            raise TimeoutError("no time left to connect")
+        sock.settimeout(left)
+        sock.connect(address)
+        # from here on the system keeps the time
+        sock.settimeout(None)
+
+    def waiting_bytes(self) -> bytes:
+        """Bytes that came and have not been read; they stay where they are.
+
+        Raises:
+            Ended: the other side closed the connection.
+        """
+        try:
+            found = self._socket.recv(64, socket.MSG_PEEK | socket.MSG_DONTWAIT)
+        except BlockingIOError:
+            return b""
+        if not found:
+            raise Ended
+        return found
+
+    def send(self, data: bytes, deadline: float | None) -> int:
+        """Hand bytes to the system; how many it took, at least one.
+
+        Raises:
+            DeadlinePassed: it took none until then.
+        """
+        while True:
+            self._limit_to(deadline)
+            try:
+                return self._socket.send(data)
+            except BlockingIOError:
+                # the system's limit, which may be a little before or after the deadline
+                continue
+
+    def receive(self, deadline: float | None) -> bytes:
+        """The next bytes, at least one.
+
+        Raises:
+            DeadlinePassed: none came until then.
+            Ended: the other side closed the connection.
+        """
+        while True:
+            self._limit_to(deadline)
+            try:
+                data = self._socket.recv(_CHUNK)
+            except BlockingIOError:
+                continue
+            if not data:
+                raise Ended
+            return data
+
+    def shutdown(self) -> None:
+        """End reads and writes that are under way, on any thread."""
+        try:
+            self._socket.shutdown(socket.SHUT_RDWR)
+        except OSError:
+            # not connected yet, or broken already: there is nothing to wake
+            return
+
+    def close(self) -> None:
+        """Give the socket back; never while another thread uses it."""
+        self._socket.close()
+
+    def _limit_to(self, deadline: float | None) -> None:
+        limit: float | None = None
+        if deadline is not None:
+            left = deadline - time.monotonic()
+            if left <= 0:
+                raise DeadlinePassed
+            slack = min(_SLACK, left / 8)
+            if self._limit is not None and left <= self._limit <= left + slack:
+                return
+            # a little longer, so that it also fits the next call with the same time
+            limit = left + slack / 2
+        elif self._limit is None:
+            return
+        microseconds = 0 if limit is None else math.ceil(limit * 1e6)
+        packed = struct.pack("@ll", *divmod(microseconds, 1_000_000))
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, packed)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, packed)
+        self._limit = limit
