@@ -7,6 +7,7 @@ calls what networks and controllers do to them. `no_leaks` finds what was left b
 
 from __future__ import annotations
 
+from aioduco.testing.cancel import Cancelled, cancel_at, cancel_at_every_await
 from aioduco.testing.faults import (
     ApplicationError,
     Chaos,
@@ -36,6 +37,7 @@ from aioduco.testing.waiting import eventually, eventually_async
 __all__ = [
     "ApplicationError",
     "CallRecord",
+    "Cancelled",
     "Chaos",
     "ConnectionRecord",
     "Cut",
@@ -59,6 +61,8 @@ __all__ = [
     "WrongKind",
     "WrongMethod",
     "WrongSeqid",
+    "cancel_at",
+    "cancel_at_every_await",
     "eventually",
     "eventually_async",
     "no_leaks",
