@@ -57,6 +57,8 @@ class Arm:
         geometry: the six lengths [m].
         velocity: largest joint speeds [rad/s], six.
         effort: largest joint torques [N m], six.
+        acceleration: joint accelerations that the torques allow with the arm stretched out
+            [rad/s²], six; computed from masses and lengths, not published.
         masses: of the base and the six links [kg], seven.
         centres: centres of mass [m], seven of three, in the frames of the modified
             Denavit-Hartenberg convention.
@@ -68,6 +70,7 @@ class Arm:
     geometry: Geometry
     velocity: tuple[float, ...]
     effort: tuple[float, ...]
+    acceleration: tuple[float, ...]
     masses: tuple[float, ...] = field(repr=False)
     centres: tuple[tuple[float, ...], ...] = field(repr=False)
     lower: tuple[float, ...] = (-POSITION_LIMIT,) * 6

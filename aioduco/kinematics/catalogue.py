@@ -34,6 +34,7 @@ def _model(name: str) -> Arm:
         geometry=Geometry(**{length: data[length] for length in Geometry._fields}),
         velocity=tuple(data["velocity"]),
         effort=tuple(data["effort"]),
+        acceleration=tuple(data["acceleration"]),
         masses=tuple(data["masses"]),
         centres=tuple(tuple(centre) for centre in data["centres"]),
     )

@@ -1,8 +1,8 @@
 """Inverse kinematics in closed form, for one pose or many at once.
 
 Joints 2, 3 and 4 of every DUCO arm are parallel. The arm from joint 2 to joint 5 therefore moves
-in a plane that turns with joint 1 at a distance d2 from its axis. Let `across` be the normal of that
-plane, `ahead` the horizontal in it, and `wrist` the point d6 behind the flange. Then:
+in a plane that turns with joint 1 at a distance d2 from its axis. Let `across` be the normal of
+that plane, `ahead` the horizontal in it, and `wrist` the point d6 behind the flange. Then:
 
 - wrist·across = d2 gives two angles of joint 1 (shoulder),
 - the flange's axes along `across` are (sin q5·cos q6, -sin q5·sin q6, cos q5), which gives two
@@ -14,7 +14,7 @@ plane, `ahead` the horizontal in it, and `wrist` the point d6 behind the flange.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,8 +22,6 @@ from aioduco.kinematics.forward import _jacobian, frames
 from aioduco.models.rotation import Array, rotvec_from_matrix
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from aioduco.kinematics.geometry import Geometry
 
 __all__ = ["BRANCHES", "closed_form", "refine", "residual", "shortfall", "wrap", "wrap_near"]
@@ -77,14 +75,16 @@ def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> A
     # Joint 5's axis is the flange's y axis, turned back by joint 6, turned back by joint 5.
     c6, s6, c5, s5 = np.cos(q6s), np.sin(q6s), np.cos(q5), np.sin(q5)
 
-    def fourth(axes: Array) -> NDArray[Any]:
+    def fourth(axes: Array) -> Array:
         # Component of the axis of joint 5 along the direction whose flange components are given.
-        return -(s6 * axes[..., 0, None] + c6 * axes[..., 1, None])
+        component: Array = -(s6 * axes[..., 0, None] + c6 * axes[..., 1, None])
+        return component
 
-    def fifth(axes: Array) -> NDArray[Any]:
+    def fifth(axes: Array) -> Array:
         # Component of joint 4's x axis, which completes the frame.
         straight = c6 * axes[..., 0, None] - s6 * axes[..., 1, None]
-        return c5 * straight - s5 * axes[..., 2, None]
+        component: Array = c5 * straight - s5 * axes[..., 2, None]
+        return component
 
     up = np.broadcast_to(r[..., 2, :], ahead.shape)
     # The frame of joint 4 turned by q2 + q3 + q4 in the plane; two readings of one angle, summed

@@ -1,0 +1,114 @@
+"""A MuJoCo model of an arm, made of its lengths and masses; no meshes."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from aioduco.kinematics.bodies import ROTOR, Body, bodies
+from aioduco.models.rotation import quaternion_from_matrix
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from aioduco.kinematics import Arm
+
+__all__ = ["FREQUENCY", "mjcf"]
+
+FREQUENCY = 2 * math.pi * 25
+"""Natural frequency of the position servos with the arm at its lightest [rad/s]."""
+
+_COLOURS = ("0.25 0.27 0.3 1", "0.93 0.94 0.95 1", "0.2 0.45 0.75 1")
+
+
+def _text(values: Iterable[float]) -> str:
+    return " ".join(f"{value:.12g}" for value in values)
+
+
+def mjcf(arm: Arm, timestep: float) -> str:
+    """Give the model as MJCF.
+
+    Joints are named joint1 to joint6, their servos likewise. The flange is a site of that name,
+    on a body without mass of its own that a force-torque sensor joins to link 6; its frame is
+    that of `Arm.fkine`.
+
+    Args:
+        arm: the arm.
+        timestep: of the simulation [s].
+    """
+    root = ET.Element("mujoco", model=arm.name)
+    ET.SubElement(root, "compiler", angle="radian", autolimits="true")
+    option = ET.SubElement(
+        root, "option", timestep=f"{timestep:.9g}", integrator="implicitfast", cone="elliptic"
+    )
+    ET.SubElement(option, "flag", eulerdamp="disable")
+    visual = ET.SubElement(root, "visual")
+    ET.SubElement(
+        visual, "global", offwidth="1280", offheight="960", azimuth="130", elevation="-20"
+    )
+    ET.SubElement(visual, "headlight", diffuse="0.5 0.5 0.5", ambient="0.3 0.3 0.3")
+    asset = ET.SubElement(root, "asset")
+    ET.SubElement(
+        asset, "texture", name="sky", type="skybox", builtin="gradient",
+        rgb1="0.9 0.93 0.96", rgb2="0.6 0.68 0.76", width="64", height="64",
+    )  # fmt: skip
+    ET.SubElement(
+        asset, "texture", name="floor", type="2d", builtin="checker",
+        rgb1="0.82 0.83 0.84", rgb2="0.76 0.77 0.78", width="128", height="128",
+    )  # fmt: skip
+    ET.SubElement(asset, "material", name="floor", texture="floor", texrepeat="8 8")
+    world = ET.SubElement(root, "worldbody")
+    ET.SubElement(world, "light", pos="1 -1 3", dir="-0.3 0.3 -1", diffuse="0.6 0.6 0.6")
+    # The base stands a little above the floor, so that a link may come close to its own height.
+    ET.SubElement(
+        world, "geom", name="floor", type="plane", size="3 3 0.1", pos="0 0 -0.01", material="floor"
+    )
+    links = bodies(arm)
+    parent = ET.SubElement(world, "body", name="base")
+    _solid(parent, links[0], "base")
+    actuator = ET.Element("actuator")
+    for i, link in enumerate(links[1:], start=1):
+        parent = ET.SubElement(
+            parent, "body", name=f"link{i}", pos=_text(link.position),
+            quat=_text(quaternion_from_matrix(link.rotation)),
+        )  # fmt: skip
+        effort = arm.effort[i - 1]
+        ET.SubElement(
+            parent, "joint", name=f"joint{i}", type="hinge", axis="0 0 1",
+            range=_text((arm.lower[i - 1], arm.upper[i - 1])), armature=f"{ROTOR * effort:.9g}",
+        )  # fmt: skip
+        _solid(parent, link, f"link{i}")
+        # Gains that a drive of this size can hold at this frequency, its rotor being the least
+        # that it ever moves; MuJoCo integrates the damping implicitly.
+        stiffness = ROTOR * effort * FREQUENCY**2
+        ET.SubElement(
+            actuator, "position", name=f"servo{i}", joint=f"joint{i}", kp=f"{stiffness:.9g}",
+            kv=f"{2 * stiffness / FREQUENCY:.9g}", forcerange=_text((-effort, effort)),
+        )  # fmt: skip
+    flange = ET.SubElement(parent, "body", name="flange")
+    ET.SubElement(flange, "inertial", pos="0 0 0", mass="1e-6", diaginertia="1e-9 1e-9 1e-9")
+    ET.SubElement(flange, "site", name="flange", size="0.004", rgba="0.9 0.3 0.1 1")
+    root.append(actuator)
+    sensor = ET.SubElement(root, "sensor")
+    ET.SubElement(sensor, "force", name="force", site="flange")
+    ET.SubElement(sensor, "torque", name="torque", site="flange")
+    return ET.tostring(root, encoding="unicode")
+
+
+def _solid(parent: ET.Element, link: Body, name: str) -> None:
+    ET.SubElement(
+        parent, "inertial", pos=_text(link.centre), mass=f"{max(link.mass, 1e-6):.9g}",
+        fullinertia=_text(
+            np.maximum(link.inertia, 0.0)[[0, 1, 2], [0, 1, 2]].clip(1e-9).tolist()
+            + link.inertia[[0, 0, 1], [1, 2, 2]].tolist()
+        ),
+    )  # fmt: skip
+    # Links touch their neighbours; only the world may touch them.
+    ET.SubElement(
+        parent, "geom", name=name, type="capsule", size=f"{link.radius:.9g}",
+        fromto=_text((*link.start, *link.end)), rgba=_COLOURS[1 if name != "base" else 0],
+        contype="2", conaffinity="1", mass="0",
+    )  # fmt: skip

@@ -1,0 +1,316 @@
+"""The mover: one set-point per controller cycle, along a queue of motions.
+
+It has no clock and no thread. Each `tick` is one cycle; everything between is a plain call.
+
+Along the path of the running motion a `Law` says how fast the arm may be at each place. Most of
+the time the arm keeps to it ("tracking"), at the global speed: time then runs slower by that
+factor. To pause, to stop and to change the global speed the arm leaves it and speeds up or slows
+down along the path ("ramping"), always below the law, until it stands or meets the law again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from aioduco.sim.planner.errors import PlanError
+from aioduco.sim.planner.lookahead import Entry, append
+from aioduco.sim.planner.segments import Segment
+from aioduco.sim.planner.timing import fastest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco.kinematics import Arm
+    from aioduco.models.rotation import Array
+    from aioduco.sim.planner.timing import Law
+
+__all__ = ["Event", "EventKind", "Mover", "Segment", "SetPoint", "Tick"]
+
+EventKind: TypeAlias = Literal["started", "finished", "blended", "stopped", "failed"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SetPoint:
+    """What the joints shall do at the end of a cycle.
+
+    Attributes:
+        q: joint angles [rad]. Shape (6,).
+        qd: joint speeds [rad/s]. Shape (6,).
+        qdd: joint accelerations [rad/s²]. Shape (6,).
+    """
+
+    q: Array
+    qd: Array
+    qdd: Array
+
+    @classmethod
+    def at_rest(cls, q: Array) -> SetPoint:
+        """Stand at q [rad]."""
+        return cls(np.array(q, dtype=float), np.zeros(6), np.zeros(6))
+
+
+class Event(NamedTuple):
+    """Something that happened to a motion in a cycle.
+
+    Attributes:
+        key: the motion's key.
+        kind: "started"; "finished": it stands at its end; "blended": the next motion took over
+            before its end; "stopped": it stands before its end, or was dropped from the queue.
+        message: more about it, or empty.
+    """
+
+    key: int
+    kind: EventKind
+    message: str = ""
+
+
+class Tick(NamedTuple):
+    """The outcome of a cycle: the set-point, and what happened, in order."""
+
+    setpoint: SetPoint
+    events: tuple[Event, ...] = ()
+
+
+class Mover:
+    """Moves an arm's set-point along a queue of motions.
+
+    Args:
+        arm: the arm.
+        q: joints at the start [rad]. Shape (6,).
+        cycle: time between two ticks [s].
+    """
+
+    def __init__(self, arm: Arm, q: Array, cycle: float = 0.001) -> None:
+        self._arm = arm
+        self._cycle = cycle
+        self._speed = 1.0
+        self._pausing = False
+        self._events: list[Event] = []
+        self._queue: tuple[Entry, ...] = ()
+        self._setpoint = SetPoint.at_rest(q)
+        self._stopping = False
+        self._began = False  # whether the active motion has started
+        self._law: Law | None = None  # of the active motion, once it has started
+        self._tracking = False
+        self._time = 0.0  # on the law, while tracking
+        self._s = 0.0  # distance along the active motion's path
+        self._v = 0.0  # ds/dt
+        self._law_piece = self._path_piece = 0
+
+    @property
+    def setpoint(self) -> SetPoint:
+        """The latest set-point."""
+        return self._setpoint
+
+    @property
+    def active(self) -> int | None:
+        """The key of the motion that is running or next to run; None when there is none."""
+        return self._queue[0].key if self._queue else None
+
+    @property
+    def keys(self) -> tuple[int, ...]:
+        """The keys of all motions that have not ended, the active one first."""
+        return tuple(entry.key for entry in self._queue)
+
+    @property
+    def moving(self) -> bool:
+        """Whether the set-point moves, or is about to."""
+        return bool(self._queue) and (self._v > 0.0 or not self._pausing)
+
+    @property
+    def paused(self) -> bool:
+        """Whether a pause is in force; the arm stands once `moving` is false, too."""
+        return self._pausing
+
+    @property
+    def speed(self) -> float:
+        """Global speed, 0.01 to 1."""
+        return self._speed
+
+    @property
+    def progress(self) -> float:
+        """How much of its way the active motion has made, 0 to 1."""
+        if not self._queue:
+            return 1.0
+        length = self._queue[0].length
+        return min(self._s / length, 1.0) if length > 0.0 else 1.0
+
+    def append(self, key: int, plan: Callable[[Array], Segment]) -> None:
+        """Put a motion at the end of the queue.
+
+        Args:
+            key: names the motion in events.
+            plan: makes the motion for the joints [rad], shape (6,), at which it begins: the end
+                of the motion before it, or where the arm stands. Called at once.
+
+        Raises:
+            PlanError: from `plan`; the queue is as it was.
+        """
+        if self._stopping:
+            raise PlanError("parameter", "the arm is stopping")
+        start = self._queue[-1].segment.q_end if self._queue else self._setpoint.q
+        segment = plan(start.copy())
+        if np.abs(segment.q_start - start).max() > 1e-9:
+            raise PlanError("parameter", "the motion does not begin where the one before it ends")
+        running = self._queue[0] if self._queue else None
+        speed = self._law.speed(self._s) if self._law is not None else 0.0
+        self._queue = append(self._queue, key, segment, self._s, speed)
+        if running is not None and self._queue[0] is not running and self._law is not None:
+            self._follow(speed, self._s)
+
+    def pause(self) -> None:
+        """Slow down along the path, at the motion's own acceleration, and stand."""
+        self._pausing = True
+        self._tracking = False
+
+    def resume(self) -> None:
+        """Go on along the path after a pause."""
+        self._pausing = False
+
+    def stop(self) -> None:
+        """Slow down along the path as fast as the drives can, stand, and drop the queue."""
+        if self._queue and self._v > 0.0:
+            self._stopping = True
+            self._tracking = False
+        else:
+            self._drop()
+
+    def reset(self, q: Array) -> None:
+        """Stand at q [rad] at once and drop the queue, as when brakes have held the arm there."""
+        self._drop()
+        self._setpoint = SetPoint.at_rest(q)
+
+    def set_speed(self, fraction: float) -> None:
+        """Set the global speed, 0.01 to 1: at a speed of 0.5 motions take twice as long."""
+        if not 0.01 <= fraction <= 1.0:
+            raise ValueError(f"global speed {fraction} is not 0.01 to 1")
+        if fraction != self._speed:
+            self._speed = fraction
+            self._tracking = False
+
+    def tick(self) -> Tick:
+        """Go on by one cycle."""
+        if self._queue and not (self._pausing and self._v == 0.0):
+            self._advance()
+        if not self._events:
+            return Tick(self._setpoint)
+        events, self._events = tuple(self._events), []
+        return Tick(self._setpoint, events)
+
+    def _drop(self) -> None:
+        self._events += [Event(entry.key, "stopped") for entry in self._queue]
+        self._queue = ()
+        self._law = None
+        self._began = self._stopping = self._pausing = False
+        self._s = self._v = 0.0
+        self._setpoint = SetPoint.at_rest(self._setpoint.q)
+
+    def _advance(self) -> None:
+        if not self._began:
+            self._begin()
+        if self._law is None:
+            self._finish()
+        elif self._tracking or self._at_rest_by_law():
+            self._track(self._time + self._cycle * self._speed)
+        else:
+            self._ramp(self._law)
+
+    def _begin(self) -> None:
+        entry = self._queue[0]
+        self._began = True
+        self._events.append(Event(entry.key, "started"))
+        if entry.path is not None:
+            self._follow(0.0, 0.0)
+            self._tracking = True
+
+    def _follow(self, speed: float, s: float) -> None:
+        entry = self._queue[0]
+        assert entry.limits is not None
+        self._law = fastest(entry.limits, entry.back, s, speed)
+        self._s, self._time = s, 0.0
+        self._law_piece = self._path_piece = 0
+
+    def _at_rest_by_law(self) -> bool:
+        # At its start the law stands itself, so that there is nothing to ramp up to.
+        assert self._law is not None
+        if self._v == 0.0 and self._law.speed(self._s) == 0.0:
+            self._time = self._law.time(self._s)
+            self._tracking = True
+        return self._tracking
+
+    def _track(self, time: float) -> None:
+        """Keep to the law, to the given time of it."""
+        law = self._law
+        assert law is not None
+        if time >= law.duration:
+            end = law.end_speed
+            if self._finish():
+                self._enter_blend(end, end * self._speed)
+                self._track(time - law.duration)
+            return
+        self._time = time
+        self._law_piece, s, v, a = law.at(time, self._law_piece)
+        self._set(s, v * self._speed, a * self._speed**2)
+
+    def _ramp(self, law: Law) -> None:
+        """Speed up or slow down towards the law, or to a stand."""
+        piece = law.piece(self._s, self._law_piece)
+        braking = self._pausing or self._stopping
+        down = braking or self._v > self._speed * law.speed(self._s, piece)
+        limit = law.brake(piece) if self._stopping else law.limit(piece)
+        if down and self._v <= limit * self._cycle:
+            v, s = 0.0, self._s + 0.5 * self._v**2 / limit
+        else:
+            v = self._v + (-limit if down else limit) * self._cycle
+            s = self._s + 0.5 * (self._v + v) * self._cycle
+        if s >= law.end:
+            end, beyond = law.end_speed, s - law.end
+            if self._finish():
+                ratio = self._enter_blend(end, v)
+                self._set(beyond * ratio, self._v, 0.0)
+            return
+        self._law_piece = piece
+        highest = law.speed(s, piece) * (1.0 if braking else self._speed)
+        if not braking and (v <= highest if down else v >= highest):
+            v = highest
+            self._time, self._tracking = law.time(s), True
+        # A law that slows down faster than the motion's own limit is followed down.
+        v = min(v, highest) if braking else v
+        self._set(s, v, (v - self._v) / self._cycle if v > 0.0 else 0.0)
+        if v == 0.0 and self._stopping:
+            self._drop()
+
+    def _enter_blend(self, law_speed: float, v: float) -> float:
+        """Take over the speeds of the motion before, and give the ratio of the units."""
+        corner = self._queue[0].blend
+        assert corner is not None
+        self._events.append(Event(self._queue[0].key, "started"))
+        self._began = True
+        self._follow(law_speed * corner.ratio, 0.0)
+        self._v = v * corner.ratio
+        return corner.ratio
+
+    def _finish(self) -> bool:
+        """End the active motion, and tell whether the next one takes over by a blend."""
+        entry, *rest = self._queue
+        self._queue = tuple(rest)
+        self._events.append(Event(entry.key, "blended" if entry.blends else "finished"))
+        self._law = None
+        if entry.blends:
+            return True
+        self._began = False
+        self._s = self._v = 0.0
+        self._setpoint = SetPoint.at_rest(entry.segment.q_end)
+        if self._stopping:
+            self._drop()
+        return False
+
+    def _set(self, s: float, v: float, a: float) -> None:
+        path = self._queue[0].path
+        assert path is not None
+        self._s, self._v = s, v
+        self._path_piece = path.piece(s, self._path_piece)
+        self._setpoint = SetPoint(*path.state(self._path_piece, s, v, a))

@@ -1,0 +1,249 @@
+"""Segments: motions with a path and its limits, ready to be timed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aioduco.kinematics.forward import fkine
+from aioduco.sim.planner.curves import Line, arc_through
+from aioduco.sim.planner.errors import PlanError
+from aioduco.sim.planner.limits import cartesian_limits, joint_limits
+from aioduco.sim.planner.path import Path, differentiate
+from aioduco.sim.planner.timing import backward, fastest
+from aioduco.sim.planner.tracing import check_limits, trace
+
+if TYPE_CHECKING:
+    from aioduco.kinematics import Arm
+    from aioduco.models.rotation import Array
+    from aioduco.sim.planner.curves import Curve
+    from aioduco.sim.planner.timing import Limits
+
+__all__ = [
+    "PlanError",
+    "Segment",
+    "arc_move",
+    "circle_move",
+    "joint_move",
+    "line_move",
+]
+
+_STILL = 1e-9  # a motion shorter than this stays where it is [rad, m]
+_SLOWEST = 0.02  # share of the speed asked for, below which a path counts as singular
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Segment:
+    """One motion: where it goes and how fast it may.
+
+    Attributes:
+        arm: the arm.
+        path: joints over the distance along the path; None when the motion stays where it is.
+        limits: along the path.
+        q_start: joints at the start [rad]. Shape (6,).
+        q_end: joints at the end [rad]. Shape (6,).
+        radius: distance of the tool centre point from the end, where it may blend into the next
+            motion [m]; zero to stop at the end.
+        v: speed asked for [m/s, or rad/s for joint moves].
+        a: acceleration asked for [m/s², or rad/s²].
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
+        curve: of the tool centre point; None for a joint move.
+    """
+
+    arm: Arm
+    path: Path | None
+    limits: Limits | None
+    q_start: Array
+    q_end: Array
+    radius: float
+    v: float
+    a: float
+    tool: Array
+    curve: Curve | None = None
+
+    @property
+    def length(self) -> float:
+        """Length in the unit of the path: radians of the furthest joint, or metres."""
+        return self.path.end if self.path is not None else 0.0
+
+    @property
+    def duration(self) -> float:
+        """Time from standstill to standstill at full speed [s]."""
+        if self.limits is None:
+            return 0.0
+        return fastest(self.limits, backward(self.limits, 0.0), 0.0, 0.0).duration
+
+    def tcp(self, s: Array) -> Array:
+        """Give the tool centre point at distances along the path. Shape (n,) to (n, 4, 4)."""
+        assert self.path is not None
+        poses: Array = fkine(self.arm.geometry, self.path.sample(s)[:, 0]) @ self.tool
+        return poses
+
+
+def joint_move(
+    arm: Arm,
+    q0: Array,
+    q1: Array,
+    v: float,
+    a: float,
+    r: float = 0.0,
+    *,
+    tool: Array | None = None,
+) -> Segment:
+    """Move all joints together, straight in joint space (manual 1.3.5, movej2).
+
+    Args:
+        arm: the arm.
+        q0: joints at the start [rad]. Shape (6,).
+        q1: joints at the end [rad]. Shape (6,).
+        v: speed of the joint that turns furthest [rad/s].
+        a: its acceleration [rad/s²].
+        r: blend radius [m].
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
+
+    Raises:
+        PlanError: a joint would leave its limits, or a parameter is not positive.
+    """
+    q0, q1 = np.array(q0, dtype=float), np.array(q1, dtype=float)
+    _check(v, a, r)
+    check_limits(arm, q1[None])
+    frame = np.eye(4) if tool is None else tool
+    length = float(np.abs(q1 - q0).max())
+    if length < _STILL:
+        return Segment(arm, None, None, q0, q0, r, v, a, frame)
+    path = Path.straight(q0, q1, length)
+    slope = np.repeat(((q1 - q0) / length)[None], 2, axis=0)
+    limits = joint_limits(arm, path.bounds, slope, np.zeros((2, 6)), v, a)
+    return Segment(arm, path, limits, q0, q1, r, v, a, frame)
+
+
+def line_move(
+    arm: Arm,
+    q0: Array,
+    target: Array,
+    v: float,
+    a: float,
+    r: float = 0.0,
+    *,
+    tool: Array | None = None,
+) -> Segment:
+    """Move the tool centre point along a straight line (manual 1.3.5, movel).
+
+    Where it only turns, v and a are taken as rad/s and rad/s². (The manual says that they are
+    converted in proportion, but not by which; that it is one to one is an assumption.)
+
+    Args:
+        arm: the arm.
+        q0: joints at the start [rad]. Shape (6,).
+        target: pose of the flange at the end, in the base frame. Shape (4, 4).
+        v: speed of the tool centre point [m/s].
+        a: its acceleration [m/s²].
+        r: blend radius [m].
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
+
+    Raises:
+        PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
+    """
+    frame = np.eye(4) if tool is None else tool
+    start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
+    return _cartesian(arm, q0, Line.between(start, target @ frame), v, a, r, frame)
+
+
+def arc_move(
+    arm: Arm,
+    q0: Array,
+    via: Array,
+    target: Array,
+    v: float,
+    a: float,
+    r: float = 0.0,
+    *,
+    mode: int = 0,
+    tool: Array | None = None,
+) -> Segment:
+    """Move the tool centre point along an arc through a point (manual 1.3.5, movec).
+
+    Args:
+        arm: the arm.
+        q0: joints at the start [rad]. Shape (6,).
+        via: pose of the flange at a point of the arc, in the base frame. Shape (4, 4).
+        target: pose of the flange at the end, in the base frame. Shape (4, 4).
+        v: speed of the tool centre point [m/s].
+        a: its acceleration, along and across the arc together [m/s²].
+        r: blend radius [m].
+        mode: orientation: 0 turns to that of the target, 1 keeps that of the start, 2 keeps it
+            relative to the tangent.
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
+
+    Raises:
+        PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
+    """
+    frame = np.eye(4) if tool is None else tool
+    start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
+    curve = arc_through(start, via @ frame, target @ frame, mode)
+    return _cartesian(arm, q0, curve, v, a, r, frame)
+
+
+def circle_move(
+    arm: Arm,
+    q0: Array,
+    first: Array,
+    second: Array,
+    v: float,
+    a: float,
+    r: float = 0.0,
+    *,
+    mode: int = 1,
+    tool: Array | None = None,
+) -> Segment:
+    """Move the tool centre point once round a circle through two points (1.3.5, move_circle).
+
+    Args:
+        arm: the arm.
+        q0: joints at the start and, but for whole turns, at the end [rad]. Shape (6,).
+        first: pose of the flange at a point of the circle, in the base frame. Shape (4, 4).
+        second: pose of the flange at a later point of it. Shape (4, 4).
+        v: speed of the tool centre point [m/s].
+        a: its acceleration, along and across the circle together [m/s²].
+        r: blend radius [m].
+        mode: orientation: 1 keeps that of the start, 2 keeps it relative to the tangent.
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
+
+    Raises:
+        PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
+    """
+    if mode not in (1, 2):
+        raise PlanError("parameter", f"mode {mode} of a full circle is not 1 or 2")
+    frame = np.eye(4) if tool is None else tool
+    start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
+    curve = arc_through(start, first @ frame, second @ frame, mode, full=True)
+    return _cartesian(arm, q0, curve, v, a, r, frame)
+
+
+def _cartesian(
+    arm: Arm, q0: Array, curve: Curve, v: float, a: float, r: float, tool: Array
+) -> Segment:
+    q0 = np.array(q0, dtype=float)
+    _check(v, a, r)
+    if curve.length < _STILL:
+        return Segment(arm, None, None, q0, q0, r, v, a, tool)
+    path = trace(arm, q0, curve, tool)
+    nodes = np.array(path.bounds)
+    joints = path.sample(nodes)
+    points = curve.poses(nodes)[:, :3, 3]
+    velocity, bend = differentiate(points, float(nodes[1]))
+    limits = cartesian_limits(
+        arm, path.bounds, joints[:, 1], joints[:, 2], velocity, bend, np.full(len(nodes), v), a
+    )
+    slowest = math.sqrt(min(limits.ceiling))
+    if slowest < _SLOWEST * v:
+        raise PlanError("singular", "the joints cannot follow near a singularity of the path")
+    return Segment(arm, path, limits, q0, joints[-1, 0], r, v, a, tool, curve)
+
+
+def _check(v: float, a: float, r: float) -> None:
+    if not (v > 0.0 and a > 0.0 and r >= 0.0 and math.isfinite(v) and math.isfinite(r)):
+        raise PlanError("parameter", f"speed {v}, acceleration {a} or radius {r} is not positive")

@@ -1,0 +1,259 @@
+"""The fastest way along a path: how far along it an arm is at a time.
+
+With x = (ds/dt)², a constant acceleration is a straight line of x over s. Between two nodes of a
+path the fastest x is the least of three lines: what can be reached from behind, what is allowed
+there, and what can still be braked for what is ahead. One pass from each end finds them all, and
+the time law is exact for the limits as they are given at the nodes.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["Law", "Limits", "allowed", "backward", "fastest"]
+
+
+class Limits(NamedTuple):
+    """What limits the motion along a path, in the path's own unit of length.
+
+    Attributes:
+        nodes: distances s, rising.
+        ceiling: highest (ds/dt)² at each node.
+        push: highest acceleration along the path between nodes, as far as the joints limit it.
+        total: highest acceleration of the tool centre point between nodes, along and across the
+            path together; infinite where only the joints count.
+        curvature: of the path of the tool centre point between nodes.
+        brake: acceleration along the path between nodes that the arm's drives can do; a stop
+            uses it.
+    """
+
+    nodes: list[float]
+    ceiling: list[float]
+    push: list[float]
+    total: list[float]
+    curvature: list[float]
+    brake: list[float]
+
+    def along(self, piece: int, x: float) -> float:
+        """Give the acceleration that is left along the path at (ds/dt)² = x."""
+        across = self.curvature[piece] * x
+        if across == 0.0:
+            return min(self.push[piece], self.total[piece])
+        total = self.total[piece]
+        return min(self.push[piece], math.sqrt(max(total * total - across * across, 0.0)))
+
+    def slice(self, start: float, end: float) -> Limits:
+        """Give the limits from `start` to `end`, with the same distances."""
+        first = max(bisect_right(self.nodes, start) - 1, 0)
+        last = min(bisect_right(self.nodes, end, first), len(self.nodes) - 1)
+        if last > first + 1 and self.nodes[last - 1] >= end:
+            last -= 1
+        part = slice(first, last)
+        inner = slice(first + 1, last)
+        return Limits(
+            [start, *self.nodes[inner], end],
+            [self._ceiling_at(first, start), *self.ceiling[inner], self._ceiling_at(last - 1, end)],
+            self.push[part],
+            self.total[part],
+            self.curvature[part],
+            self.brake[part],
+        )
+
+    def _ceiling_at(self, piece: int, s: float) -> float:
+        a, b = self.nodes[piece], self.nodes[piece + 1]
+        part = min(max((s - a) / (b - a), 0.0), 1.0)
+        return (1.0 - part) * self.ceiling[piece] + part * self.ceiling[piece + 1]
+
+    def then(self, other: Limits) -> Limits:
+        """Give these limits followed by others, whose distances are moved to follow on."""
+        shift = self.nodes[-1] - other.nodes[0]
+        joint = min(self.ceiling[-1], other.ceiling[0])
+        return Limits(
+            self.nodes + [node + shift for node in other.nodes[1:]],
+            [*self.ceiling[:-1], joint, *other.ceiling[1:]],
+            self.push + other.push,
+            self.total + other.total,
+            self.curvature + other.curvature,
+            self.brake + other.brake,
+        )
+
+
+class Law:
+    """Distance over time, in pieces of constant acceleration.
+
+    Attributes:
+        start: s at the beginning.
+        end: s at the end.
+        duration: time from the beginning to the end [s].
+        end_speed: ds/dt at the end.
+    """
+
+    __slots__ = (
+        "_brake", "_limit", "_rate", "_s", "_t", "_v", "duration", "end", "end_speed", "start",
+    )  # fmt: skip
+
+    def __init__(self, start: float, speed: float) -> None:
+        self._s, self._v, self._t = [start], [speed], [0.0]
+        self._rate: list[float] = []
+        self._limit: list[float] = []
+        self._brake: list[float] = []
+        self.start = self.end = start
+        self.duration = 0.0
+        self.end_speed = speed
+
+    def extend(self, end: float, x: float, limit: float, brake: float) -> None:
+        """Go on to distance `end`, where (ds/dt)² is x, at a constant acceleration."""
+        length = end - self.end
+        if length <= 1e-15 * abs(end):
+            return  # a corner that rounding has put on top of another
+        speed = math.sqrt(max(x, 0.0))
+        rate = 0.5 * (speed - self.end_speed) * (speed + self.end_speed) / length
+        mean = 0.5 * (speed + self.end_speed)
+        self.duration += length / mean
+        same = (
+            self._rate
+            and abs(rate - self._rate[-1]) <= 1e-9 * limit
+            and limit == self._limit[-1]
+            and brake == self._brake[-1]
+        )
+        if not same:
+            self._rate.append(rate)
+            self._limit.append(limit)
+            self._brake.append(brake)
+        else:
+            self._s.pop()
+            self._v.pop()
+            self._t.pop()
+        self._s.append(end)
+        self._v.append(speed)
+        self._t.append(self.duration)
+        self.end, self.end_speed = end, speed
+
+    def piece(self, s: float, hint: int = 0) -> int:
+        """Give the index of the piece at distance s, looking forward from `hint`."""
+        last = len(self._rate) - 1
+        while hint < last and s >= self._s[hint + 1]:
+            hint += 1
+        return hint
+
+    def at(self, t: float, hint: int = 0) -> tuple[int, float, float, float]:
+        """Give the piece, s, ds/dt and d²s/dt² at time t [s], looking forward from `hint`."""
+        last = len(self._rate) - 1
+        while hint < last and t >= self._t[hint + 1]:
+            hint += 1
+        since, v, rate = t - self._t[hint], self._v[hint], self._rate[hint]
+        return hint, self._s[hint] + (v + 0.5 * rate * since) * since, v + rate * since, rate
+
+    def speed(self, s: float, hint: int = 0) -> float:
+        """Give ds/dt at distance s."""
+        i = self.piece(s, hint)
+        v = self._v[i]
+        return math.sqrt(max(v * v + 2.0 * self._rate[i] * (s - self._s[i]), 0.0))
+
+    def time(self, s: float) -> float:
+        """Give the time at distance s [s]."""
+        i = self.piece(s)
+        mean = 0.5 * (self._v[i] + self.speed(s, i))
+        return self._t[i] + ((s - self._s[i]) / mean if mean > 0.0 else 0.0)
+
+    def limit(self, piece: int) -> float:
+        """Give the acceleration that the motion may use in a piece."""
+        return self._limit[piece]
+
+    def brake(self, piece: int) -> float:
+        """Give the deceleration that a stop may use in a piece."""
+        return self._brake[piece]
+
+
+def backward(limits: Limits, x: float) -> list[float]:
+    """Give the highest (ds/dt)² at each node from which x at the last node can be reached."""
+    nodes, ceiling = limits.nodes, limits.ceiling
+    x = min(x, ceiling[-1])
+    reached = [x]
+    for i in range(len(nodes) - 2, -1, -1):
+        x = min(x + 2.0 * _rate(limits, i, x) * (nodes[i + 1] - nodes[i]), ceiling[i])
+        reached.append(x)
+    reached.reverse()
+    return reached
+
+
+def allowed(limits: Limits, back: Sequence[float], s: float) -> float:
+    """Give the highest (ds/dt)² at distance s, of `back` as `backward` gave it."""
+    i = min(max(bisect_right(limits.nodes, s) - 1, 0), len(limits.nodes) - 2)
+    braking = back[i + 1] + 2.0 * _rate(limits, i, back[i + 1]) * (limits.nodes[i + 1] - s)
+    # What is reached by rounding is allowed.
+    return min(braking, limits._ceiling_at(i, s)) * (1.0 + 1e-9) + 1e-15
+
+
+def _rate(limits: Limits, piece: int, x: float) -> float:
+    # The acceleration is constant over a piece, so it is the one at the piece's fastest point.
+    if limits.curvature[piece] == 0.0:
+        return limits.along(piece, x)
+    length = limits.nodes[piece + 1] - limits.nodes[piece]
+    fastest = x + 2.0 * limits.along(piece, x) * length
+    top = max(limits.ceiling[piece], limits.ceiling[piece + 1])
+    return limits.along(piece, min(fastest, top))
+
+
+def fastest(limits: Limits, back: Sequence[float], start: float, speed: float) -> Law:
+    """Give the fastest law from a point of the path.
+
+    Args:
+        limits: of the whole path.
+        back: what `backward` gave for them.
+        start: distance s to begin at.
+        speed: ds/dt there; not more than what `backward` allows.
+
+    Returns:
+        A law from `start` to the end of the path.
+    """
+    nodes, ceiling = limits.nodes, limits.ceiling
+    law = Law(start, speed)
+    x = speed * speed
+    first = max(bisect_right(nodes, start) - 1, 0)
+    for i in range(first, len(nodes) - 1):
+        a, b = max(nodes[i], start), nodes[i + 1]
+        length = b - a
+        if length <= 0.0:
+            continue
+        rate, slow = _rate(limits, i, x), _rate(limits, i, back[i + 1])
+        climb = (ceiling[i + 1] - ceiling[i]) / (b - nodes[i])
+        lines = (
+            (x, 2.0 * rate),
+            (ceiling[i] + climb * (a - nodes[i]), climb),
+            (back[i + 1] + 2.0 * slow * length, -2.0 * slow),
+        )
+        limit, brake = limits.along(i, max(x, back[i + 1])), limits.brake[i]
+        brake = max(limit, brake)
+        for end, value in _least(lines, length):
+            law.extend(a + end, value, limit, brake)
+        x = min(x + 2.0 * rate * length, ceiling[i + 1])
+    return law
+
+
+def _least(lines: tuple[tuple[float, float], ...], length: float) -> list[tuple[float, float]]:
+    """Give the corners of the least of some lines, each a value at zero and a slope.
+
+    Returns:
+        Places after zero, up to `length`, and the least value there.
+    """
+    corners = []
+    place = 0.0
+    value, slope = min(lines)
+    while True:
+        following, best = length, None
+        for other, incline in lines:
+            if incline < slope:
+                crossing = (other - value) / (slope - incline)
+                if place <= crossing < following:
+                    following, best = crossing, (other, incline)
+        if following > place:
+            corners.append((following, value + slope * following))
+        if best is None:
+            return corners
+        place, (value, slope) = following, best

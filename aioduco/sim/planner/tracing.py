@@ -1,0 +1,124 @@
+"""From curves of the tool to paths of the joints: inverse kinematics along a curve."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aioduco.kinematics.forward import fkine, singular_values
+from aioduco.kinematics.inverse import closed_form, shortfall, wrap
+from aioduco.models.rotation import rotvec_from_matrix
+from aioduco.sim.planner.errors import PlanError
+from aioduco.sim.planner.path import Path, differentiate
+
+if TYPE_CHECKING:
+    from aioduco.kinematics import Arm
+    from aioduco.models.rotation import Array
+    from aioduco.sim.planner.curves import Curve
+
+__all__ = ["check_limits", "follow", "trace"]
+
+SINGULAR = 1e-3
+"""Singular value (see `Arm.singularity`) below which a path is refused. An assumption."""
+
+_EXACT = 1e-5  # largest deviation of the joints' path from the curve [m, rad]
+_SPACING = 0.01  # distance of samples to begin with [m]
+_TURNING = 0.05  # angle between samples to begin with [rad]
+_FEWEST, _MOST = 24, 3072
+_STRIDE = 0.35  # largest step of a joint between samples [rad]: more is a jump to another branch
+_NAMES = ("shoulder", "elbow", "wrist")
+
+
+def follow(arm: Arm, q0: Array, flange: Array) -> Array:
+    """Give the joints along a sequence of poses, on the branch and the turn of q0.
+
+    Args:
+        arm: the arm.
+        q0: joints at the first pose [rad]. Shape (6,).
+        flange: poses of the flange in the base frame. Shape (n, 4, 4).
+
+    Returns:
+        Joint angles [rad]. Shape (n, 6).
+
+    Raises:
+        PlanError: a pose cannot be reached, or the path meets a singularity.
+    """
+    solutions = closed_form(arm.geometry, flange, float(q0[5]))
+    off = np.nan_to_num(np.abs(wrap(solutions[0] - q0)).max(axis=-1), nan=np.inf)
+    branch = int(np.argmin(off))
+    _check_singular(arm, q0[None])
+    if off[branch] > 1e-6:
+        raise PlanError("parameter", "the motion does not begin where the arm is")
+    q = solutions[:, branch]
+    lost = np.isnan(q).any(axis=-1)
+    if lost.any():
+        missing = shortfall(arm.geometry, flange[int(np.argmax(lost))])
+        by = f", by at least {missing:.4f} m" if missing > 0.0 else ""
+        raise PlanError("unreachable", f"the path leaves the reach of the arm{by}")
+    q = np.unwrap(q, axis=0)
+    turned: Array = q + 2 * math.pi * np.round((q0 - q[0]) / (2 * math.pi))
+    return turned
+
+
+def _check_singular(arm: Arm, q: Array) -> None:
+    values = np.abs(singular_values(arm.geometry, q))
+    if values.min() < SINGULAR:
+        place, kind = np.unravel_index(int(values.argmin()), values.shape)
+        part = float(place) / max(len(q) - 1, 1)
+        raise PlanError("singular", f"{_NAMES[int(kind)]} singularity {part:.0%} along the path")
+
+
+def check_limits(arm: Arm, q: Array) -> None:
+    """Raise PlanError where joints of shape (n, 6) are outside the arm's limits."""
+    outside = (q < np.array(arm.lower) - 1e-9) | (q > np.array(arm.upper) + 1e-9)
+    if outside.any():
+        joint = int(np.argmax(outside.any(axis=0)))
+        raise PlanError(
+            "limits",
+            f"joint {joint + 1} would leave {arm.lower[joint]:.4f} to {arm.upper[joint]:.4f} rad",
+        )
+
+
+def trace(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
+    """Give the joints' path along a curve of the tool centre point.
+
+    Samples are added until the path between them is within 10 µm and 10 µrad of the curve.
+
+    Args:
+        arm: the arm.
+        q0: joints at the beginning of the curve [rad]. Shape (6,).
+        curve: of the tool centre point in the base frame.
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
+
+    Raises:
+        PlanError: unreachable, singular or beyond the joint limits.
+    """
+    back = np.linalg.inv(tool)
+    count = max(curve.length / _SPACING, curve.turning / _TURNING, _FEWEST)
+    count = min(2 * math.ceil(count / 2), _MOST)
+    while True:
+        # Every second sample only checks the path through the others.
+        s = np.linspace(0.0, curve.length, 2 * count + 1)
+        flange = curve.poses(s) @ back
+        every = follow(arm, q0, flange)
+        q = every[::2]
+        smooth = np.abs(np.diff(q, axis=0)).max() < _STRIDE
+        if smooth:
+            path = Path.through(q, *differentiate(q, curve.length / count), curve.length)
+            between = path.sample(s[1::2])[:, 0]
+            if _deviation(arm, between, flange[1::2]) < _EXACT:
+                _check_singular(arm, every)
+                check_limits(arm, every)
+                return path
+        if 2 * count > _MOST:
+            raise PlanError("singular", "the path passes through a singularity")
+        count *= 2
+
+
+def _deviation(arm: Arm, q: Array, flange: Array) -> float:
+    reached = fkine(arm.geometry, q)
+    turn = np.swapaxes(reached[:, :3, :3], -1, -2) @ flange[:, :3, :3]
+    away = np.abs(reached[:, :3, 3] - flange[:, :3, 3]).max()
+    return float(max(away, np.abs(rotvec_from_matrix(turn)).max()))

@@ -1,0 +1,118 @@
+"""The arm in MuJoCo: joints driven by position servos, gravity, contact, a sensor at the flange."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+
+from aioduco.sim.mjcf import mjcf
+
+if TYPE_CHECKING:
+    from aioduco.kinematics import Arm
+    from aioduco.models.rotation import Array
+    from aioduco.sim.planner.mover import SetPoint
+
+__all__ = ["World"]
+
+
+class World:
+    """An arm that follows set-points, one step at a time. Belongs to one thread.
+
+    Each servo holds its joint at the set-point; what the motion needs on top of that, inertia,
+    gravity and Coriolis forces, is computed and fed forward, as a controller with a dynamic model
+    does. Torques end at the drives' limits.
+
+    Args:
+        arm: the arm.
+        timestep: of one step [s].
+        q: joints at the start [rad]. Shape (6,); None for zero, straight up.
+    """
+
+    def __init__(self, arm: Arm, timestep: float = 0.001, q: Array | None = None) -> None:
+        self.arm = arm
+        self.model = mujoco.MjModel.from_xml_string(mjcf(arm, timestep))
+        self.data = mujoco.MjData(self.model)
+        self._stiffness = self.model.actuator_gainprm[:, 0].copy()
+        self._damping = -self.model.actuator_biasprm[:, 2] / self._stiffness
+        self._timestep = timestep
+        self._effort = np.array(arm.effort)
+        self._feed = np.empty(6)
+        self._flange = self.model.site("flange").id
+        self._braked = False
+        self.reset(np.zeros(6) if q is None else q)
+
+    def reset(self, q: Array) -> None:
+        """Stand at q [rad] at once."""
+        mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[:] = q
+        self.data.ctrl[:] = q
+        mujoco.mj_forward(self.model, self.data)
+
+    def step(self, setpoint: SetPoint) -> None:
+        """Go on by one time step, towards a set-point for its end."""
+        data = self.data
+        if not self._braked:
+            # Mass matrix and forces are those of the last step's beginning: a millisecond old.
+            feed = self._feed
+            mujoco.mj_mulM(self.model, data, feed, setpoint.qdd)
+            feed += data.qfrc_bias
+            feed /= self._stiffness
+            # MuJoCo pulls at the joint where the step begins, and damps the speed that the step
+            # ends with, which is its mean speed: both are taken from the set-point of the end.
+            feed += setpoint.q + (self._damping - self._timestep) * setpoint.qd
+            feed -= (0.5 * self._timestep) * (self._damping - self._timestep) * setpoint.qdd
+            data.ctrl[:] = feed
+        mujoco.mj_step(self.model, data)
+
+    def brake(self, on: bool) -> None:
+        """Let the joint brakes fall and cut the drives' power, or the reverse.
+
+        The brakes hold by friction: a moving arm is slowed down by them, a standing one stays.
+        """
+        self._braked = on
+        self.model.opt.disableactuator = 1 if on else 0
+        self.model.dof_frictionloss[:] = 1.5 * self._effort if on else 0.0
+
+    @property
+    def braked(self) -> bool:
+        """Whether the brakes hold and the drives have no power."""
+        return self._braked
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the last reset [s]."""
+        return float(self.data.time)
+
+    @property
+    def q(self) -> Array:
+        """Joint angles [rad]. Shape (6,)."""
+        return np.array(self.data.qpos)
+
+    @property
+    def qd(self) -> Array:
+        """Joint speeds [rad/s]. Shape (6,)."""
+        return np.array(self.data.qvel)
+
+    @property
+    def qdd(self) -> Array:
+        """Joint accelerations [rad/s²]. Shape (6,)."""
+        return np.array(self.data.qacc)
+
+    @property
+    def torque(self) -> Array:
+        """Torques of the drives [N m]. Shape (6,)."""
+        return np.array(self.data.qfrc_actuator)
+
+    @property
+    def wrench(self) -> Array:
+        """Force [N] and torque [N m] that the world applies to the flange, in its frame. (6,)"""
+        return -np.array(self.data.sensordata)
+
+    def flange(self) -> Array:
+        """Give the pose of the flange in the base frame. Shape (4, 4)."""
+        pose = np.eye(4)
+        pose[:3, :3] = self.data.site_xmat[self._flange].reshape(3, 3)
+        pose[:3, 3] = self.data.site_xpos[self._flange]
+        return pose
