@@ -22,11 +22,11 @@ def main(argument: str = "{}") -> int:
     options = json.loads(argument)
     ours, others = socket.socketpair()
     ours.setblocking(False)
+    others.setblocking(False)
     # The handlers do nothing: their signal arrives as a byte on the socket, at any moment.
     signal.set_wakeup_fd(others.fileno(), warn_on_full_buffer=False)
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: None)
-    others.setblocking(False)
     with Simulator(**options, on_shutdown=lambda: others.send(b"x")) as sim:
         ready = json.dumps({"host": sim.host, "port": sim.port, "pid": os.getpid()})
         sys.stdout.write(f"{ready}\n")
