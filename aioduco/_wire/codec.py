@@ -140,9 +140,8 @@ class ReplyReader:
             protocol.read_struct(error)
             text = _text(error.message) if error.message else str(error)
             if error.type == TApplicationException.UNKNOWN_METHOD:
-                raise UnknownFunction(
-                    function.name, f"the controller has no such function ({text})"
-                )
+                text = f"the controller has no such function ({text})"
+                raise UnknownFunction(function.name, text, error.type)
             raise ControllerError(function.name, text, error.type)
         result = function.result()
         protocol.read_struct(result)

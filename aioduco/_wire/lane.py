@@ -59,8 +59,8 @@ class LaneStatistics(NamedTuple):
         workers: threads, each with at most one connection.
         opened: connections that were opened.
         abandoned: calls that were cancelled, or given up, while they were under way.
-        leaving: threads that lost their call and have not ended yet; a number that stays is
-            one of threads that hang in the operating system, in the resolution of a name.
+        stuck: threads that lost their call more than a second ago and have not ended: they hang
+            in the operating system, for instance in the resolution of a name.
     """
 
     calls: int
@@ -70,7 +70,7 @@ class LaneStatistics(NamedTuple):
     workers: int
     opened: int
     abandoned: int
-    leaving: int
+    stuck: int
 
 
 class Lane:
@@ -135,7 +135,7 @@ class Lane:
             workers=len(workers),
             opened=self._connections.count,
             abandoned=self._abandoned,
-            leaving=sum(worker.alive for worker in self._leaving),
+            stuck=sum(worker.stuck for worker in self._leaving),
         )
 
     def __repr__(self) -> str:

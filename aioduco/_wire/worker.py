@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import enum
+import math
 import threading
 import time
 from queue import SimpleQueue
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._wire.handoff import Call
 from aioduco._wire.lifecycle import ConnectionState, Progress
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco._wire.idl import Function
     from aioduco._wire.source import Source
+
+
+#: seconds that a thread may take to notice that its call was abandoned
+_LEAVING_TIME: Final = 1.0
 
 
 class Dropped(enum.Enum):
@@ -59,6 +64,7 @@ class Worker:
         self._started = False
         #: set when the lane is done with this worker
         self.retired = False
+        self._retired_at = math.inf
 
     @property
     def connection(self) -> Connection | None:
@@ -69,6 +75,11 @@ class Worker:
     def alive(self) -> bool:
         """Whether the thread runs."""
         return self._thread.is_alive()
+
+    @property
+    def stuck(self) -> bool:
+        """Whether the thread was told to end a while ago, and still runs."""
+        return self.alive and time.monotonic() > self._retired_at + _LEAVING_TIME
 
     @property
     def busy(self) -> bool:
@@ -119,6 +130,7 @@ class Worker:
             said: called on the thread when it is about to end; at once if it never began.
         """
         self.retired = True
+        self._retired_at = time.monotonic()
         if self._started:
             self._inbox.put(said)
         else:

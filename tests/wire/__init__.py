@@ -1,0 +1,1 @@
+"""Tests of connections, lanes and what is under them."""
