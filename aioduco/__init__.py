@@ -1,7 +1,129 @@
-"""An asyncio-native SDK for DUCO (SIASUN) collaborative robot arms."""
+"""An asyncio-native SDK for DUCO (SIASUN) collaborative robot arms.
+
+    import aioduco
+    from aioduco import Joints
+
+    async with aioduco.connect("192.168.1.10") as robot:
+        await robot.bring_up()
+        await robot.motion.movej2(Joints.deg(0, 0, 90, 0, -90, 0), v=1.0, a=1.0)
+
+Units are SI: metres, radians, seconds, kilograms, newtons; `deg()` and `mm()` convert.
+"""
 
 from __future__ import annotations
 
 from aioduco._version import __version__
+from aioduco.errors import (
+    CallTimeout,
+    ConnectError,
+    ConnectionLost,
+    ConnectTimeout,
+    ControllerError,
+    DucoError,
+    HeartbeatLost,
+    NotAController,
+    NotSent,
+    OutcomeUnknown,
+    ParameterError,
+    ProtocolError,
+    Refused,
+    RobotStateError,
+    StaleState,
+    StopUnconfirmed,
+    TaskError,
+    TaskFailed,
+    TaskIllegal,
+    TaskInterrupted,
+    TaskOverdue,
+    TaskParameterMismatch,
+    TaskStopped,
+    TaskUnknown,
+    UnknownFunction,
+)
+from aioduco.models.enums import (
+    OperationMode,
+    Outcome,
+    ProgramState,
+    RobotState,
+    SafetyState,
+    TaskState,
+)
+from aioduco.models.op import (
+    Op,
+    PointOp,
+    bool_register,
+    event,
+    float_register,
+    output,
+    tool_output,
+    word_register,
+)
+from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike, deg, mm
+from aioduco.models.state import IOStatus, RobotStates, RobotStatus
+from aioduco.robot import Robot, connect
+from aioduco.supervision.command import MotionCommand
+from aioduco.supervision.pulse import HeartbeatState
+from aioduco.supervision.task import OnCancel, Task
 
-__all__ = ["__version__"]
+__all__ = [  # noqa: RUF022  # grouped by what they are for
+    "__version__",
+    # the robot
+    "connect",
+    "Robot",
+    "MotionCommand",
+    "OnCancel",
+    "Outcome",
+    "Task",
+    # poses, joints, units
+    "deg",
+    "mm",
+    "Joints",
+    "JointsLike",
+    "Pose",
+    "PoseLike",
+    # outputs set on the way of a motion
+    "bool_register",
+    "event",
+    "float_register",
+    "output",
+    "tool_output",
+    "word_register",
+    "Op",
+    "PointOp",
+    # states
+    "HeartbeatState",
+    "IOStatus",
+    "OperationMode",
+    "ProgramState",
+    "RobotState",
+    "RobotStates",
+    "RobotStatus",
+    "SafetyState",
+    "TaskState",
+    # errors
+    "CallTimeout",
+    "ConnectError",
+    "ConnectTimeout",
+    "ConnectionLost",
+    "ControllerError",
+    "DucoError",
+    "HeartbeatLost",
+    "NotAController",
+    "NotSent",
+    "OutcomeUnknown",
+    "ParameterError",
+    "ProtocolError",
+    "Refused",
+    "RobotStateError",
+    "StaleState",
+    "StopUnconfirmed",
+    "TaskError",
+    "TaskFailed",
+    "TaskIllegal",
+    "TaskInterrupted",
+    "TaskOverdue",
+    "TaskParameterMismatch",
+    "TaskStopped",
+    "TaskUnknown",
+    "UnknownFunction",
+]

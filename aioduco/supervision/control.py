@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 FIRST_ATTEMPT = 0.25
 #: seconds between two questions whether the arm moves
 STANDSTILL_EVERY = 0.01
+#: seconds after which an arm that still moves is stopped once more
+STOP_AGAIN = 0.5
 #: answers "it does not move" in a row that count as standing
 STANDSTILL_COUNT = 2
 #: seconds of `robotmoving` without an answer after which a fresh connection is used
@@ -129,6 +131,28 @@ class Control:
                 error = exc
             time.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
         raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
+
+    async def rest(self, stop_timeout: float, standstill_timeout: float) -> None:
+        """Stop the arm and see it stand. A stop that has no effect is repeated.
+
+        Args:
+            stop_timeout: seconds in which a stop must be accepted.
+            standstill_timeout: seconds after that in which the arm must stand.
+
+        Raises:
+            StopUnconfirmed: it is not known that the arm stands.
+        """
+        await self.stop(stop_timeout)
+        until = time.monotonic() + standstill_timeout
+        while (left := until - time.monotonic()) > STOP_AGAIN:
+            try:
+                await self.standstill(STOP_AGAIN)
+            except StopUnconfirmed:
+                # It brakes for long, or something set it moving after the stop.
+                await self.stop(min(stop_timeout, left))
+            else:
+                return
+        await self.standstill(left)
 
     async def standstill(self, timeout: float) -> None:
         """Wait until the arm stands.

@@ -21,6 +21,8 @@ from aioduco.supervision.poller import Poller
 from aioduco.supervision.task import Task
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from aioduco._wire.lane import Lane
     from aioduco.models.enums import Outcome
     from aioduco.supervision.background import Background
@@ -77,8 +79,8 @@ class Keeper:
         Raises:
             StopUnconfirmed: it is not known that it stands.
         """
-        await self._control.stop(self._settings.stop_timeout)
-        await self._control.standstill(self._settings.standstill_timeout)
+        settings = self._settings
+        await self._control.rest(settings.stop_timeout, settings.standstill_timeout)
         self.loose = False
 
     async def stop(self) -> None:
@@ -180,6 +182,19 @@ class Keeper:
         """A task has not ended by its deadline."""
         if task.motion:
             self._background.start(self._stop_overdue(task), "aioduco stop of an overdue task")
+
+    def stopped(self, task: Task, settle: Callable[[], None]) -> None:
+        """A motion was stopped, by whomever: `settle` is called when the arm stands."""
+        self._background.start(self._settle_standing(task, settle), "aioduco standstill")
+
+    async def _settle_standing(self, task: Task, settle: Callable[[], None]) -> None:
+        try:
+            await self._control.standstill(self._settings.standstill_timeout)
+        except StopUnconfirmed as exc:
+            task.fault = exc
+            _log.critical("%r was stopped, but %s", task, exc)
+        finally:
+            settle()
 
     async def _stop_unwatched(self, task: Task) -> None:
         try:

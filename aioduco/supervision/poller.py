@@ -19,6 +19,8 @@ from aioduco.models.enums import Outcome, TaskState
 from aioduco.supervision.schedule import SLOW, Roster, interval
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from aioduco._wire.lane import Lane
     from aioduco.supervision.task import Task
 
@@ -43,6 +45,9 @@ class Watcher(Protocol):
 
     def overdue(self, task: Task) -> None:
         """A task has not ended by its deadline."""
+
+    def stopped(self, task: Task, settle: Callable[[], None]) -> None:
+        """A motion was stopped: `settle` is to be called when the arm stands."""
 
 
 class Poller:
@@ -158,25 +163,29 @@ class Poller:
 
     async def _end(self, task: Task) -> None:
         self._roster.remove(task)
-        del self._seen[task]
         now = time.monotonic()
         errors: list[str] = []
-        try:
-            if task.life.outcome in _WITH_ERRORS:
+        if task.life.outcome in _WITH_ERRORS:
+            try:
                 errors = await self._lane.call("get_last_error", (), ASK_LIMIT)
-        except DucoError:
-            # The outcome is known, and must not wait for what only explains it.
-            errors = []
-        finally:
-            task.settle(errors, now)
-            if task.life.outcome is Outcome.UNKNOWN:
-                self._watcher.lost(task)
+            except DucoError:
+                # The outcome is known, and must not wait for what only explains it.
+                errors = []
+        if task.motion and task.life.outcome is Outcome.STOPPED:
+            self._watcher.stopped(task, lambda: self._settle(task, (), now))
+            return
+        self._settle(task, errors, now)
+        if task.life.outcome is Outcome.UNKNOWN:
+            self._watcher.lost(task)
+
+    def _settle(self, task: Task, errors: Sequence[str], now: float) -> None:
+        self._seen.pop(task, None)
+        task.settle(errors, now)
 
     def _close(self) -> None:
         self._closed = True
         now = time.monotonic()
-        for task in self._seen:
+        for task in self.tasks:
             self._roster.remove(task)
             task.life.lose()
-            task.settle((), now)
-        self._seen.clear()
+            self._settle(task, (), now)

@@ -1,0 +1,25 @@
+"""Fixtures: a controller without an arm, and a robot connected to it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+import aioduco
+from client.bench import Bench
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+
+
+@pytest.fixture
+def bench() -> Iterator[Bench]:
+    with Bench() as bench:
+        yield bench
+
+
+@pytest.fixture
+async def robot(bench: Bench) -> AsyncIterator[aioduco.Robot]:
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        yield robot

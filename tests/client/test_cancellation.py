@@ -1,0 +1,250 @@
+"""Cancelling a motion, at each of its awaits and in each way: the arm must stand afterwards."""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+import signal
+import subprocess
+import sys
+import textwrap
+from typing import TYPE_CHECKING, Literal
+
+import anyio
+import pytest
+
+import aioduco
+from aioduco import Outcome
+from aioduco.testing import DropReply, FaultProxy, eventually, eventually_async
+from aioduco.testing.cancel import cancel_at
+from client.bench import HOME
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from client.bench import Bench
+
+HOWS: list[Literal["scope", "task"]] = ["scope", "task"]
+
+
+@pytest.mark.parametrize("how", HOWS)
+@pytest.mark.parametrize("again", [0, 3])
+async def test_at_every_await_of_a_motion(
+    robot: aioduco.Robot, bench: Bench, how: Literal["scope", "task"], again: int
+) -> None:
+    """The first cancellation, and those that follow it, find a standing arm when they are done."""
+    bench.motion_time = 30.0
+
+    async def program() -> None:
+        await robot.motion.movej2(HOME, v=1.0, a=1.0)
+
+    sent = 0
+    for at in range(1, 30):
+        # A motion lasts: the program waits at its last await until it is cancelled there.
+        with anyio.move_on_after(0.4) as waited:
+            run = await cancel_at(program, at, how=how, again=again)
+        assert not bench.moving()
+        await eventually_async(lambda: not robot.tasks)
+        if waited.cancelled_caught:
+            break
+        assert run.struck
+        assert run.ended == "cancelled"
+        sent += len(bench.received("movej2"))
+    else:
+        pytest.fail("the program has more awaits than were tried")
+    assert at > 1
+    assert sent > 0
+
+
+@pytest.mark.parametrize("how", HOWS)
+async def test_a_motion_on_its_way_is_awaited_and_stopped(
+    robot: aioduco.Robot, bench: Bench, how: str
+) -> None:
+    """The stop must not overtake the motion: its answer is waited for first."""
+    bench.motion_time = 30.0
+    gate = bench.hold("movej2", bench._answers["movej2"])
+    motion = robot.motion.movej2(HOME, v=1.0, a=1.0)
+    if how == "scope":
+        async with anyio.create_task_group() as tg:
+            tg.start_soon(motion.start)
+            await eventually_async(lambda: bench.received("movej2"))
+            tg.cancel_scope.cancel()
+            gate.set()
+    else:
+        task = asyncio.ensure_future(motion.start())
+        await eventually_async(lambda: bench.received("movej2"))
+        task.cancel()
+        await asyncio.wait([task], timeout=0.05)
+        assert not task.done()
+        gate.set()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+    assert bench.commands == ["movej2", "stop"]
+    assert not bench.moving()
+
+
+async def test_a_start_that_waits_its_turn_is_not_sent(robot: aioduco.Robot, bench: Bench) -> None:
+    gate = bench.hold("movej2", bench._answers["movej2"])
+    async with anyio.create_task_group() as tg:
+        tg.start_soon(robot.motion.movej2(HOME, v=1.0, a=1.0).start)
+        await eventually_async(lambda: bench.received("movej2"))
+        with anyio.move_on_after(0.05) as scope:
+            await robot.motion.movej2([0.1] * 6, v=1.0, a=1.0)
+        assert scope.cancelled_caught
+        gate.set()
+    assert len(bench.received("movej2")) == 1
+    assert "stop" not in bench.commands
+
+
+@pytest.mark.parametrize("timeout", [asyncio.timeout, anyio.fail_after])
+async def test_timeouts_of_either_library_stop_the_arm(
+    robot: aioduco.Robot, bench: Bench, timeout: object
+) -> None:
+    bench.motion_time = 30.0
+    motion = robot.motion.movej2(HOME, v=1.0, a=1.0)
+
+    async def asyncios() -> None:
+        async with asyncio.timeout(0.1):
+            await motion
+
+    async def anyios() -> None:
+        with anyio.fail_after(0.1):
+            await motion
+
+    with pytest.raises(TimeoutError):
+        await (asyncios() if timeout is asyncio.timeout else anyios())
+    assert bench.commands == ["movej2", "stop"]
+    assert not bench.moving()
+
+
+async def test_looking_on_can_be_cancelled_without_effect(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    with anyio.move_on_after(0.02) as scope:
+        await task.wait()
+    assert scope.cancelled_caught
+    with anyio.move_on_after(0.02) as scope:
+        async for _ in task:
+            pass
+    assert scope.cancelled_caught
+    assert await task is Outcome.FINISHED
+    assert "stop" not in bench.commands
+
+
+async def test_on_cancel_pause_leaves_the_task_paused(bench: Bench) -> None:
+    async with aioduco.connect(bench.host, bench.port, on_cancel="pause") as robot:
+        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        with anyio.move_on_after(0.05):
+            await task
+        assert bench.commands == ["movej2", "pause"]
+        assert not bench.moving()
+        await task.resume()
+        assert await task is Outcome.FINISHED
+
+
+async def test_on_cancel_pause_stops_if_the_pause_is_refused(bench: Bench) -> None:
+    bench.motion_time = 30.0
+    bench.answer("pause", -1)
+    async with aioduco.connect(bench.host, bench.port, on_cancel="pause") as robot:
+        with anyio.move_on_after(0.05):
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        assert bench.commands == ["movej2", "pause", "stop"]
+        assert not bench.moving()
+
+
+async def test_on_cancel_detach_lets_the_arm_move_on(robot: aioduco.Robot, bench: Bench) -> None:
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start(on_cancel="detach")
+    with anyio.move_on_after(0.05):
+        await task
+    assert bench.moving()
+    assert await task is Outcome.FINISHED
+    assert bench.commands == ["movej2"]
+
+
+async def test_an_answer_that_is_lost_stops_the_arm(bench: Bench) -> None:
+    bench.motion_time = 30.0
+    async with (
+        FaultProxy(bench.host, bench.port) as proxy,
+        aioduco.connect(proxy.host, proxy.port, call_timeout=0.3) as robot,
+    ):
+        proxy.on("movej2", DropReply())
+        with pytest.raises(aioduco.OutcomeUnknown, match="movej2 was sent"):
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        assert bench.commands == ["movej2", "stop"]
+        assert not bench.moving()
+
+
+async def test_a_motion_that_is_served_after_the_stop_is_stopped_too(bench: Bench) -> None:
+    """Its answer was lost, the stop came first, and then the controller began to move."""
+    bench.motion_time = 30.0
+    start = bench._answers["movej2"]
+    async with aioduco.connect(bench.host, bench.port, call_timeout=0.2) as robot:
+        gate = bench.hold("movej2", start)
+        stop = bench._answers["stop"]
+
+        def stopped(block: bool) -> int:
+            gate.set()  # the motion is served only now
+            answer: int = stop(block)
+            return answer
+
+        bench.answer("stop", stopped)
+        with pytest.raises(aioduco.OutcomeUnknown):
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        assert len(bench.tasks) >= 2
+        assert not bench.moving()
+
+
+INTERRUPTED = """
+    import asyncio, sys
+    import aioduco
+
+    async def main():
+        async with aioduco.connect({host!r}, {port}) as robot:
+            motion = robot.motion.movej2([0, 0, 1.5, 0, -1.5, 0], v=1.0, a=1.0)
+            task = await motion.start()
+            print("moving", flush=True)
+            await task
+
+    asyncio.run(main())
+"""
+
+
+@pytest.mark.parametrize("interrupts", [1, 2, 3])
+def test_ctrl_c_however_often_leaves_a_standing_arm(
+    bench: Bench, tmp_path: Path, interrupts: int
+) -> None:
+    bench.motion_time, bench.braking_time = 30.0, 0.3
+    script = tmp_path / "program.py"
+    script.write_text(textwrap.dedent(INTERRUPTED.format(host=bench.host, port=bench.port)))
+    program = subprocess.Popen(
+        [sys.executable, str(script)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+    def asked() -> int:
+        return len(bench.received("robotmoving"))
+
+    def further(before: int) -> bool:
+        return asked() > before
+
+    try:
+        assert program.stdout is not None
+        assert program.stdout.readline() == "moving\n"
+        program.send_signal(signal.SIGINT)
+        eventually(lambda: bench.received("stop"))
+        for _ in range(interrupts - 1):
+            # The arm is braking, and the program waits to see it stand.
+            eventually(functools.partial(further, asked()))
+            program.send_signal(signal.SIGINT)
+        _, errors = program.communicate(timeout=30)
+    finally:
+        program.kill()
+        program.communicate()
+    assert "KeyboardInterrupt" in errors
+    assert "never awaited" not in errors
+    if interrupts < 3:
+        # It was seen to stand before the program ended.
+        assert not bench.moving()
+        assert bench.received("robotmoving")[-1].at >= bench._stopped_at + bench.braking_time
+    # The third breaks the event loop itself; the stop was accepted long before.
+    eventually(lambda: not bench.moving())

@@ -1,0 +1,214 @@
+"""Stop, pause, resume, abort: nothing is in their way."""
+
+from __future__ import annotations
+
+import signal
+import statistics
+import threading
+import time
+from typing import TYPE_CHECKING
+
+import anyio
+import pytest
+
+import aioduco
+from aioduco import Outcome
+from aioduco.testing import Cut, DropReply, FaultProxy, HalfOpen, Place, eventually_async
+from client.bench import HOME
+
+if TYPE_CHECKING:
+    from client.bench import Bench
+
+
+async def occupied(robot: aioduco.Robot, bench: Bench, tg: anyio.abc.TaskGroup) -> None:
+    """Every thread of the pool sits in a call that does not return."""
+    bench.hold("set_standard_digital_out")
+    pool = robot.statistics().lanes["call"]
+    for num in range(1, 7):
+        tg.start_soon(robot.io.set_standard_digital_out, num, True)
+    await eventually_async(lambda: len(bench.received("set_standard_digital_out")) == 4)
+    assert robot.statistics().lanes["call"].busy == 4
+    assert pool.busy == 0
+
+
+async def test_stop_waits_behind_nothing(bench: Bench) -> None:
+    bench.motion_time = 30.0
+    arrivals: list[float] = []
+    async with (
+        aioduco.connect(bench.host, bench.port, call_timeout=20.0) as robot,
+        anyio.create_task_group() as tg,
+    ):
+        await occupied(robot, bench, tg)
+        for _ in range(20):
+            task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+            before = time.monotonic()
+            await robot.stop()
+            arrivals.append(bench.received("stop")[-1].at - before)
+            assert task.outcome is Outcome.STOPPED
+        # All of them sat in the pool all the time.
+        assert robot.statistics().lanes["call"].busy == 4
+        assert robot.statistics().lanes["call"].waiting == 2
+        tg.cancel_scope.cancel()
+    assert statistics.median(arrivals) < 0.1
+
+
+async def test_stop_comes_back_when_the_arm_stands(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time, bench.braking_time = 30.0, 0.15
+    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    await robot.stop()
+    assert not bench.moving()
+    assert time.monotonic() - bench.received("stop")[0].at >= 0.15
+
+
+async def test_stop_now_from_another_thread_while_the_loop_hangs(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.motion_time = 30.0
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    thread = threading.Thread(target=robot.stop_now)
+    thread.start()
+    thread.join()  # the event loop cannot run meanwhile
+    assert bench.commands[-1] == "stop"
+    with pytest.raises(aioduco.TaskStopped):
+        await task
+
+
+async def test_stop_now_from_a_signal_handler(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time = 30.0
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    before = signal.signal(signal.SIGUSR1, lambda *_: robot.stop_now())
+    try:
+        signal.raise_signal(signal.SIGUSR1)
+    finally:
+        signal.signal(signal.SIGUSR1, before)
+    assert bench.commands[-1] == "stop"
+    with pytest.raises(aioduco.TaskStopped):
+        await task
+
+
+async def test_a_stop_is_repeated_over_fresh_connections(bench: Bench) -> None:
+    bench.motion_time = 30.0
+    async with (
+        FaultProxy(bench.host, bench.port) as proxy,
+        aioduco.connect(proxy.host, proxy.port) as robot,
+    ):
+        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        proxy.on("stop", DropReply())
+        proxy.on("stop", Cut(Place.IN_REQUEST))
+        await robot.stop()
+        assert task.outcome is Outcome.STOPPED
+        figures = robot.statistics()
+        assert figures.stop_attempts >= 2
+        assert figures.stops == 1
+    assert not bench.moving()
+
+
+async def test_a_stop_that_cannot_be_confirmed_says_so(bench: Bench) -> None:
+    bench.motion_time = 30.0
+    robot = aioduco.connect(bench.host, bench.port, stop_timeout=0.3)
+    await robot.open()
+    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    bench.answer("stop", -1)
+    with pytest.raises(aioduco.StopUnconfirmed, match="Press the emergency stop") as caught:
+        await robot.stop()
+    assert isinstance(caught.value.__cause__, aioduco.Refused)
+    with pytest.raises(aioduco.StopUnconfirmed, match="no stop was accepted"):
+        robot.stop_now(0.2)
+    # The way out tries once more, says the same, and closes everything all the same.
+    with pytest.raises(aioduco.StopUnconfirmed, match="no stop was accepted"):
+        await robot.aclose()
+    await eventually_async(lambda: bench.connections == 0)
+    assert len(bench.received("stop")) > 3
+
+
+async def test_an_arm_that_does_not_come_to_rest_is_said_to_move(bench: Bench) -> None:
+    bench.motion_time = 30.0
+    async with aioduco.connect(bench.host, bench.port, standstill_timeout=0.2) as robot:
+        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        bench.answer("robotmoving", True)
+        with pytest.raises(aioduco.StopUnconfirmed, match="the arm still moves"):
+            await robot.stop()
+        bench.answer("robotmoving", bench.moving)
+
+
+async def test_a_stop_during_the_start_of_a_motion_holds_for_it(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    """The stop is served first, the motion afterwards: it must not go on."""
+    bench.motion_time = 30.0
+    start = bench._answers["movej2"]
+    gate = bench.hold("movej2", start)
+    tasks: list[aioduco.Task] = []
+
+    async def go() -> None:
+        tasks.append(await robot.motion.movej2(HOME, v=1.0, a=1.0).start())
+
+    async with anyio.create_task_group() as tg:
+        tg.start_soon(go)
+        await eventually_async(lambda: bench.received("movej2"))
+        await robot.stop()
+        assert bench.commands == ["movej2", "stop"]
+        gate.set()
+    assert not bench.moving()
+    with pytest.raises(aioduco.TaskStopped):
+        await tasks[0]
+
+
+async def test_pause_waits_for_standstill_and_resume_goes_on(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    await eventually_async(bench.moving)
+    await robot.pause()
+    assert not bench.moving()
+    await robot.resume()
+    assert await task is Outcome.FINISHED
+
+
+async def test_abort_ends_the_motion_and_never_passes_for_blending(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.motion_time = 30.0
+
+    def abort(block: bool) -> int:
+        answer: int = bench._answers["stop"](block)
+        for task in bench.tasks.values():
+            if task.motion:
+                task.state = aioduco.TaskState.INTERRUPT
+        return answer
+
+    bench.answer("abort", abort)
+    first = await robot.motion.movej2(HOME, v=1.0, a=1.0, r=0.05).start()
+    second = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    await robot.abort()
+    for task in (first, second):
+        with pytest.raises(aioduco.TaskInterrupted):
+            await task
+
+
+@pytest.mark.parametrize("name", ["stop", "pause", "resume", "abort"])
+async def test_nothing_is_sent_before_opening_and_after_closing(bench: Bench, name: str) -> None:
+    robot = aioduco.connect(bench.host, bench.port)
+    with pytest.raises(aioduco.RobotStateError, match=f"{name} was not sent: the robot is not op"):
+        await getattr(robot, name)()
+    async with robot:
+        pass
+    with pytest.raises(aioduco.RobotStateError, match=f"{name} was not sent: the robot is closed"):
+        await getattr(robot, name)()
+    with pytest.raises(aioduco.RobotStateError, match="closed"):
+        await robot.motion.movej2(HOME, v=1.0, a=1.0)
+    assert bench.commands == []
+
+
+async def test_a_half_open_stop_connection_does_not_delay_the_stop_for_long(bench: Bench) -> None:
+    """A cable pulled on one connection only: the next one carries the stop."""
+    bench.motion_time = 30.0
+    async with (
+        FaultProxy(bench.host, bench.port) as proxy,
+        aioduco.connect(proxy.host, proxy.port) as robot,
+    ):
+        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        proxy.on("stop", HalfOpen())
+        await robot.stop()
+        assert robot.statistics().stop_attempts == 2
+    assert not bench.moving()

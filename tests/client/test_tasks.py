@@ -1,0 +1,186 @@
+"""Motions as values, their tasks, and how they end."""
+
+from __future__ import annotations
+
+import gc
+import warnings
+from typing import TYPE_CHECKING
+
+import pytest
+
+import aioduco
+from aioduco import Outcome, TaskState
+from client.bench import HOME, POSE
+
+if TYPE_CHECKING:
+    from client.bench import Bench
+
+
+async def test_a_motion_is_sent_when_awaited_and_followed_to_its_end(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    motion = robot.motion.movej2(HOME, v=1.0, a=2.0)
+    assert bench.commands == []
+    assert await motion is Outcome.FINISHED
+    (call,) = bench.received("movej2")
+    assert call.args[:5] == (HOME, 1.0, 2.0, 0.0, False)
+    (task,) = bench.tasks.values()
+    assert task.state is TaskState.FINISHED
+
+
+async def test_a_task_tells_its_states_and_times(robot: aioduco.Robot, bench: Bench) -> None:
+    task = await robot.motion.movel(POSE, v=0.1, a=0.1).start()
+    assert task.id in bench.tasks
+    assert task.name == "movel"
+    assert (task.done, task.outcome, robot.tasks) == (False, None, (task,))
+    with pytest.raises(aioduco.TaskError, match="has not ended yet"):
+        task.result()
+    states = [state async for state in task]
+    assert states == [TaskState.IDLE, TaskState.RUNNING, TaskState.FINISHED]
+    assert await task is Outcome.FINISHED
+    assert task.result() is Outcome.FINISHED
+    assert not robot.tasks
+    assert task.started_at is not None
+    assert task.ended_at is not None
+    assert task.accepted_at <= task.started_at < task.ended_at
+    assert task.duration == task.ended_at - task.started_at
+    assert repr(task) == f"<Task {task.id} movel FINISHED finished>"
+    # Once done, it can be awaited again, and its states are all there.
+    assert await task is Outcome.FINISHED
+    assert [state async for state in task] == states
+
+
+@pytest.mark.parametrize(
+    ("end", "error", "words"),
+    [
+        (TaskState.ERROR, aioduco.TaskFailed, "ended with an error.*Joint 4 检测到碰撞"),
+        (TaskState.ILLEGAL, aioduco.TaskIllegal, "not allowed.*Joint 4"),
+        (TaskState.PARAMETER_MISMATCH, aioduco.TaskParameterMismatch, "parameter.*Joint 4"),
+        (TaskState.INTERRUPT, aioduco.TaskInterrupted, "interrupted before its end"),
+        (TaskState.STOPPED, aioduco.TaskStopped, "was stopped"),
+        (TaskState(42), aioduco.TaskUnknown, "lost sight of"),
+    ],
+)
+async def test_each_bad_end_is_a_typed_error(
+    robot: aioduco.Robot,
+    bench: Bench,
+    end: TaskState,
+    error: type[aioduco.TaskError],
+    words: str,
+) -> None:
+    bench.ends = end
+    bench.motion_time = 0.02
+    bench.errors = ["Joint 4 检测到碰撞"]
+    with pytest.raises(error, match=words) as caught:
+        await robot.motion.movej2(HOME, v=1.0, a=1.0)
+    assert type(caught.value) is error
+    assert caught.value.name == "movej2"
+    assert caught.value.task_id in bench.tasks
+
+
+async def test_a_motion_that_the_controller_refuses(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.answer("movel", -1)
+    with pytest.raises(aioduco.Refused, match=r"refused movel \(answer -1\)"):
+        await robot.motion.movel(POSE, v=0.1, a=0.1)
+    assert not robot.tasks
+
+
+async def test_a_motion_may_be_used_again(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time = 0.02
+    motion = robot.motion.movej2(HOME, v=1.0, a=1.0)
+    await motion
+    await motion
+    assert len(bench.received("movej2")) == 2
+
+
+async def test_a_motion_that_is_never_awaited_warns(robot: aioduco.Robot, bench: Bench) -> None:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        robot.motion.movej2(HOME, v=1.0, a=1.0)
+        gc.collect()
+    (warning,) = caught
+    assert issubclass(warning.category, RuntimeWarning)
+    assert "movej2([0, 0, 1.5, 0, -1.5, 0], 1, 1, 0, False" in str(warning.message)
+    assert "never awaited or started: the arm did not move" in str(warning.message)
+    assert bench.commands == []
+
+
+async def test_a_motion_tied_to_a_block_has_ended_after_it(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    async with robot.motion.movej2(HOME, v=1.0, a=1.0) as task:
+        assert not task.done
+    assert task.outcome is Outcome.FINISHED
+    assert "stop" not in bench.commands
+
+
+async def test_a_motion_tied_to_a_block_that_raises_is_stopped(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.motion_time = 30.0
+    with pytest.raises(ZeroDivisionError):
+        async with robot.motion.movej2(HOME, v=1.0, a=1.0) as task:
+            _ = 1 / 0
+    assert task.outcome is Outcome.STOPPED
+    assert not bench.moving()
+
+
+async def test_a_motion_is_tied_to_one_block_at_a_time(robot: aioduco.Robot) -> None:
+    motion = robot.motion.movej2(HOME, v=1.0, a=1.0)
+    async with motion:
+        with pytest.raises(RuntimeError, match="tied to a block already"):
+            await motion.__aenter__()
+
+
+async def test_cancel_stops_and_tells_the_outcome(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time = 30.0
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    assert await task.cancel() is Outcome.STOPPED
+    assert not bench.moving()
+    with pytest.raises(aioduco.TaskStopped):
+        await task
+    stops = bench.commands.count("stop")
+    assert await task.cancel() is Outcome.STOPPED  # nothing is left to stop
+    assert bench.commands.count("stop") == stops
+
+
+async def test_pause_and_resume(robot: aioduco.Robot, bench: Bench) -> None:
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    states = aiter(task)
+    assert [await anext(states), await anext(states)] == [TaskState.IDLE, TaskState.RUNNING]
+    await task.pause()
+    assert await anext(states) is TaskState.PAUSED
+    assert not bench.moving()
+    await task.resume()
+    assert await task is Outcome.FINISHED
+    assert [state async for state in states] == [TaskState.RUNNING, TaskState.FINISHED]
+
+
+async def test_a_deadline_stops_the_arm(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time = 30.0
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start(deadline=0.05)
+    with pytest.raises(aioduco.TaskOverdue, match="did not end by its deadline") as caught:
+        await task
+    assert isinstance(caught.value, TimeoutError)
+    assert not bench.moving()
+
+
+async def test_motions_reach_the_controller_in_the_order_of_their_starts(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.motion_time = 0.01
+    tasks = [await robot.motion.movej2([i / 10] * 6, v=1.0, a=1.0).start() for i in range(8)]
+    for task in tasks:
+        await task
+    assert [call.args[0][0] for call in bench.received("movej2")] == [i / 10 for i in range(8)]
+
+
+async def test_functions_of_the_system_end_before_they_return(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    await robot.system.power_off()
+    assert bench.states[0] == 4
+    await robot.system.power_on()
+    await robot.system.enable()
+    assert (await robot.state.get_robot_state()).robot is aioduco.RobotState.ENABLE
+    assert bench.received("power_on")[0].args == (False,)
