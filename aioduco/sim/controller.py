@@ -11,6 +11,7 @@ Invariants:
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
@@ -38,12 +39,15 @@ if TYPE_CHECKING:
 
 #: joint speed above which an arm counts as moving [rad/s]
 _STANDSTILL = 2e-3
+#: time below it that counts as standing: a joint that swings is slow at its turning points [s]
+_REST = 0.02
 #: time after the set-points stand, after which an arm counts as standing in any case [s]
 _PATIENCE = 0.5
 #: distance of a joint from its set-point that trips the position deviation stop [rad]
 _DEVIATION = 0.2
 #: from the end of the shutdown task to the end of the network, for its answer to leave [s]
 _LAST_ANSWERS = 0.2
+_POWERED = (RobotState.DISABLE, RobotState.ENABLE)
 _ZEROS = np.zeros(6)
 _ZEROS.flags.writeable = False
 
@@ -123,8 +127,9 @@ class Controller:
         self._fault: SafetyState | None = None
         self._emergency_stop = False
         self._collision_axis = 0
-        self._standing = True
+        self._at_rest = True
         self._commanded_rest = 0.0
+        self._last_motion = -math.inf
         self._halt_at: float | None = None
         self._errors: deque[str] = deque(maxlen=20)
         self._speed = 100
@@ -159,6 +164,11 @@ class Controller:
                 return ProgramState.TASK_RUNNING if manual else ProgramState.RUNNING
 
     @property
+    def moving(self) -> bool:
+        """Whether the arm moves, or is to move in the next cycle."""
+        return self._motion.moving or not self._at_rest
+
+    @property
     def starting(self) -> bool:
         """Whether the controller is starting again, and serves nobody."""
         return self._power.state in (RobotState.START, RobotState.INITIALIZE)
@@ -170,7 +180,7 @@ class Controller:
             self._motion.phase not in (Phase.IDLE, Phase.PAUSED)
             or self._power.busy
             or self._halt_at is not None
-            or not self._standing
+            or self.moving
         )
 
     def view(self) -> View:
@@ -180,7 +190,7 @@ class Controller:
             self.program,
             self.safety,
             self.mode,
-            not self._standing,
+            self.moving,
             self._emergency_stop,
             self._collision_axis,
             int(self._fault is not None),
@@ -306,21 +316,22 @@ class Controller:
         self._sensed = sensed
         if self.heartbeat.lost(sensed.now):
             self._lose_heartbeat()
-        at_rest = self._is_at_rest(sensed)
-        standing = self._standing = not self._motion.moving and at_rest
-        if self._fault is SafetyState.STOP1 and standing:
+        self._at_rest = self._is_at_rest(sensed)
+        before = self._power.state
+        if self._fault is SafetyState.STOP1 and not self.moving and before in _POWERED:
             self._cut("power cut after the stop")
         if self._halt_at is not None and sensed.time >= self._halt_at:
             self.halted = True
         safe = self._fault is None and not self._emergency_stop
-        for event, name in self._power.tick(sensed.time, safe=safe, standing=standing):
+        for event, name in self._power.tick(sensed.time, safe=safe, standing=not self.moving):
             if event == "begun":
                 self._power_begun(name)
             else:
                 self._power_ended(name)
+        self._power_went(before, self._power.state)
         if self._power.state is not RobotState.ENABLE:
             return Drive(SetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
-        setpoint = self._motion.tick(at_rest=at_rest)
+        setpoint = self._motion.tick(at_rest=self._at_rest)
         self._collect_failures()
         deviation = np.abs(setpoint.q - sensed.q)
         if deviation.max() > _DEVIATION:
@@ -333,7 +344,9 @@ class Controller:
         """Whether the arm stands, or will not stand more than it does, as one that trembles."""
         if self._motion.moving:
             self._commanded_rest = sensed.time
-        if float(np.abs(sensed.qd).max()) <= _STANDSTILL:
+        if float(np.abs(sensed.qd).max()) > _STANDSTILL:
+            self._last_motion = sensed.time
+        if sensed.time - self._last_motion >= _REST:
             return True
         return sensed.time - self._commanded_rest > _PATIENCE
 
@@ -342,14 +355,16 @@ class Controller:
             self._motion.stop(TaskState.STOPPED, f"stopped by {name}")
 
     def _power_ended(self, name: str) -> None:
-        if name == "enable":
-            self._motion.reset(self._sensed.q)
-        elif name == "power_on":
-            self._errors.clear()
-        elif name in ("power_off", "shutdown", "restart"):
+        if name in ("power_off", "shutdown", "restart"):
             self._clear_fault()
             if name == "shutdown":
                 self._halt_at = self._sensed.time + _LAST_ANSWERS
+
+    def _power_went(self, before: RobotState, now: RobotState) -> None:
+        if now is RobotState.ENABLE and before is not RobotState.ENABLE:
+            self._motion.reset(self._sensed.q)
+        if now in _POWERED and before not in _POWERED:
+            self._errors.clear()
 
     def _clear_fault(self) -> None:
         self._collision_axis = 0

@@ -76,9 +76,11 @@ def mjcf(arm: Arm, timestep: float) -> str:
             quat=_text(quaternion_from_matrix(link.rotation)),
         )  # fmt: skip
         effort = arm.effort[i - 1]
+        # MuJoCo's friction gives way a little; by default a braked arm would sink 1°/s.
         ET.SubElement(
             parent, "joint", name=f"joint{i}", type="hinge", axis="0 0 1",
             range=_text((arm.lower[i - 1], arm.upper[i - 1])), armature=f"{ROTOR * effort:.9g}",
+            solimpfriction="0.9999 0.9999 0.001 0.5 2",
         )  # fmt: skip
         _solid(parent, link, f"link{i}")
         # Gains that a drive of this size can hold at this frequency, its rotor being the least

@@ -99,15 +99,19 @@ class Motion:
         if self._phase is Phase.IDLE:
             self._phase = Phase.RUNNING
 
-        def still_wanted(start: Vector) -> Segment:
+        def checked(start: Vector) -> Segment:
+            # Here and not by the mover's event: it may plan the next motion before it tells.
             if id_ not in self._queue:
                 raise PlanError("parameter", "the motion before it failed")
-            return plan(start)
+            try:
+                return plan(start)
+            except PlanError as exc:
+                self._fail(id_, exc)
+                raise
 
         try:
-            self._mover.append(id_, still_wanted)
-        except PlanError as exc:
-            self._fail(id_, exc)
+            self._mover.append(id_, checked)
+        except PlanError:
             self._settle()
 
     def stop(self, state: TaskState, message: str, control: int | None = None) -> None:
@@ -163,13 +167,13 @@ class Motion:
         """
         self._at_rest = at_rest
         tick = self._mover.tick()
-        for key, event, message in tick.events:
-            self._note(key, event, message)
+        for key, event, _ in tick.events:
+            self._note(key, event)
         if self._phase is not Phase.IDLE or self._waiting_for_rest:
             self._settle()
         return tick.setpoint
 
-    def _note(self, id_: int, event: str, message: str) -> None:
+    def _note(self, id_: int, event: str) -> None:
         if id_ not in self._queue:
             return  # ended before the mover came to tell
         if event == "started":
@@ -178,9 +182,7 @@ class Motion:
             self._end(id_, TaskState.FINISHED)
         elif event == "blended":
             self._end(id_, TaskState.INTERRUPT, "blended into the next motion")
-        elif event == "failed":
-            self._fail(id_, PlanError("unreachable", message))
-        # "stopped" is told when the set-points stand, see _settle
+        # "stopped" is told when the arm stands, see `_settle`; "failed" was told by the plan.
 
     def _settle(self) -> None:
         """Draw the conclusions of the arm standing, when it does."""

@@ -40,7 +40,9 @@ CHANGES = {
     "power_on": Change(
         frozenset({_OFF}), frozenset({_DISABLED, _ENABLED}), ((0.5, _DISABLED),), safe=True
     ),
-    "enable": Change(frozenset({_DISABLED}), frozenset({_ENABLED}), ((0.3, _ENABLED),), safe=True),
+    "enable": Change(
+        frozenset({_DISABLED}), frozenset({_ENABLED}), ((0.3, _ENABLED),), safe=True, stands=True
+    ),
     "disable": Change(
         frozenset({_ENABLED}), frozenset({_DISABLED}), ((0.1, _DISABLED),), stands=True
     ),
@@ -90,7 +92,7 @@ class Power:
         return id_
 
     def tick(self, time: float, *, safe: bool, standing: bool) -> list[Event]:
-        """Go on with the changes; what began and what ended.
+        """Go on with the change under way, or begin the next; what began and what ended.
 
         Args:
             time: simulated time [s].
@@ -106,15 +108,19 @@ class Power:
                 events.append(("begun", name))
                 if CHANGES[name].stands:
                     break  # let the controller stop the arm before it is asked whether it stands
-            if not self._go_on(time, standing):
-                break
-            events.append(("ended", self._end()))
+            if self._go_on(time, standing):
+                events.append(("ended", self._end()))
+            break  # an end has effects on what the next change needs
         return events
 
     def drop_waiting(self, state: TaskState, message: str) -> None:
-        """End the changes that have not begun."""
-        while self._waiting:
-            self._tasks.set(self._waiting.popleft()[0], state, message)
+        """End the changes towards power that have not begun; those away from it stay."""
+        waiting, self._waiting = self._waiting, deque()
+        for id_, name in waiting:
+            if CHANGES[name].safe:
+                self._tasks.set(id_, state, message)
+            else:
+                self._waiting.append((id_, name))
 
     def cut(self, message: str) -> None:
         """The drives lose their power at once; a change that was to end with power fails."""
@@ -142,10 +148,12 @@ class Power:
 
     def _go_on(self, time: float, standing: bool) -> bool:
         """Take the steps that are due; whether none is left."""
+        assert self._current is not None
+        change = CHANGES[self._current[1]]
         while self._steps:
             duration, state = self._steps[0]
             if self._due is None:
-                if not standing:
+                if not standing and change.stands:
                     return False
                 self._due = time + duration
             # A cycle early rather than one late, whatever the rounding of a sum of cycles.

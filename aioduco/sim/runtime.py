@@ -16,8 +16,6 @@ import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-
 from aioduco.sim.clock import LoopStatistics, LoopTimes, Pace
 from aioduco.sim.controller import Controller, Drive, Sensed, View
 from aioduco.sim.planner.mover import SetPoint
@@ -26,6 +24,7 @@ from aioduco.sim.refusal import Refusal
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from aioduco.models.enums import TaskState
@@ -41,12 +40,23 @@ _SETTLING = 0.3
 
 
 class Plant(Protocol):
-    """The physics, as far as the runtime needs them."""
+    """The physics, as far as the runtime needs them. Each array is a new one."""
 
-    q: Vector
-    qd: Vector
-    qdd: Vector
-    torque: Vector
+    @property
+    def q(self) -> Vector:
+        """Joints [rad]. Shape (6,)."""
+
+    @property
+    def qd(self) -> Vector:
+        """Joint speeds [rad/s]. Shape (6,)."""
+
+    @property
+    def qdd(self) -> Vector:
+        """Joint accelerations [rad/s²]. Shape (6,)."""
+
+    @property
+    def torque(self) -> Vector:
+        """Joint torques [N m]. Shape (6,)."""
 
     def step(self, setpoint: SetPoint) -> None:
         """Go on by one cycle."""
@@ -114,11 +124,11 @@ class Runtime:
         self._network: bool | None = True
         self._count = 0
         self._quiet = 0
-        self._drive = Drive(
-            SetPoint(plant.q.copy(), np.zeros(6), np.zeros(6)),
-            brake=True,
+        q = plant.q
+        self._drive = Drive(SetPoint.at_rest(q), brake=True)
+        self._snapshot = Snapshot(
+            0.0, q, plant.qd, plant.qdd, plant.torque, self._drive.setpoint, controller.view()
         )
-        self._snapshot = self._look()
 
     # -- for handlers and tests, from any thread -----------------------------------------------
 
@@ -264,12 +274,12 @@ class Runtime:
 
     def _tick(self) -> None:
         plant = self._plant
-        sensed = Sensed(
-            self._count * self._cycle, time.monotonic(), plant.q.copy(), plant.qd.copy()
-        )
+        q, qd, qdd, torque = plant.q, plant.qd, plant.qdd, plant.torque
+        at = self._count * self._cycle
         with self._lock:
-            self._drive = self._controller.tick(sensed)
-            self._snapshot = self._look()
+            self._drive = self._controller.tick(Sensed(at, time.monotonic(), q, qd))
+            view = self._controller.view()
+            self._snapshot = Snapshot(at, q, qd, qdd, torque, self._drive.setpoint, view)
             released = self._take_ended()
             network = None if self._controller.halted else not self._controller.starting
         for event in released:
@@ -280,18 +290,6 @@ class Runtime:
         if network is not self._network:
             self._network = network
             self._on_network(network)
-
-    def _look(self) -> Snapshot:
-        plant = self._plant
-        return Snapshot(
-            self._count * self._cycle,
-            plant.q.copy(),
-            plant.qd.copy(),
-            plant.qdd.copy(),
-            plant.torque.copy(),
-            self._drive.setpoint,
-            self._controller.view(),
-        )
 
     def _take_ended(self) -> list[threading.Event]:
         """Those who wait for the tasks that ended. Under the lock."""

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from aioduco.sim.clock import LoopStatistics
     from aioduco.sim.controller import View
     from aioduco.sim.process import SimulatorProcess
+    from aioduco.sim.tasks import Task
 
 #: time of one controller cycle [s]
 CYCLE = 0.001
@@ -216,6 +217,11 @@ class Simulator:
     def halted(self) -> bool:
         """Whether a client has shut the controller down."""
         return self._halted.is_set()
+
+    @property
+    def tasks(self) -> tuple[Task, ...]:
+        """The tasks that have not ended, oldest first."""
+        return self._machine().tasks.unfinished()
 
     def get_digital_output(self, num: int) -> bool:
         """A general output of the cabinet, 1 to 16."""

@@ -1,0 +1,177 @@
+"""A mover and an arm that are simple enough to be predicted by hand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aioduco.sim.controller import Controller, Drive, Sensed
+from aioduco.sim.planner.errors import PlanError
+from aioduco.sim.planner.mover import SetPoint
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+Vector = NDArray[np.float64]
+HOME = np.zeros(6)
+CYCLE = 0.001
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A motion at constant speed: so many cycles, then so many to stop or pause it."""
+
+    target: Vector
+    cycles: int
+    blends: bool = False
+
+
+def leg(joint: float, cycles: int = 10, *, blends: bool = False) -> Callable[[Vector], Any]:
+    """A plan: all joints to one angle."""
+    return lambda _start: Leg(np.full(6, joint), cycles, blends)
+
+
+def impossible(code: Any = "unreachable") -> Callable[[Vector], Any]:
+    def plan(_start: Vector) -> Leg:
+        raise PlanError(code, "out of reach")
+
+    return plan
+
+
+class FakeMover:
+    """Moves at constant speed; takes `BRAKING` cycles to stand."""
+
+    BRAKING = 3
+    latest: ClassVar[FakeMover | None] = None
+
+    def __init__(self, q: Vector) -> None:
+        FakeMover.latest = self
+        self.setpoint = SetPoint.at_rest(np.array(q))
+        self.fraction = 1.0
+        self.paused = False
+        self._queue: list[tuple[int, Callable[[Vector], Any]]] = []
+        self._active: tuple[int, Leg] | None = None
+        self._left = 0
+        self._braking = 0
+        self._then = ""
+
+    @property
+    def moving(self) -> bool:
+        waiting = bool(self._queue) and not self.paused
+        return waiting or self._braking > 0 or (self._active is not None and not self.paused)
+
+    def append(self, key: int, plan: Callable[[Vector], Any]) -> None:
+        if self._active is None and not self._queue:
+            made = plan(self.setpoint.q)
+            self._queue.append((key, lambda _q: made))
+        else:
+            self._queue.append((key, plan))
+
+    def tick(self) -> Any:
+        events: list[tuple[int, str, str]] = []
+        if self._braking:
+            self._braking -= 1
+            if not self._braking and self._then == "stop":
+                if self._active is not None:
+                    events.append((self._active[0], "stopped", ""))
+                self._active, self._queue = None, []
+            return _Tick(self.setpoint, tuple(events))
+        if self.paused:
+            return _Tick(self.setpoint, ())
+        while self._active is None and self._queue:
+            key, plan = self._queue.pop(0)
+            try:
+                planned = plan(self.setpoint.q)
+            except PlanError as exc:
+                events.append((key, "failed", str(exc)))
+                continue
+            self._active, self._left = (key, planned), planned.cycles
+            events.append((key, "started", ""))
+        if self._active is not None:
+            key, planned = self._active
+            q = self.setpoint.q + (planned.target - self.setpoint.q) / self._left
+            self.setpoint = SetPoint.at_rest(q)
+            self._left -= 1
+            if not self._left:
+                events.append(
+                    (key, "blended" if planned.blends and self._queue else "finished", "")
+                )
+                self._active = None
+        return _Tick(self.setpoint, tuple(events))
+
+    def pause(self) -> None:
+        self._brake("pause")
+        self.paused = True
+
+    def resume(self) -> None:
+        self.paused = False
+        self._braking = 0
+
+    def stop(self) -> None:
+        if self.paused and not self._braking:
+            self._active, self._queue = None, []
+        self.paused = False
+        if self._active is None:
+            self._queue = []
+        else:
+            self._brake("stop")
+
+    def set_speed(self, fraction: float) -> None:
+        self.fraction = fraction
+
+    def _brake(self, then: str) -> None:
+        self._then = then
+        self._braking = self.BRAKING
+
+
+@dataclass(frozen=True)
+class _Tick:
+    setpoint: SetPoint
+    events: tuple[tuple[int, str, str], ...]
+
+
+class Bench:
+    """A controller with an arm that follows its set-points at once, cycle by cycle."""
+
+    def __init__(self) -> None:
+        self.controller = Controller(FakeMover, HOME)  # type: ignore[arg-type]  # a stand-in
+        self.q = HOME.copy()
+        self.cycle = 0
+        self.drive: Drive | None = None
+
+    @property
+    def time(self) -> float:
+        return self.cycle * CYCLE
+
+    @property
+    def state(self) -> list[int]:
+        view = self.controller.view()
+        return [int(view.robot), int(view.program), int(view.safety), int(view.mode)]
+
+    def tick(self, cycles: int = 1) -> None:
+        for _ in range(cycles):
+            self.cycle += 1
+            drive = self.controller.tick(Sensed(self.time, self.time, self.q, np.zeros(6)))
+            if not drive.brake:
+                self.q = drive.setpoint.q
+            self.drive = drive
+
+    def until(self, done: Callable[[], bool], cycles: int = 5000) -> None:
+        for _ in range(cycles):
+            if done():
+                return
+            self.tick()
+        raise AssertionError(f"not within {cycles} cycles")
+
+    def ended(self, id_: int) -> int:
+        """Run until a task has ended; its state."""
+        self.until(lambda: self.controller.tasks.state(id_).ended)
+        return int(self.controller.tasks.state(id_))
+
+    def enabled(self) -> Bench:
+        assert self.ended(self.controller.change_power("power_on")) == 4
+        assert self.ended(self.controller.change_power("enable")) == 4
+        return self

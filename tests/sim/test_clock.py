@@ -1,0 +1,65 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from aioduco.sim.clock import LoopTimes, Pace
+
+
+def test_cycles_are_due_on_an_absolute_schedule() -> None:
+    pace = Pace(0.001, 1.0)
+    pace.begin(100.0)
+    # Each cycle is 0.3 ms late; the next one is due as if it had not been.
+    for n in range(1, 50):
+        delay = pace.delay(100.0 + (n - 1) * 0.001 + 0.0003)
+        assert delay == pytest.approx(0.0007)
+        pace.ran()
+
+
+@given(speed=st.floats(0.01, 1000.0))
+def test_speed_divides_the_period(speed: float) -> None:
+    pace = Pace(0.001, speed)
+    pace.begin(0.0)
+    assert pace.delay(0.0) == pytest.approx(0.001 / speed)
+
+
+def test_as_fast_as_possible_never_waits_but_idles_in_real_time() -> None:
+    pace = Pace(0.001, math.inf)
+    pace.begin(0.0)
+    assert pace.delay(0.0) == 0.0
+    pace.begin(0.0, idle=True)
+    assert pace.due(0.0205) == 20
+    pace.ran(20)
+    assert pace.due(0.0205) == 0
+
+
+def test_what_cannot_be_caught_up_is_given_up_and_counted() -> None:
+    pace = Pace(0.001, 1.0)
+    pace.begin(0.0)
+    assert pace.delay(0.05) < 0.0
+    assert pace.slipped == 0.0
+    assert pace.delay(1.0) == 0.0
+    assert pace.slipped == pytest.approx(0.999)
+    pace.ran()
+    assert pace.delay(1.0) == pytest.approx(0.001)
+
+
+@pytest.mark.parametrize("speed", [0.0, -1.0, math.nan])
+def test_a_speed_is_above_zero(speed: float) -> None:
+    with pytest.raises(ValueError, match="above 0"):
+        Pace(0.001, speed)
+
+
+def test_statistics_of_no_cycle_are_zero_and_of_a_thousand_are_percentiles() -> None:
+    times = LoopTimes()
+    assert times.statistics(0.0)[2:] == (0.0,) * 6
+    for n in range(1000):
+        times.add(n / 1000, n / 100)
+    found = times.statistics(0.5)
+    assert found.cycles == 1000
+    assert found.slipped == 0.5
+    assert (found.late_p50, found.late_p99, found.late_max) == (0.5, 0.99, 0.999)
+    assert (found.work_p50, found.work_p99, found.work_max) == (5.0, 9.9, 9.99)

@@ -1,0 +1,434 @@
+"""What the controller answers to commands, cycle by cycle, without a clock."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from aioduco.models.enums import OperationMode, SafetyState, TaskState
+from aioduco.sim.motion import CAPACITY
+
+from .fakes import Bench, FakeMover, impossible, leg
+
+
+@pytest.fixture
+def bench() -> Bench:
+    return Bench()
+
+
+@pytest.fixture
+def ready() -> Bench:
+    return Bench().enabled()
+
+
+def state(bench: Bench, id_: int) -> TaskState:
+    return bench.controller.tasks.state(id_)
+
+
+# -- power ---------------------------------------------------------------------------------------
+
+
+def test_power_on_and_enable_go_through_the_states_of_the_manual(bench: Bench) -> None:
+    seen = [bench.state]
+    for name in ("power_on", "enable"):
+        id_ = bench.controller.change_power(name)
+        assert bench.ended(id_) == 4
+        seen.append(bench.state)
+    assert seen == [[4, 0, 4, 1], [5, 0, 5, 1], [6, 0, 5, 1]]
+
+
+def test_changes_wait_for_each_other(bench: Bench) -> None:
+    ids = [bench.controller.change_power(name) for name in ("power_on", "enable", "disable")]
+    assert [bench.ended(id_) for id_ in ids] == [4, 4, 4]
+    assert bench.state == [5, 0, 5, 1]
+
+
+def test_what_is_done_already_is_finished_at_once(ready: Bench) -> None:
+    begin = ready.cycle
+    for name in ("power_on", "enable"):
+        assert ready.ended(ready.controller.change_power(name)) == 4
+    assert ready.cycle - begin < 5
+    assert ready.state == [6, 0, 5, 1]
+
+
+@pytest.mark.parametrize("name", ["enable", "disable"])
+def test_without_power_there_is_nothing_to_enable(bench: Bench, name: str) -> None:
+    assert bench.ended(bench.controller.change_power(name)) == 7
+
+
+def test_the_brakes_are_on_until_the_robot_is_enabled(bench: Bench) -> None:
+    bench.controller.change_power("power_on")
+    id_ = bench.controller.change_power("enable")
+    brakes = []
+
+    def note() -> bool:
+        brakes.append(bench.drive is None or bench.drive.brake)
+        return state(bench, id_).ended
+
+    bench.until(note)
+    assert all(brakes[:-1])
+    bench.tick()
+    assert bench.drive is not None
+    assert not bench.drive.brake
+
+
+def test_disable_stops_what_moves_before_the_brakes_fall(ready: Bench) -> None:
+    move = ready.controller.move("movej2", leg(1.0, 1000))
+    ready.tick(100)
+    disable = ready.controller.change_power("disable")
+    ready.until(lambda: state(ready, move).ended)
+    assert state(ready, move) is TaskState.STOPPED
+    assert ready.state[0] == 6
+    assert ready.ended(disable) == 4
+    assert ready.state == [5, 0, 5, 1]
+    assert ready.drive is not None
+    assert ready.drive.brake
+
+
+def test_shutdown_halts_after_its_task_has_ended(ready: Bench) -> None:
+    assert ready.ended(ready.controller.change_power("shutdown")) == 4
+    assert not ready.controller.halted
+    ready.until(lambda: ready.controller.halted)
+    assert ready.state[0] == 4
+
+
+def test_restart_starts_and_initialises_and_ends_without_power(ready: Bench) -> None:
+    id_ = ready.controller.change_power("restart")
+    seen: list[int] = []
+
+    def note() -> bool:
+        if ready.state[0] not in seen:
+            seen.append(ready.state[0])
+        assert ready.controller.starting == (ready.state[0] in (0, 1))
+        return state(ready, id_).ended
+
+    ready.until(note)
+    assert seen == [6, 4, 0, 1]
+    assert ready.state == [4, 0, 4, 1]
+
+
+# -- motions -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("power", [[], ["power_on"], ["power_on", "enable", "disable"]])
+def test_a_motion_of_a_robot_that_is_not_enabled_is_illegal(bench: Bench, power: list[str]) -> None:
+    for name in power:
+        assert bench.ended(bench.controller.change_power(name)) == 4
+    id_ = bench.controller.move("movej2", leg(1.0))
+    assert state(bench, id_) is TaskState.ILLEGAL
+    assert "not enabled" in bench.controller.view().errors[-1]
+
+
+def test_motions_run_one_after_the_other(ready: Bench) -> None:
+    first = ready.controller.move("movej2", leg(1.0))
+    second = ready.controller.move("movej2", leg(2.0))
+    ready.tick(5)
+    assert (state(ready, first), state(ready, second)) == (TaskState.RUNNING, TaskState.IDLE)
+    assert ready.state == [6, 2, 5, 1]
+    assert ready.ended(first) == 4
+    assert ready.q[0] == pytest.approx(1.0)
+    assert ready.ended(second) == 4
+    assert ready.q[0] == pytest.approx(2.0)
+    assert ready.state == [6, 0, 5, 1]
+
+
+def test_a_motion_that_blends_into_the_next_is_interrupted(ready: Bench) -> None:
+    first = ready.controller.move("movel", leg(1.0, blends=True))
+    second = ready.controller.move("movel", leg(2.0, blends=True))
+    assert (ready.ended(first), ready.ended(second)) == (5, 4)
+
+
+@pytest.mark.parametrize(
+    ("code", "ends"),
+    [("unreachable", 6), ("singular", 6), ("limits", 6), ("parameter", 8)],
+)
+def test_a_motion_that_cannot_be_planned_says_why(ready: Bench, code: str, ends: int) -> None:
+    id_ = ready.controller.move("movel", impossible(code))
+    assert int(state(ready, id_)) == ends
+    assert ready.controller.view().errors[-1] == "out of reach"
+    ready.tick()
+    assert ready.state == [6, 0, 5, 1]
+
+
+def test_motions_behind_one_that_cannot_be_planned_are_dropped(ready: Bench) -> None:
+    runs = ready.controller.move("movej2", leg(1.0, 50))
+    fails = ready.controller.move("movel", impossible())
+    behind = [ready.controller.move("movej2", leg(3.0)) for _ in range(2)]
+    assert ready.ended(runs) == 4
+    assert ready.ended(fails) == 6
+    assert [int(state(ready, id_)) for id_ in behind] == [5, 5]
+    ready.tick(100)
+    assert ready.q[0] == pytest.approx(1.0)
+    assert ready.ended(ready.controller.move("movej2", leg(2.0))) == 4
+
+
+def test_a_full_queue_takes_no_more(ready: Bench) -> None:
+    ids = [ready.controller.move("movej2", leg(1.0, 1000)) for _ in range(CAPACITY + 1)]
+    assert state(ready, ids[-2]) is TaskState.IDLE
+    assert state(ready, ids[-1]) is TaskState.ILLEGAL
+
+
+# -- stop, abort, pause, resume ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_stop_ends_all_motions_when_the_arm_stands(ready: Bench, count: int) -> None:
+    ids = [ready.controller.move("movej2", leg(1.0, 1000)) for _ in range(count)]
+    ready.tick(10)
+    stop = ready.controller.stop()
+    assert ready.state == [6, 1, 5, 1]
+    assert state(ready, stop) is TaskState.RUNNING
+    assert not any(state(ready, id_).ended for id_ in ids)
+    assert ready.ended(stop) == 4
+    assert [state(ready, id_) for id_ in ids] == [TaskState.STOPPED] * count
+    assert ready.state == [6, 0, 5, 1]
+
+
+def test_abort_interrupts_the_motions(ready: Bench) -> None:
+    ids = [ready.controller.move("movej2", leg(1.0, 1000)) for _ in range(2)]
+    ready.tick(10)
+    assert ready.ended(ready.controller.abort()) == 4
+    assert [state(ready, id_) for id_ in ids] == [TaskState.INTERRUPT] * 2
+
+
+def test_stop_is_accepted_in_every_state(bench: Bench) -> None:
+    def stops() -> None:
+        assert bench.ended(bench.controller.stop()) == 4
+
+    stops()
+    bench.controller.press_emergency_stop()
+    stops()
+    bench.controller.release_emergency_stop()
+    bench.controller.change_power("power_off")
+    for name in ("power_on", "enable"):
+        id_ = bench.controller.change_power(name)
+        bench.tick(10)
+        stops()
+        assert bench.ended(id_) == 4
+    stops()
+    bench.controller.move("movej2", leg(1.0, 100))
+    bench.controller.pause()
+    stops()
+    bench.controller.collide(1)
+    stops()
+
+
+def test_stop_drops_the_changes_of_power_that_wait(bench: Bench) -> None:
+    on, enable = (bench.controller.change_power(name) for name in ("power_on", "enable"))
+    bench.tick()
+    bench.controller.stop()
+    assert state(bench, enable) is TaskState.STOPPED
+    assert bench.ended(on) == 4
+    assert bench.state[0] == 5
+
+
+def test_no_motion_is_taken_while_the_arm_is_stopping(ready: Bench) -> None:
+    ready.controller.move("movej2", leg(1.0, 1000))
+    ready.tick(10)
+    stop = ready.controller.stop()
+    assert state(ready, ready.controller.move("movej2", leg(1.0))) is TaskState.ILLEGAL
+    assert ready.ended(stop) == 4
+    assert ready.ended(ready.controller.move("movej2", leg(1.0))) == 4
+
+
+def test_pause_keeps_the_motions_and_resume_ends_them(ready: Bench) -> None:
+    first = ready.controller.move("movej2", leg(1.0, 100))
+    second = ready.controller.move("movej2", leg(2.0, 100))
+    ready.tick(10)
+    pause = ready.controller.pause()
+    assert ready.state == [6, 4, 5, 1]
+    assert ready.ended(pause) == 4
+    assert ready.state == [6, 3, 5, 1]
+    assert (state(ready, first), state(ready, second)) == (TaskState.PAUSED, TaskState.IDLE)
+    at = ready.q.copy()
+    ready.tick(200)
+    assert (ready.q == at).all()
+    assert ready.ended(ready.controller.resume()) == 4
+    assert state(ready, first) is TaskState.RUNNING
+    assert (ready.ended(first), ready.ended(second)) == (4, 4)
+
+
+def test_a_stop_ends_a_pause(ready: Bench) -> None:
+    id_ = ready.controller.move("movej2", leg(1.0, 100))
+    ready.tick(10)
+    assert ready.ended(ready.controller.pause()) == 4
+    assert ready.ended(ready.controller.stop()) == 4
+    assert state(ready, id_) is TaskState.STOPPED
+    assert ready.state == [6, 0, 5, 1]
+
+
+def test_resuming_before_the_arm_stands_interrupts_the_pause(ready: Bench) -> None:
+    id_ = ready.controller.move("movej2", leg(1.0, 100))
+    ready.tick(10)
+    pause = ready.controller.pause()
+    ready.controller.resume()
+    assert state(ready, pause) is TaskState.INTERRUPT
+    assert ready.ended(id_) == 4
+
+
+def test_pause_and_resume_of_a_standing_arm_change_nothing(ready: Bench) -> None:
+    assert ready.ended(ready.controller.pause()) == 4
+    assert ready.state == [6, 0, 5, 1]
+    assert ready.ended(ready.controller.resume()) == 4
+    assert ready.ended(ready.controller.move("movej2", leg(1.0))) == 4
+
+
+def test_switching_the_mode_pauses_and_stop_clears_it(ready: Bench) -> None:
+    ready.controller.move("movej2", leg(1.0, 1000))
+    ready.tick(10)
+    ready.controller.switch_mode(OperationMode.MANUAL)
+    ready.until(lambda: ready.state == [6, 3, 5, 0])
+    assert ready.ended(ready.controller.stop()) == 4
+    assert ready.state == [6, 0, 5, 0]
+
+
+def test_motions_in_manual_mode_are_teach_tasks(ready: Bench) -> None:
+    ready.controller.switch_mode(OperationMode.MANUAL)
+    ready.controller.move("movej2", leg(1.0, 100))
+    ready.tick(2)
+    assert ready.state == [6, 5, 5, 0]
+
+
+def test_the_global_speed_outlives_a_power_cycle(ready: Bench) -> None:
+    ready.controller.set_speed(30)
+    for name in ("power_off", "power_on", "enable"):
+        assert ready.ended(ready.controller.change_power(name)) == 4
+    assert FakeMover.latest is not None
+    assert FakeMover.latest.fraction == pytest.approx(0.3)
+    assert ready.controller.view().speed == 30
+
+
+# -- safety --------------------------------------------------------------------------------------
+
+
+def test_the_emergency_stop_cuts_the_power_at_once(ready: Bench) -> None:
+    ids = [ready.controller.move("movej2", leg(1.0, 1000)) for _ in range(2)]
+    ready.tick(10)
+    ready.controller.press_emergency_stop()
+    assert [state(ready, id_) for id_ in ids] == [TaskState.ERROR] * 2
+    ready.tick()
+    assert ready.drive is not None
+    assert ready.drive.brake
+    view = ready.controller.view()
+    assert (ready.state, view.emergency_stop, view.error) == ([4, 0, 9, 1], True, 1)
+    assert view.errors[-1] == "emergency stop pressed"
+
+
+def test_power_comes_back_only_after_release_and_power_off(ready: Bench) -> None:
+    ready.controller.press_emergency_stop()
+    change = ready.controller.change_power
+    assert ready.ended(change("power_on")) == 7
+    assert ready.ended(change("power_off")) == 4
+    assert ready.ended(change("power_on")) == 7
+    ready.controller.release_emergency_stop()
+    assert ready.ended(change("power_on")) == 7
+    assert [ready.ended(change(name)) for name in ("power_off", "power_on", "enable")] == [4] * 3
+    assert ready.state == [6, 0, 5, 1]
+    assert ready.controller.view().errors == ()
+    assert ready.ended(ready.controller.move("movej2", leg(1.0))) == 4
+
+
+@pytest.mark.parametrize("name", ["power_on", "enable", "disable"])
+def test_the_emergency_stop_ends_a_change_that_was_to_end_with_power(name: str) -> None:
+    bench = Bench()
+    for before in {"power_on": [], "enable": ["power_on"], "disable": ["power_on", "enable"]}[name]:
+        bench.ended(bench.controller.change_power(before))
+    id_ = bench.controller.change_power(name)
+    bench.tick(5)
+    bench.controller.press_emergency_stop()
+    assert state(bench, id_) is TaskState.ERROR
+    bench.tick(1000)
+    assert bench.state == [4, 0, 9, 1]
+
+
+def test_a_collision_stops_with_power_and_names_the_joint(ready: Bench) -> None:
+    id_ = ready.controller.move("movej2", leg(1.0, 1000))
+    ready.tick(10)
+    ready.controller.collide(4)
+    assert ready.ended(id_) == 6
+    view = ready.controller.view()
+    assert (ready.state, view.collision_axis) == ([6, 0, 7, 1], 4)
+    assert view.errors[-1] == "Joint 4 检测到碰撞"
+    assert state(ready, ready.controller.move("movej2", leg(1.0))) is TaskState.ILLEGAL
+
+
+def test_resetting_the_collision_takes_back_the_flag_and_not_the_stop(ready: Bench) -> None:
+    ready.controller.collide(2)
+    ready.tick()
+    ready.controller.reset_collision()
+    assert ready.controller.view().collision_axis == 0
+    assert ready.state == [6, 0, 7, 1]
+    for name in ("power_off", "power_on", "enable"):
+        assert ready.ended(ready.controller.change_power(name)) == 4
+    assert ready.ended(ready.controller.move("movej2", leg(1.0))) == 4
+
+
+def test_stop1_stops_first_and_cuts_the_power_then(ready: Bench) -> None:
+    id_ = ready.controller.move("movej2", leg(1.0, 1000))
+    ready.tick(10)
+    ready.controller.fault(SafetyState.STOP1, "safety limit")
+    assert ready.state == [6, 1, 8, 1]
+    assert ready.ended(id_) == 6
+    ready.tick(2)
+    assert ready.state == [4, 0, 8, 1]
+
+
+def test_the_graver_of_two_safety_stops_holds(ready: Bench) -> None:
+    for category in (SafetyState.STOP2, SafetyState.STOP0, SafetyState.STOP1):
+        ready.controller.fault(category, category.name)
+    assert ready.state[2] == SafetyState.STOP0
+
+
+def test_a_fault_during_a_stop_decides_how_the_motion_ends(ready: Bench) -> None:
+    id_ = ready.controller.move("movej2", leg(1.0, 1000))
+    ready.tick(10)
+    ready.controller.stop()
+    ready.controller.collide(1)
+    assert ready.ended(id_) == 6
+
+
+def test_a_joint_far_from_its_set_point_cuts_the_power(ready: Bench) -> None:
+    id_ = ready.controller.move("movej2", leg(1.0, 1000))
+    ready.tick(10)
+    ready.q = ready.q + np.array([0.0, 0.0, 0.5, 0.0, 0.0, 0.0])
+    ready.tick()
+    assert state(ready, id_) is TaskState.ERROR
+    assert ready.state == [4, 0, 9, 1]
+    assert ready.controller.view().errors[-1] == "joint 3: position deviation"
+
+
+def test_enabling_starts_where_the_brakes_hold_the_arm(ready: Bench) -> None:
+    ready.ended(ready.controller.change_power("disable"))
+    ready.q = ready.q + 0.7
+    ready.ended(ready.controller.change_power("enable"))
+    ready.tick(2)
+    assert ready.drive is not None
+    assert not ready.drive.brake
+    assert ready.drive.setpoint.q == pytest.approx([0.7] * 6)
+
+
+# -- heartbeat -----------------------------------------------------------------------------------
+
+
+def test_a_lost_heartbeat_stops_everything_and_the_next_program_may_move(ready: Bench) -> None:
+    id_ = ready.controller.move("movej2", leg(1.0, 4000))
+    ready.controller.beat(200)
+    ready.tick(150)
+    ready.controller.beat(200)
+    ready.tick(190)
+    assert state(ready, id_) is TaskState.RUNNING
+    assert ready.ended(id_) == 3
+    assert ready.controller.view().errors == ("heartbeat lost: all tasks were stopped",)
+    assert ready.state == [6, 0, 5, 1]
+    assert ready.ended(ready.controller.move("movej2", leg(1.0))) == 4
+
+
+def test_a_heartbeat_that_ends_while_nothing_moves_is_no_error(ready: Bench) -> None:
+    ready.controller.beat(200)
+    ready.tick(1000)
+    assert not ready.controller.heartbeat.armed
+    assert ready.controller.view().errors == ()
+
+
+def test_without_a_heartbeat_nothing_stops(ready: Bench) -> None:
+    assert ready.ended(ready.controller.move("movej2", leg(1.0, 4000))) == 4

@@ -1,0 +1,142 @@
+"""Any order of commands and accidents: what must hold after each of them."""
+
+from __future__ import annotations
+
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+
+from aioduco.models.enums import OperationMode, RobotState, SafetyState, TaskState
+
+from .fakes import Bench, impossible, leg
+
+POWER = ["power_on", "enable", "disable", "power_off", "restart"]
+
+
+class Commands(RuleBasedStateMachine):
+    def __init__(self) -> None:
+        super().__init__()
+        self.bench = Bench()
+        self.controller = self.bench.controller
+        self.last: dict[int, TaskState] = {}
+
+    @rule(name=st.sampled_from(POWER), wait=st.booleans())
+    def power(self, name: str, wait: bool) -> None:
+        id_ = self.controller.change_power(name)
+        if wait:
+            self.bench.ended(id_)
+
+    @rule()
+    def bring_up(self) -> None:
+        """What every program does after a safety stop (facts of public applications)."""
+        self.controller.release_emergency_stop()
+        self.bench.ended(self.controller.stop())
+        ends = [
+            self.bench.ended(self.controller.change_power(name))
+            for name in ("power_off", "power_on", "enable")
+        ]
+        assert ends == [4, 4, 4]
+        assert self.bench.state[0] == RobotState.ENABLE
+        assert self.bench.state[2] == SafetyState.RUN
+
+    @rule(
+        joint=st.floats(-3.0, 3.0),
+        cycles=st.integers(1, 200),
+        blends=st.booleans(),
+        count=st.integers(1, 3),
+    )
+    def move(self, joint: float, cycles: int, blends: bool, count: int) -> None:
+        before = self.controller.view()
+        id_ = 0
+        for _ in range(count):
+            id_ = self.controller.move("movej2", leg(joint, cycles, blends=blends))
+        if before.robot is not RobotState.ENABLE or before.safety is not SafetyState.RUN:
+            assert self.controller.tasks.state(id_) is TaskState.ILLEGAL
+
+    @rule(code=st.sampled_from(["unreachable", "parameter"]))
+    def move_nowhere(self, code: str) -> None:
+        self.controller.move("movel", impossible(code))
+
+    @rule(wait=st.booleans())
+    def stop(self, wait: bool) -> None:
+        before = self.controller.tasks.unfinished()
+        id_ = self.controller.stop()
+        if wait:
+            assert self.bench.ended(id_) == TaskState.FINISHED
+            assert not self.controller.view().moving
+            motions = [task.id for task in before if task.name.startswith("move")]
+            assert all(self.controller.tasks.state(motion).ended for motion in motions)
+
+    @rule()
+    def abort(self) -> None:
+        self.controller.abort()
+
+    @rule(wait=st.booleans())
+    def pause(self, wait: bool) -> None:
+        id_ = self.controller.pause()
+        if wait:
+            assert self.bench.ended(id_) == TaskState.FINISHED
+
+    @rule()
+    def resume(self) -> None:
+        self.controller.resume()
+
+    @rule(mode=st.sampled_from([OperationMode.MANUAL, OperationMode.AUTO]))
+    def switch_mode(self, mode: OperationMode) -> None:
+        self.controller.switch_mode(mode)
+
+    @rule()
+    def emergency_stop(self) -> None:
+        self.controller.press_emergency_stop()
+
+    @rule()
+    def release(self) -> None:
+        self.controller.release_emergency_stop()
+
+    @rule(joint=st.integers(1, 6))
+    def collide(self, joint: int) -> None:
+        self.controller.collide(joint)
+
+    @rule()
+    def safety_limit(self) -> None:
+        self.controller.fault(SafetyState.STOP1, "safety limit")
+
+    @rule(time=st.integers(200, 500))
+    def beat(self, time: int) -> None:
+        self.controller.beat(time)
+
+    @rule(cycles=st.integers(1, 300))
+    def run(self, cycles: int) -> None:
+        for _ in range(cycles):
+            before = self.bench.q
+            self.bench.tick()
+            assert self.bench.drive is not None
+            if self.bench.drive.brake:
+                assert (self.bench.q == before).all()
+            else:
+                assert self.bench.state[0] == RobotState.ENABLE
+                assert self.bench.state[2] != SafetyState.STOP0
+
+    @invariant()
+    def tasks_that_ended_stay_as_they_were(self) -> None:
+        for id_, state in self.last.items():
+            assert self.controller.tasks.state(id_) is state
+        for id_ in self.controller.tasks.take_ended():
+            assert id_ not in self.last
+            self.last[id_] = self.controller.tasks.state(id_)
+
+    @invariant()
+    def the_program_stands_when_no_task_is_left(self) -> None:
+        self.bench.tick(2)
+        if not self.controller.tasks.unfinished():
+            assert self.bench.state[1] == 0
+
+    def teardown(self) -> None:
+        """Whatever happened: what is under way ends by itself, or by a stop."""
+        self.bench.ended(self.controller.stop())
+        self.bench.until(lambda: not self.controller.busy)
+        assert self.controller.tasks.unfinished() == ()
+
+
+TestCommands = Commands.TestCase
+TestCommands.settings = settings(max_examples=40, stateful_step_count=25, deadline=None)
