@@ -4,8 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from hypothesis import settings
+
 if TYPE_CHECKING:
     import pytest
+
+# An example that takes long on a busy machine is no failure; the time-out of the test is enough.
+settings.register_profile("aioduco", deadline=None)
+settings.load_profile("aioduco")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

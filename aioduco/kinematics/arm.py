@@ -127,7 +127,7 @@ class Arm:
             flange: the pose in the base frame: a `Pose`, six numbers, or a matrix of shape (4, 4).
 
         Returns:
-            Joint angles in [-π, π) [rad], ordered by shoulder, elbow and wrist. Shape (n, 6),
+            Joint angles in [-π, π] [rad], ordered by shoulder, elbow and wrist. Shape (n, 6),
             with n = 0 when the pose is out of reach.
         """
         return inverse.wrap(self._solve(_matrix(flange), 0.0))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.kinematics.forward import singular_values
+from aioduco.kinematics.inverse import BRANCHES
 
 if TYPE_CHECKING:
     from aioduco.kinematics.geometry import Geometry
@@ -41,16 +42,15 @@ def solutions(geometry: Geometry, flange: Array) -> Array | None:
         flange: homogeneous matrix in the base frame. Shape (4, 4).
 
     Returns:
-        Joint angles [rad], not wrapped, ordered as the closed form's. Shape (n, 6). None where
-        EAIK is not installed, found none, or the pose is so near a singularity that its answer
-        may be incomplete.
+        Joint angles [rad], not wrapped, ordered as the closed form's. Shape (8, 6). None where
+        EAIK is not installed or found fewer: either there are fewer, or it left out singular ones.
     """
     robot = _robot(geometry)
     if robot is None:
         return None
     answer = robot.IK(flange)
     exact = ~np.asarray(answer.is_LS, dtype=bool)
-    if not exact.any():
+    if exact.sum() != BRANCHES:
         return None
     q = np.asarray(answer.Q)[exact] - np.array(geometry.theta)
     values = singular_values(geometry, q)

@@ -33,6 +33,7 @@ A solution's place is 4·shoulder + 2·elbow + wrist.
 """
 
 _WRIST = 1e-9  # sine of joint 5 below which joint 6 cannot be read from the pose
+_EDGE = 1e-10  # how far outside its limit a joint may be by rounding [turns]
 _REACH = 1e-9  # how far outside its range a cosine may be by rounding
 
 
@@ -72,26 +73,30 @@ def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> A
     q6_read = np.arctan2(-sign * across[..., 1, None], sign * across[..., 0, None])
     q6_taken = np.broadcast_to(np.asarray(q6, dtype=float), flange.shape[:-2])[..., None, None]
     q6s = np.where(singular[..., None], q6_taken, q6_read)
-    # Joint 5's axis is the flange's y axis, turned back by joint 6, turned back by joint 5.
     c6, s6, c5, s5 = np.cos(q6s), np.sin(q6s), np.cos(q5), np.sin(q5)
 
     def fourth(axes: Array) -> Array:
-        # Component of the axis of joint 5 along the direction whose flange components are given.
+        # Component of joint 5's axis: the flange's y axis turned back by joint 6.
         component: Array = -(s6 * axes[..., 0, None] + c6 * axes[..., 1, None])
         return component
 
     def fifth(axes: Array) -> Array:
-        # Component of joint 4's x axis, which completes the frame.
+        # Component of the x axis of joint 4's frame, which is square to it.
         straight = c6 * axes[..., 0, None] - s6 * axes[..., 1, None]
         component: Array = c5 * straight - s5 * axes[..., 2, None]
         return component
 
+    # The frame of joint 4 is turned by q2 + q3 + q4 in the plane; two readings of one angle,
+    # summed so that neither is taken where it is small.
     up = np.broadcast_to(r[..., 2, :], ahead.shape)
-    # The frame of joint 4 turned by q2 + q3 + q4 in the plane; two readings of one angle, summed
-    # so that neither is taken where it is small.
     q234 = np.arctan2(fourth(ahead) - fifth(up), fourth(up) + fifth(ahead))
-    u = (c1 * x[..., None] + s1 * y[..., None])[..., None] - g.d5 * np.sin(q234)
-    w = (wrist[..., 2] - g.d1)[..., None, None] - g.d5 * np.cos(q234)
+    u = np.broadcast_to((c1 * x[..., None] + s1 * y[..., None])[..., None], q234.shape)
+    w = np.broadcast_to((wrist[..., 2] - g.d1)[..., None, None], q234.shape)
+    if singular.any():
+        # There joint 6 and the sum of joints 2 to 4 turn about one axis, either way round.
+        turned = np.where(singular[..., None], _into_reach(g, u, w, q234) - q234, 0.0)
+        q6s, q234 = q6s - c5 * turned, q234 + turned
+    u, w = u - g.d5 * np.sin(q234), w - g.d5 * np.cos(q234)
     with np.errstate(invalid="ignore"):
         bend = _arc(np.arccos, (u * u + w * w - g.a2**2 - g.a3**2) / (2 * g.a2 * g.a3))
     for elbow, q3 in enumerate((bend, -bend)):
@@ -106,6 +111,30 @@ def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> A
     out = out.reshape((*flange.shape[:-2], BRANCHES, 6))
     out[np.isnan(out).any(axis=-1)] = np.nan
     return out
+
+
+def _into_reach(g: Geometry, u: Array, w: Array, q234: Array) -> Array:
+    """Give the direction of joint 5's axis nearest to the given one that leaves joint 5 in reach.
+
+    Args:
+        g: the arm's lengths [m].
+        u: the wrist's centre in the arm's plane, ahead of joint 2 [m].
+        w: the same, above joint 2 [m].
+        q234: direction of joint 5's axis from the vertical [rad].
+    """
+    away = np.maximum(np.hypot(u, w), 1e-12)
+    toward = np.arctan2(u, w)
+
+    def opening(reach: float) -> Array:
+        # Angle between the two directions at which joint 4 is that far from joint 2.
+        cosine = (away**2 + g.d5**2 - reach**2) / (2 * g.d5 * away)
+        angle: Array = np.arccos(np.clip(cosine, -1.0, 1.0))
+        return angle
+
+    off = wrap(q234 - toward)
+    size = np.clip(np.abs(off), opening(abs(g.a2 - g.a3)), opening(g.a2 + g.a3))
+    nearest: Array = q234 + np.copysign(size, off) - off
+    return nearest
 
 
 def _arc(function: np.ufunc, ratio: Array) -> Array:
@@ -176,9 +205,9 @@ def shortfall(geometry: Geometry, flange: Array) -> float:
 
 
 def wrap(q: Array) -> Array:
-    """Give the same angles in [-π, π) [rad], without a loss of digits inside that range."""
+    """Give the same angles in [-π, π] [rad], without a loss of digits inside that range."""
     turned: Array = q - 2 * np.pi * np.floor((q + np.pi) / (2 * np.pi))
-    return turned
+    return np.clip(turned, -np.pi, np.pi)
 
 
 def wrap_near(q: Array, near: Array, lower: Array, upper: Array) -> Array:
@@ -194,7 +223,8 @@ def wrap_near(q: Array, near: Array, lower: Array, upper: Array) -> Array:
         Joint angles [rad], NaN for a joint that no number of turns brings inside. Shape (..., 6).
     """
     turn = 2 * np.pi
-    turns = np.round((near - q) / turn)
-    turns = np.clip(turns, np.ceil((lower - q) / turn), np.floor((upper - q) / turn))
-    wrapped = q + turn * turns
-    return np.where((wrapped < lower) | (wrapped > upper), np.nan, wrapped)
+    fewest = np.ceil((lower - q) / turn - _EDGE)
+    most = np.floor((upper - q) / turn + _EDGE)
+    wrapped = q + turn * np.clip(np.round((near - q) / turn), fewest, most)
+    # A joint that stands at its limit is not moved by a whole turn because of rounding.
+    return np.where(fewest > most, np.nan, np.clip(wrapped, lower, upper))
