@@ -62,6 +62,7 @@ class Worker:
         self._is_open = False
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._started = False
+        self._left = False
         #: set when the lane is done with this worker
         self.retired = False
         self._retired_at = math.inf
@@ -127,13 +128,16 @@ class Worker:
         """Have the thread close its connection and end, as soon as it is free.
 
         Args:
-            said: called on the thread when it is about to end; at once if it never began.
+            said: called on the thread when it is about to end; at once if it never began, or
+                has ended before.
         """
         self.retired = True
         self._retired_at = time.monotonic()
-        if self._started:
-            self._inbox.put(said)
-        else:
+        with self._lock:
+            listens = self._started and not self._left
+            if listens:
+                self._inbox.put(said)
+        if not listens:
             said()
 
     def join(self, timeout: float) -> bool:
@@ -171,8 +175,11 @@ class Worker:
         # is on its way, and gets an answer too.
         while not self._claim.acquire(blocking=False):
             self._decline(self._inbox.get(), farewells)
-        while not self._inbox.empty():
-            self._decline(self._inbox.get(), farewells)
+        # nothing is put in behind this: it would never be taken out
+        with self._lock:
+            self._left = True
+            while not self._inbox.empty():
+                self._decline(self._inbox.get(), farewells)
         for farewell in farewells:
             farewell()
 

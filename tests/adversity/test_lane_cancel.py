@@ -1,0 +1,86 @@
+"""A lane that is cancelled at any of its awaits is whole afterwards, and closes at once."""
+
+from __future__ import annotations
+
+import random
+import time
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+import pytest
+
+from aioduco._wire import lane as lanes
+from aioduco._wire.lane import Lane
+from aioduco.testing import (
+    Delay,
+    FaultProxy,
+    RecordingServer,
+    cancel_at_every_await,
+    eventually_async,
+    no_leaks,
+)
+
+from .calls import ANSWERS, METHODS, Book, make
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from aioduco.testing import Cancelled
+    from aioduco.testing.cancel import How
+
+
+@asynccontextmanager
+async def proxied() -> AsyncIterator[tuple[RecordingServer, FaultProxy]]:
+    """A server behind a proxy that answers so late that each call is awaited for a while."""
+    async with (
+        no_leaks(),
+        RecordingServer(ANSWERS) as server,
+        FaultProxy(server.host, server.port) as proxy,
+    ):
+        for method in METHODS:
+            proxy.on(method, Delay(reply=0.005), times=None)
+        yield server, proxy
+
+
+@pytest.mark.parametrize("how", ["scope", "task"])
+@pytest.mark.parametrize("again", [0, 2])
+async def test_every_await_of_a_lane(how: How, again: int) -> None:
+    async with proxied() as (server, proxy):
+        book = Book(random.Random(0))
+        through = False
+
+        async def program() -> None:
+            nonlocal through
+            through = False
+            lane = Lane("call", proxy.host, proxy.port, size=2)
+            try:
+                await lane.open()
+                for method in METHODS:
+                    await book.follow(make(method), lane.call, 5.0)
+                through = True
+            finally:
+                await lane.aclose()
+
+        async def check(run: Cancelled) -> None:
+            assert run.error is None
+            # a scope cannot cancel what is shielded: a lane that closes
+            assert through or run.ended == "cancelled"
+            await eventually_async(lambda: proxy.statistics().open == server.connections == 0)
+
+        assert await cancel_at_every_await(program, check, how=how, again=again) > len(METHODS)
+        book.check(server)
+
+
+async def test_a_lane_closes_at_once_after_a_call_was_cancelled() -> None:
+    async with proxied() as (_, proxy):
+        lane = Lane("call", proxy.host, proxy.port, size=4)
+        await lane.open()
+        book = Book(random.Random(0))
+        for _ in range(3):
+            await book.follow(make("log_info"), lane.call, 5.0, cancel_after=0.002)
+        assert book.outcomes == {"cancelled": 3}
+        # the threads that were given up have come back, and none is there to be waited for
+        await eventually_async(lambda: proxy.statistics().open == 0)
+        begin = time.monotonic()
+        await lane.aclose()
+        assert time.monotonic() - begin < lanes._CLOSE_LIMIT
