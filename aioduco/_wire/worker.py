@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._wire.handoff import Call
 from aioduco._wire.lifecycle import ConnectionState, Progress
-from aioduco._wire.semantics import kind
+from aioduco._wire.semantics import Kind, kind
 from aioduco.errors import ConnectError, ConnectionLost, NotSent, OutcomeUnknown
 
 if TYPE_CHECKING:
@@ -255,4 +255,7 @@ def may_send_again(function: Function, progress: Progress) -> bool:
     """Whether a call that came this far on a broken connection may be sent on another one."""
     if progress is Progress.NOTHING_SENT:
         return True
-    return progress is Progress.SENT and kind(function.name).repeatable
+    if progress is Progress.SENT:
+        return kind(function.name).repeatable
+    # an answer that broke off was an answer, but a stop is to be sure
+    return kind(function.name) is Kind.STOP

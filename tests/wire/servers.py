@@ -132,11 +132,12 @@ class ScriptedServer:
     Args:
         scripts: one per connection, in the order in which they come; the last one for all
             that follow.
+        port: the port, if not a free one.
     """
 
-    def __init__(self, *scripts: Script) -> None:
+    def __init__(self, *scripts: Script, port: int = 0) -> None:
         self._scripts = scripts or (honest,)
-        self._listener = socket.create_server(("127.0.0.1", 0), backlog=64)
+        self._listener = socket.create_server(("127.0.0.1", port), backlog=64)
         self.host, self.port = self._listener.getsockname()
         self._threads: list[threading.Thread] = []
         self._peers: list[Peer] = []
@@ -181,16 +182,20 @@ class ScriptedServer:
         return self
 
     def __exit__(self, *_: object) -> None:
-        with contextlib.suppress(OSError):
-            self._listener.shutdown(socket.SHUT_RDWR)
-        self._listener.close()
-        self._accepting.join(PATIENCE)
+        self.stop_listening()
         for peer in self._peers:
             with contextlib.suppress(OSError):
                 peer.sock.shutdown(socket.SHUT_RDWR)
         for thread in self._threads:
             thread.join(PATIENCE)
             assert not thread.is_alive(), f"{thread} hangs"
+
+    def stop_listening(self) -> None:
+        """Refuse connections from now on; those that are open stay."""
+        with contextlib.suppress(OSError):
+            self._listener.shutdown(socket.SHUT_RDWR)
+        self._accepting.join(PATIENCE)
+        self._listener.close()
 
     def _accept(self) -> None:
         while True:

@@ -1,0 +1,502 @@
+"""One connection: what it returns, what it raises, and the state that it is left in."""
+
+from __future__ import annotations
+
+import socket
+import struct
+import threading
+import time
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from aioduco._wire import codec, idl, rpc
+from aioduco._wire.connection import Connection, ConnectionStatistics
+from aioduco._wire.framing import MAX_REPLY
+from aioduco._wire.lifecycle import ConnectionState, Progress
+from aioduco._wire.stream import Stream
+from aioduco.errors import (
+    CallTimeout,
+    ConnectError,
+    ConnectionLost,
+    ControllerError,
+    OutcomeUnknown,
+    ParameterError,
+    UnknownFunction,
+)
+from aioduco.testing import eventually, no_leaks
+
+from .servers import PATIENCE, Peer, ScriptedServer, black_hole, exception, honest, zero
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+#: seconds after which a server that says nothing is given up
+SHORT = 0.1
+
+
+@pytest.fixture(autouse=True)
+def nothing_left() -> Iterator[None]:
+    with no_leaks():
+        yield
+
+
+@contextmanager
+def connected(*scripts: Callable[[Peer], None]) -> Iterator[tuple[Connection, ScriptedServer]]:
+    with ScriptedServer(*scripts) as server:
+        connection = Connection(server.host, server.port)
+        connection.open()
+        try:
+            yield connection, server
+        finally:
+            connection.close()
+
+
+def silent(peer: Peer) -> None:
+    """Take calls and never answer."""
+    while peer.receive() is not None:
+        pass
+
+
+# What a call returns
+
+
+@pytest.mark.parametrize(
+    "name", ["getRobotStatus", "get_files_list", "get_last_error", "get_robot_version", "stop"]
+)
+def test_a_call_returns_what_the_controller_answers(name: str) -> None:
+    with connected() as (connection, _):
+        args = {"get_files_list": ("/",), "stop": (True,)}.get(name, ())
+        assert connection.call(name, args, PATIENCE) == zero(name)
+
+
+def test_arguments_arrive_as_they_were_given() -> None:
+    op = rpc.Op(trig_io_1=3, trig_value_1=True, trig_event_1="焊接")
+    with connected() as (connection, server):
+        connection.rpc.movej2([0.1, -0.2, 0.3, 0.0, 1.5, -3.0], 0.5, 1.0, 0.01, False, op, True)
+        (call,) = server.calls
+        assert call.args == ([0.1, -0.2, 0.3, 0.0, 1.5, -3.0], 0.5, 1.0, 0.01, False, op, True)
+
+
+def test_a_function_without_a_result_returns_none() -> None:
+    with connected() as (connection, server):
+        connection.rpc.log_info("schön")
+        assert connection.call("rpc_heartbeat", (1000,), PATIENCE) is None
+        assert server.names == ["log_info", "rpc_heartbeat"]
+
+
+def test_states_statistics_and_repr_of_a_life() -> None:
+    with ScriptedServer() as server:
+        connection = Connection(server.host, server.port)
+        address = f"{server.host}:{server.port}"
+        assert repr(connection) == f"<Connection {address} NEW, 0 calls>"
+        connection.open()
+        assert repr(connection) == f"<Connection {address} IDLE, 0 calls>"
+        connection.rpc.stop(True)
+        figures = connection.statistics()
+        assert figures == ConnectionStatistics(1, 1, figures.bytes_sent, figures.bytes_received)
+        # header, name, sequence id, one bool and the stop byte
+        assert figures.bytes_sent == 8 + len("stop") + 4 + 4 + 1
+        assert figures.bytes_received == 8 + len("stop") + 4 + 7 + 1
+        connection.close()
+        assert repr(connection) == f"<Connection {address} CLOSED: it was closed, 1 calls>"
+        connection.close()
+
+
+def test_sequence_ids_rise_and_begin_again() -> None:
+    with connected() as (connection, server):
+        connection._sequence = codec.LAST_SEQUENCE - 1
+        for _ in range(3):
+            connection.rpc.stop(True)
+        assert [call.raw.seqid for call in server.calls] == [codec.LAST_SEQUENCE, 1, 2]
+
+
+def test_one_call_is_one_piece_on_the_wire() -> None:
+    """The vendor's client writes each field by itself, which costs 40 ms a call."""
+    pieces = []
+
+    def script(peer: Peer) -> None:
+        pieces.append(len(peer.sock.recv(65536)))
+
+    with connected(script) as (connection, server):
+        with pytest.raises(OutcomeUnknown):
+            connection.rpc.servoj([0.0] * 6, 1.0, 1.0, False, 200.0, 25.0, 10.0, 1.0)
+        server.wait_finished(1)
+        assert pieces == [connection.statistics().bytes_sent]
+
+
+def test_socket_options() -> None:
+    with connected() as (connection, _):
+        stream = connection._stream
+        assert stream is not None
+        get = stream._socket.getsockopt
+        assert get(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+        assert get(socket.SOL_SOCKET, socket.SO_KEEPALIVE)
+        idle = get(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE)
+        probes = get(socket.IPPROTO_TCP, socket.TCP_KEEPINTVL) * get(
+            socket.IPPROTO_TCP, socket.TCP_KEEPCNT
+        )
+        assert idle + probes <= 10
+        assert get(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT) <= 10_000
+
+
+# Opening
+
+
+def test_a_refused_port() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as closed:
+        host, port = closed.getsockname()
+    connection = Connection(host, port)
+    with pytest.raises(
+        ConnectError, match=rf"cannot connect to {host}:{port}: .*refused"
+    ) as raised:
+        connection.open()
+    assert raised.value.host == host
+    assert raised.value.port == port
+    assert isinstance(raised.value.__cause__, ConnectionRefusedError)
+    assert connection.state is ConnectionState.POISONED
+
+
+@pytest.mark.parametrize("host", ["x" * 70, "a..b"])
+def test_a_host_that_cannot_be(host: str) -> None:
+    with pytest.raises(ConnectError, match="unknown host"):
+        Connection(host, 7003).open()
+
+
+def test_an_unknown_host(monkeypatch: pytest.MonkeyPatch) -> None:
+    def unknown(*_: object, **__: object) -> Any:
+        raise socket.gaierror(socket.EAI_NONAME, "Name or service not known")
+
+    monkeypatch.setattr(socket, "getaddrinfo", unknown)
+    with pytest.raises(ConnectError, match="unknown host"):
+        Connection("arm.example", 7003).open()
+
+
+def test_a_controller_that_does_not_answer_the_handshake() -> None:
+    with black_hole() as (host, port):
+        connection = Connection(host, port, connect_timeout=SHORT)
+        begin = time.monotonic()
+        with pytest.raises(ConnectError, match="no answer in time"):
+            connection.open()
+        assert time.monotonic() - begin >= SHORT * 0.9
+
+
+def test_the_deadline_of_the_caller_is_kept_if_it_is_sooner() -> None:
+    with black_hole() as (host, port):
+        connection = Connection(host, port, connect_timeout=100 * PATIENCE)
+        with pytest.raises(ConnectError, match="no answer in time"):
+            connection.open(time.monotonic() + SHORT)
+
+
+def test_all_addresses_of_a_host_are_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as closed:
+        dead = closed.getsockname()
+    with ScriptedServer() as server:
+        kind = (socket.AF_INET, socket.SOCK_STREAM, 6, "")
+        addresses = [(*kind, dead), (*kind, (server.host, server.port))]
+        monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: addresses)
+        connection = Connection("arm.example", 7003)
+        connection.open()
+        assert connection.rpc.stop(True) == 0
+        connection.close()
+
+
+def test_a_connection_is_opened_once() -> None:
+    with connected() as (connection, _):
+        with pytest.raises(ConnectionLost, match="cannot be opened again"):
+            connection.open()
+        assert connection.rpc.stop(True) == 0
+
+
+# Deadlines
+
+
+@pytest.mark.parametrize(
+    ("name", "args", "error"),
+    [
+        ("get_tcp_pose", (), CallTimeout),
+        ("movej", ([0.0] * 6, 1.0, 1.0, 0.0, True, rpc.Op(), False), OutcomeUnknown),
+        ("stop", (True,), OutcomeUnknown),
+        ("read_raw_data_485", (8,), OutcomeUnknown),
+    ],
+)
+def test_a_silent_controller(name: str, args: tuple[Any, ...], error: type[Exception]) -> None:
+    gone = []
+
+    def script(peer: Peer) -> None:
+        peer.receive()
+        gone.append(peer.wait_gone())
+
+    with connected(script) as (connection, server):
+        begin = time.monotonic()
+        with pytest.raises(error, match=name):
+            connection.call(name, args, SHORT)
+        assert time.monotonic() - begin >= SHORT
+        assert connection.state is ConnectionState.POISONED
+        assert "POISONED: no answer came in time" in repr(connection)
+        # the socket is closed at once, not when somebody collects the garbage
+        server.wait_finished(1)
+        assert gone == [True]
+        assert server.names == [name]
+
+
+def test_a_timeout_is_a_timeout_error() -> None:
+    with connected(silent) as (connection, _), pytest.raises(TimeoutError):
+        connection.call("get_tcp_pose", (), SHORT)
+
+
+def test_a_drip_feeding_controller_does_not_stretch_the_deadline() -> None:
+    """Each byte comes long before any time-out on a single read, for as long as one likes."""
+
+    def drip(peer: Peer) -> None:
+        call = peer.receive()
+        assert call is not None
+        head = b"\x80\x01\x00\x02\x00\x00\x00\x0cget_tcp_pose" + struct.pack("!i", call.raw.seqid)
+        peer.sock.sendall(head + b"\x0f\x00\x00\x04" + struct.pack("!i", MAX_REPLY // 16))
+        try:
+            while True:
+                peer.sock.send(b"\x00")
+        except OSError:
+            return
+
+    with connected(drip) as (connection, server):
+        begin = time.monotonic()
+        with pytest.raises(CallTimeout):
+            connection.call("get_tcp_pose", (), SHORT)
+        # as long again, and a busy machine, but not the minutes that the bytes would take
+        assert time.monotonic() - begin < 20 * SHORT
+        server.wait_finished(1)
+
+
+def test_a_controller_that_takes_no_bytes_ends_a_long_command() -> None:
+    ended = threading.Event()
+
+    def deaf(peer: Peer) -> None:
+        ended.wait(PATIENCE)
+
+    with connected(deaf) as (connection, _):
+        function = idl.functions()["log_info"]
+        # more than the system takes in on both sides
+        arguments = codec.encode(function, ("x" * 40_000_000,))
+        try:
+            with pytest.raises(OutcomeUnknown, match="log_info"):
+                connection.exchange(function, arguments, time.monotonic() + 3 * SHORT)
+        finally:
+            ended.set()
+        assert connection.progress is Progress.SENT
+
+
+def test_long_calls_and_long_replies_are_whole() -> None:
+    points = [[float(i)] * 6 for i in range(20_000)]
+    lists = [[float(i)] * 7 for i in range(30_000)]
+
+    def script(peer: Peer) -> None:
+        while (call := peer.receive()) is not None:
+            peer.answer(call, lists if call.name == "get_system_value_lists" else None)
+
+    with connected(script) as (connection, server):
+        assert connection.call("trackEnqueue", (points, False), PATIENCE) == 0
+        assert server.calls[0].args == (points, False)
+        assert connection.call("get_system_value_lists", ("g",), PATIENCE) == lists
+        assert connection.state is ConnectionState.IDLE
+
+
+def test_a_call_without_time_left_is_not_sent() -> None:
+    with connected() as (connection, server):
+        with pytest.raises(ConnectionLost, match="stop was not sent"):
+            connection.call("stop", (True,), -1.0)
+        assert connection.state is ConnectionState.IDLE
+        connection.rpc.pause(True)
+        assert server.names == ["pause"]
+
+
+def test_the_systems_limit_follows_the_deadline() -> None:
+    with connected() as (connection, _):
+        stream = connection._stream
+        assert stream is not None
+
+        def limit() -> float:
+            raw = stream._socket.getsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, 16)
+            seconds, micro = struct.unpack("@ll", raw)
+            return float(seconds + micro / 1e6)
+
+        seen = []
+        for timeout in (None, 2.0, 2.0, 0.5, 30.0, None, 1.0):
+            connection.call("stop", (True,), PATIENCE if timeout is None else timeout)
+            connection.call("stop", (True,), timeout)
+            seen.append(limit())
+        for timeout, was in zip((2.0, 2.0, 0.5, 30.0), seen[1:5], strict=True):
+            assert timeout * 0.5 < was < timeout + 0.1
+        assert seen[0] == seen[5] == 0.0
+
+
+# What leaves a connection usable, and what does not
+
+
+@pytest.mark.parametrize(
+    ("code", "error"), [(1, UnknownFunction), (6, ControllerError), (7, ControllerError)]
+)
+def test_an_application_error_is_an_answer(code: int, error: type[ControllerError]) -> None:
+    def script(peer: Peer) -> None:
+        call = peer.receive()
+        assert call is not None
+        peer.send(exception(call.raw, code, "no"))
+        honest(peer)
+
+    with connected(script) as (connection, _):
+        with pytest.raises(error) as raised:
+            connection.rpc.abort(True)
+        assert raised.value.function == "abort"
+        assert connection.state is ConnectionState.IDLE
+        assert connection.rpc.stop(True) == 0
+        assert connection.statistics().answered == 2
+
+
+def test_a_value_that_cannot_be_sent_leaves_the_connection_alone() -> None:
+    with connected() as (connection, server):
+        with pytest.raises(ParameterError):
+            connection.rpc.get_noneblock_taskstate(2**40)
+        assert connection.state is ConnectionState.IDLE
+        assert connection.rpc.stop(True) == 0
+        assert server.names == ["stop"]
+
+
+def test_an_interrupt_in_mid_call_poisons(monkeypatch: pytest.MonkeyPatch) -> None:
+    with connected(silent) as (connection, server):
+
+        def interrupted(*_: object) -> bytes:
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(Stream, "receive", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            connection.rpc.stop(True)
+        assert connection.state is ConnectionState.POISONED
+        assert "KeyboardInterrupt" in connection.reason
+        server.wait_finished(1)
+
+
+def test_a_poisoned_connection_sends_nothing_more() -> None:
+    with connected(silent) as (connection, server):
+        with pytest.raises(CallTimeout):
+            connection.call("get_tcp_pose", (), SHORT)
+        with pytest.raises(ConnectionLost, match=r"stop cannot use .*POISONED.*nothing was sent"):
+            connection.rpc.stop(True)
+        assert server.names == ["get_tcp_pose"]
+
+
+@pytest.mark.parametrize("state", ["new", "closed"])
+def test_a_connection_that_is_not_open_sends_nothing(state: str) -> None:
+    with connected() as (connection, server):
+        if state == "new":
+            other = Connection(server.host, server.port)
+            other._owner = threading.get_ident()
+        else:
+            connection.close()
+            other = connection
+        with pytest.raises(ConnectionLost, match="nothing was sent"):
+            other.rpc.stop(True)
+        assert server.calls == []
+
+
+# Threads
+
+
+def in_thread(work: Callable[[], Any]) -> tuple[threading.Thread, list[Any]]:
+    outcome: list[Any] = []
+
+    def run() -> None:
+        try:
+            outcome.append(work())
+        except Exception as exc:
+            outcome.append(exc)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    return thread, outcome
+
+
+def test_only_the_owner_may_call() -> None:
+    with connected() as (connection, server):
+        thread, outcome = in_thread(lambda: connection.rpc.stop(True))
+        thread.join(PATIENCE)
+        assert isinstance(outcome[0], RuntimeError)
+        assert "belongs to the thread" in str(outcome[0])
+        assert connection.state is ConnectionState.IDLE
+        assert server.calls == []
+
+
+@pytest.mark.parametrize(
+    ("name", "args", "error"),
+    [("get_tcp_pose", (), ConnectionLost), ("pause", (True,), OutcomeUnknown)],
+)
+def test_abandon_wakes_a_call_that_waits_for_ever(
+    name: str, args: tuple[Any, ...], error: type[Exception]
+) -> None:
+    with ScriptedServer(silent) as server:
+        connection = Connection(server.host, server.port)
+
+        def work() -> None:
+            connection.open()
+            connection.call(name, args, None)
+
+        thread, outcome = in_thread(work)
+        server.wait_calls(1)
+        connection.abandon("the program has something better to do")
+        thread.join(PATIENCE)
+        assert not thread.is_alive()
+        assert type(outcome[0]) is error
+        assert "something better to do" in str(outcome[0])
+        assert connection.state is ConnectionState.POISONED
+        server.wait_finished(1)
+
+
+def test_abandon_wakes_a_handshake() -> None:
+    with black_hole() as (host, port):
+        connection = Connection(host, port, connect_timeout=PATIENCE * 10)
+        thread, outcome = in_thread(connection.open)
+        eventually(lambda: connection._stream is not None)
+        connection.abandon("enough")
+        thread.join(PATIENCE)
+        assert not thread.is_alive()
+        (error,) = outcome
+        assert isinstance(error, ConnectionLost)
+        assert "nothing was sent" in str(error)
+
+
+def test_what_is_abandoned_before_it_is_opened_stays_closed() -> None:
+    with ScriptedServer() as server:
+        connection = Connection(server.host, server.port)
+        connection.abandon("too late")
+        with pytest.raises(ConnectionLost, match="too late"):
+            connection.open()
+        assert server.connections == 0
+
+
+def test_an_answer_that_comes_with_an_abandon_is_not_given(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Whoever abandoned the call has told its caller that the answer is lost."""
+    with connected() as (connection, _):
+        receive = Stream.receive
+
+        def late(stream: Stream, deadline: float | None) -> bytes:
+            data = receive(stream, deadline)
+            connection.abandon("cancelled")
+            return data
+
+        monkeypatch.setattr(Stream, "receive", late)
+        with pytest.raises(OutcomeUnknown, match="cancelled"):
+            connection.rpc.stop(True)
+        assert connection.state is ConnectionState.POISONED
+
+
+def test_a_connection_left_open_warns() -> None:
+    with ScriptedServer() as server:
+        connection = Connection(server.host, server.port)
+        connection.open()
+        held = [connection]
+        del connection
+        with pytest.warns(ResourceWarning, match=r"unclosed <Connection .* IDLE"):
+            held.clear()
+        server.wait_finished(1)

@@ -1,0 +1,414 @@
+"""Answers that are late, doubled, cut, or somebody else's never reach a caller.
+
+And what is sent again, and what never: a command is carried out at most once.
+"""
+
+from __future__ import annotations
+
+import threading
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import pytest
+import thriftpy2
+from thriftpy2.protocol import TCyBinaryProtocolFactory
+from thriftpy2.rpc import make_client
+from thriftpy2.transport import TCyBufferedTransportFactory
+
+from aioduco._wire import idl
+from aioduco._wire.lane import Lane
+from aioduco._wire.lifecycle import ConnectionState
+from aioduco.errors import (
+    CallTimeout,
+    ConnectError,
+    ConnectionLost,
+    OutcomeUnknown,
+    ProtocolError,
+)
+from aioduco.testing import eventually_async, no_leaks
+from aioduco.testing.messages import Kind, Message
+
+from .servers import PATIENCE, Peer, ScriptedServer, honest, reply
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+
+    Script = Callable[[Peer], None]
+
+SHORT = 0.1
+
+#: one function of each kind, with arguments
+READ = ("get_noneblock_taskstate", (7,))
+COMMAND = ("set_wobj_offset", ([0.0] * 6, True))
+STOP = ("stop", (True,))
+CONSUMING = ("read_raw_data_485", (4,))
+ALL = [READ, COMMAND, STOP, CONSUMING]
+
+each_kind = pytest.mark.parametrize("call", ALL, ids=[name for name, _ in ALL])
+
+
+def numbered(peer: Peer) -> None:
+    """Answer each task id by its double."""
+    while (call := peer.receive()) is not None:
+        answer = 2 * call.args[0] if call.name == READ[0] else None
+        peer.answer(call, [1, 2] if call.name == CONSUMING[0] else answer)
+
+
+@asynccontextmanager
+async def opened(*scripts: Script, **options: Any) -> AsyncIterator[tuple[Lane, ScriptedServer]]:
+    async with no_leaks():
+        with ScriptedServer(*scripts) as server:
+            lane = Lane("test", server.host, server.port, **options)
+            await lane.open()
+            try:
+                yield lane, server
+            finally:
+                await lane.aclose()
+
+
+# Late
+
+
+def test_thriftpy2_gives_the_previous_answer_after_a_timeout() -> None:
+    """The reason for all this: what the library that is underneath does by itself."""
+    late = threading.Event()
+
+    def script(peer: Peer) -> None:
+        first = peer.receive()
+        assert first is not None
+        late.wait(PATIENCE)
+        peer.answer(first, 111)
+        second = peer.receive()
+        assert second is not None
+        peer.answer(second, 222)
+
+    module = thriftpy2.load(str(idl.path()), module_name="late_answers_thrift")
+    factory: Any = TCyBinaryProtocolFactory
+    with ScriptedServer(script) as server:
+        client = make_client(
+            module.RPCRobot,
+            server.host,
+            server.port,
+            proto_factory=factory(),
+            trans_factory=TCyBufferedTransportFactory(),
+            timeout=int(SHORT * 1000),
+        )
+        with pytest.raises(TimeoutError):
+            client.get_noneblock_taskstate(1)
+        late.set()
+        assert client.get_noneblock_taskstate(2) == 111
+        client.close()
+
+
+@pytest.mark.parametrize("first", ALL, ids=[name for name, _ in ALL])
+async def test_a_late_answer_reaches_nobody(first: tuple[str, Any]) -> None:
+    late = threading.Event()
+
+    def tardy(peer: Peer) -> None:
+        call = peer.receive()
+        assert call is not None
+        assert late.wait(PATIENCE)
+        peer.answer(call, [9] if call.name == CONSUMING[0] else 111)
+
+    async with opened(tardy, numbered) as (lane, server):
+        error = CallTimeout if first is READ else OutcomeUnknown
+        with pytest.raises(error, match=first[0]):
+            await lane.call(*first, SHORT)
+        assert await lane.call(*READ, PATIENCE) == 14
+        late.set()
+        server.wait_finished(1)
+        for number in range(5):
+            assert await lane.call(READ[0], (number,), PATIENCE) == 2 * number
+        assert server.names[0] == first[0]
+        assert server.connections == 2
+
+
+# Not its answer
+
+
+def wrong_sequence(peer: Peer, raw: Message) -> None:
+    peer.send(reply(Message(raw.kind, raw.name, raw.seqid + 1, b""), answer_of(raw.name)))
+
+
+def previous_sequence(peer: Peer, raw: Message) -> None:
+    peer.send(reply(Message(raw.kind, raw.name, raw.seqid - 1, b""), answer_of(raw.name)))
+
+
+def wrong_function(peer: Peer, raw: Message) -> None:
+    peer.send(reply(Message(raw.kind, "pause", raw.seqid, b""), 0))
+
+
+def wrong_kind(peer: Peer, raw: Message) -> None:
+    peer.send(Message(Kind.CALL, raw.name, raw.seqid, b"\x00").encode())
+
+
+def garbage(peer: Peer, raw: Message) -> None:
+    peer.send(bytes(range(200, 256)))
+
+
+def zeros(peer: Peer, raw: Message) -> None:
+    peer.send(bytes(64))
+
+
+def http(peer: Peer, raw: Message) -> None:
+    peer.send(b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n")
+
+
+def gigabytes(peer: Peer, raw: Message) -> None:
+    peer.send(
+        Message(
+            Kind.REPLY, raw.name, raw.seqid, b"\x0b\x00\x00\x7f\xff\xff\xff" + b"x" * 99
+        ).encode()
+    )
+
+
+def answer_of(name: str) -> Any:
+    return [1] if name == CONSUMING[0] else 5
+
+
+FALSE = [
+    wrong_sequence,
+    previous_sequence,
+    wrong_function,
+    wrong_kind,
+    garbage,
+    zeros,
+    http,
+    gigabytes,
+]
+
+
+@each_kind
+@pytest.mark.parametrize("false", FALSE, ids=lambda false: false.__name__)
+async def test_what_is_not_its_answer_is_never_returned(
+    false: Callable[[Peer, Message], None], call: tuple[str, Any]
+) -> None:
+    def script(peer: Peer) -> None:
+        received = peer.receive()
+        assert received is not None
+        false(peer, received.raw)
+        assert peer.wait_gone()
+
+    async with opened(script, numbered) as (lane, server):
+        if call is STOP:
+            # until it is sure: a second one, which is answered truly
+            assert await lane.call(*call, PATIENCE) == 0
+        else:
+            error = ProtocolError if call is READ else OutcomeUnknown
+            with pytest.raises(error, match="something else than its answer") as raised:
+                await lane.call(*call, PATIENCE)
+            assert raised.value.__cause__ is not None
+        server.wait_finished(1)
+        assert server.names == [call[0]] * (2 if call is STOP else 1)
+        assert await lane.call(*READ, PATIENCE) == 14
+        assert server.connections == 2
+
+
+# Too much
+
+
+async def test_a_doubled_answer_in_one_piece() -> None:
+    def script(peer: Peer) -> None:
+        call = peer.receive()
+        assert call is not None
+        peer.send(2 * reply(call.raw, 5))
+        assert peer.wait_gone()
+
+    async with opened(script, numbered) as (lane, server):
+        assert await lane.call(*READ, PATIENCE) == 5
+        assert await lane.call(*COMMAND, PATIENCE) == 0
+        assert server.connections == 2
+
+
+@each_kind
+async def test_bytes_that_nobody_asked_for_cost_no_call(call: tuple[str, Any]) -> None:
+    """They came while the connection idled, so the next call uses another one from the start."""
+
+    def script(peer: Peer) -> None:
+        received = peer.receive()
+        assert received is not None
+        peer.answer(received, 5)
+        again.wait(PATIENCE)
+        peer.answer(received, 5)
+        assert peer.wait_gone()
+
+    again = threading.Event()
+    async with opened(script, numbered) as (lane, server):
+        assert await lane.call(*READ, PATIENCE) == 5
+        again.set()
+        await eventually_async(lambda: idle_connection_has_news(lane))
+        await lane.call(*call, PATIENCE)
+        assert server.names == [READ[0], call[0]]
+        assert server.connections == 2
+
+
+def idle_connection_has_news(lane: Lane) -> bool:
+    """Whether something came on the lane's connection, or its end did."""
+    connection = lane._pool.workers[0].connection
+    assert connection is not None
+    assert connection._stream is not None
+    try:
+        return bool(connection._stream.waiting_bytes())
+    except Exception:
+        return True
+
+
+# Ends
+
+
+def close_it(peer: Peer) -> None:
+    peer.sock.close()
+
+
+def reset_it(peer: Peer) -> None:
+    peer.reset()
+
+
+ENDS = [close_it, reset_it]
+each_end = pytest.mark.parametrize("end", ENDS, ids=lambda end: end.__name__)
+
+
+@each_kind
+@each_end
+async def test_a_connection_that_ended_while_idle_costs_no_call(
+    end: Script, call: tuple[str, Any]
+) -> None:
+    """Even a command is sent on a fresh connection: nothing of it had left."""
+    now = threading.Event()
+
+    def script(peer: Peer) -> None:
+        received = peer.receive()
+        assert received is not None
+        peer.answer(received, 5)
+        now.wait(PATIENCE)
+        end(peer)
+
+    async with opened(script, numbered) as (lane, server):
+        assert await lane.call(*READ, PATIENCE) == 5
+        now.set()
+        await eventually_async(lambda: idle_connection_has_news(lane))
+        await lane.call(*call, PATIENCE)
+        assert server.names == [READ[0], call[0]]
+
+
+@each_kind
+@each_end
+async def test_a_connection_that_ends_before_the_answer(end: Script, call: tuple[str, Any]) -> None:
+    """What only reads, and stop, is sent once more; a command never."""
+
+    def script(peer: Peer) -> None:
+        peer.receive()
+        end(peer)
+
+    async with opened(script, numbered) as (lane, server):
+        if call in (READ, STOP):
+            assert await lane.call(*call, PATIENCE) == (14 if call is READ else 0)
+            assert server.names == [call[0]] * 2
+        else:
+            with pytest.raises(OutcomeUnknown, match="not sent again"):
+                await lane.call(*call, PATIENCE)
+            assert await lane.call(*READ, PATIENCE) == 14
+            assert server.names == [call[0], READ[0]]
+
+
+@each_kind
+@each_end
+async def test_nothing_is_sent_a_third_time(end: Script, call: tuple[str, Any]) -> None:
+    def script(peer: Peer) -> None:
+        if peer.receive() is not None:
+            end(peer)
+
+    async with opened(script) as (lane, server):
+        error = ConnectionLost if call is READ else OutcomeUnknown
+        with pytest.raises(error) as raised:
+            await lane.call(*call, PATIENCE)
+        assert type(raised.value) is error
+        assert server.names == [call[0]] * (2 if call in (READ, STOP) else 1)
+
+
+@each_kind
+@each_end
+async def test_a_connection_that_ends_in_the_answer(end: Script, call: tuple[str, Any]) -> None:
+    """The controller was there and answered: only a stop is sent again, to be sure."""
+
+    def script(peer: Peer) -> None:
+        received = peer.receive()
+        assert received is not None
+        encoded = reply(received.raw, answer_of(received.name))
+        peer.send(encoded[:-3])
+        # the client has them before the end can come
+        now.wait(PATIENCE)
+        end(peer)
+
+    now = threading.Event()
+    async with opened(script, numbered) as (lane, server):
+        errors: list[BaseException] = []
+
+        async def run() -> None:
+            try:
+                await lane.call(*call, PATIENCE)
+            except ConnectionLost as exc:
+                errors.append(exc)
+
+        async with anyio.create_task_group() as group:
+            group.start_soon(run)
+            await eventually_async(lambda: answering(lane))
+            now.set()
+        if call is STOP:
+            assert errors == []
+            assert server.names == [call[0]] * 2
+        else:
+            (error,) = errors
+            assert type(error) is (ConnectionLost if call is READ else OutcomeUnknown)
+            assert server.names == [call[0]]
+
+
+def answering(lane: Lane) -> bool:
+    connection = lane._pool.workers[0].connection
+    return connection is not None and connection.progress == 2
+
+
+async def test_a_stop_whose_second_try_finds_nobody_says_that_it_was_sent() -> None:
+    def script(peer: Peer) -> None:
+        peer.receive()
+        peer.server.stop_listening()
+        close_it(peer)
+
+    async with no_leaks():
+        with ScriptedServer(script) as server:
+            lane = Lane("test", server.host, server.port, connect_timeout=SHORT)
+            await lane.open()
+            with pytest.raises(OutcomeUnknown) as raised:
+                await lane.call(*STOP, PATIENCE)
+            assert isinstance(raised.value.__cause__, ConnectError)
+            await lane.aclose()
+
+
+async def test_a_lane_comes_back_with_its_controller() -> None:
+    async with no_leaks():
+        with ScriptedServer() as server:
+            host, port = server.host, server.port
+            lane = Lane("test", host, port)
+            await lane.open()
+            assert await lane.call(*STOP) == 0
+        for _ in range(2):
+            with pytest.raises(ConnectError, match="refused"):
+                await lane.call(*COMMAND)
+        with ScriptedServer(port=port) as again:
+            assert await lane.call(*COMMAND) == 0
+            assert again.names == [COMMAND[0]]
+            assert lane.statistics().opened == 2
+            connection = lane._pool.workers[0].connection
+            assert connection is not None
+            assert connection.state is ConnectionState.IDLE
+            await lane.aclose()
+
+
+def test_honest_is_honest() -> None:
+    """The server of these tests, by thriftpy2's own client."""
+    module = thriftpy2.load(str(idl.path()), module_name="honest_thrift")
+    with ScriptedServer(honest) as server:
+        client = make_client(module.RPCRobot, server.host, server.port)
+        assert client.get_robot_version() == "3.8"
+        client.close()
