@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import signal
-import threading
+from queue import SimpleQueue
 from typing import Annotated
 
 import typer
@@ -31,15 +31,22 @@ def sim(
     extras.arm(model)
     from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this command alone
 
-    ended = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: ended.set())
-    simulator = Simulator(model, host=host, port=port, speed=speed, on_shutdown=ended.set)
+    # Not an event: a signal handler that sets one can meet the lock that its own thread holds.
+    ended: SimpleQueue[str] = SimpleQueue()
+    simulator = Simulator(
+        model,
+        host=host,
+        port=port,
+        speed=speed,
+        on_shutdown=lambda: ended.put("a client shut it down"),
+    )
     try:
         simulator.start()
     except OSError as error:
         typer.echo(f"cannot listen on {host}:{port}: {error.strerror or error}", err=True)
         raise typer.Exit(1) from None
     with contextlib.closing(simulator):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: ended.put("told to end"))
         typer.echo(f"simulated {model} on {simulator.host}:{simulator.port}; Ctrl-C ends it")
-        ended.wait()
+        typer.echo(ended.get())

@@ -35,7 +35,7 @@ def value(of: str, given: Any) -> bytes:
         head = struct.pack("!bi", kind(inner), len(given))
         return head + b"".join(value(inner, item) for item in given)
     if of == "string":
-        text = given.encode()
+        text: bytes = given.encode()
         return struct.pack("!i", len(text)) + text
     if of in KINDS:
         form = {"bool": "!?", "i8": "!b", "double": "!d", "i16": "!h", "i32": "!i", "i64": "!q"}

@@ -19,6 +19,8 @@ from aioduco.errors import DucoError
 from aioduco.kinematics import forward
 
 if TYPE_CHECKING:
+    import signal
+
     from numpy.typing import NDArray
 
     from aioduco.cli.demo.session import Found
@@ -27,7 +29,6 @@ if TYPE_CHECKING:
 __all__ = ["demo"]
 
 NOT_CONFIRMED = 3
-INTERRUPTED = 130
 OUTPUT = Path("-")
 
 
@@ -56,13 +57,13 @@ def demo(
         if not yes:
             _ask(host, port, plan, console)
         report = Report(model, f"{host}:{port}", simulated=False)
-        ended = _perform(host, port, plan, report, console)
+        ended_by = _perform(host, port, plan, report, console)
     else:
         from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this case alone
 
         with Simulator.spawn(model=model, speed=speed) as sim:
             report = Report(model, f"{sim.host}:{sim.port}", simulated=True, speed=speed)
-            ended = _perform(sim.host, sim.port, plan, report, console)
+            ended_by = _perform(sim.host, sim.port, plan, report, console)
 
     console.print(view.summary(report))
     if report.error:
@@ -72,12 +73,14 @@ def demo(
         console.print(f"plot: {plot}", highlight=False)
     if result is not None:
         _write(report, result)
-    if not ended:
-        raise typer.Exit(INTERRUPTED)
+    if ended_by is not None:
+        raise typer.Exit(128 + ended_by)  # as a shell has it: 130 for Ctrl-C
     raise typer.Exit(0 if report.ok else 1)
 
 
-def _perform(host: str, port: int, plan: Plan, report: Report, console: Console) -> bool:
+def _perform(
+    host: str, port: int, plan: Plan, report: Report, console: Console
+) -> signal.Signals | None:
     shown = view.view_for(console)
     shown.open(report)
     try:

@@ -35,13 +35,13 @@ def save(report: Report, path: Path, skeleton: Skeleton | None = None) -> None:
         path: file to write.
         skeleton: where the arm's joints are, to draw the arm itself; None draws only the path.
     """
-    draw(report, skeleton).savefig(path, format="png")
+    draw(report, skeleton).savefig(path, format="png", pil_kwargs={"optimize": True})
 
 
 def draw(report: Report, skeleton: Skeleton | None = None) -> Figure:
     """Draw a report as a figure."""
-    figure = Figure(figsize=(11, 5.6), dpi=100, layout="constrained")
-    grid = figure.add_gridspec(2, 2, width_ratios=(0.8, 1.2), height_ratios=(2.2, 1.0))
+    figure = Figure(figsize=(11, 5.4), dpi=90, layout="constrained")
+    grid = figure.add_gridspec(2, 2, width_ratios=(0.8, 1.2), height_ratios=(2.2, 1.0), wspace=0.1)
     space = figure.add_subplot(grid[:, 0], projection="3d")
     joints = figure.add_subplot(grid[0, 1])
     errors = figure.add_subplot(grid[1, 1], sharex=joints)
@@ -78,7 +78,6 @@ def _draw_space(axes: Any, report: Report, skeleton: Skeleton | None) -> None:
     axes.tick_params(labelsize=7)
     axes.set_box_aspect((1, 1, 1))
     axes.view_init(elev=20, azim=-60)
-    axes.set_title("path of the tool", fontsize=9)
 
 
 def _draw_joints(axes: Any, report: Report) -> None:
@@ -92,8 +91,7 @@ def _draw_joints(axes: Any, report: Report) -> None:
     _shade(axes, report)
     axes.set_ylabel("joints [°]", fontsize=8)
     axes.tick_params(labelsize=7, labelbottom=False)
-    axes.legend(fontsize=7, ncols=4, loc="lower left", framealpha=0.9)
-    axes.set_title("actual joints, and commanded (dashed)", fontsize=9)
+    axes.legend(fontsize=7, ncols=7, loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
 
 
 def _draw_errors(axes: Any, report: Report) -> None:

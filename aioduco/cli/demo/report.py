@@ -69,6 +69,7 @@ class MotionRecord:
         function: the function of the wire that moves the arm.
         expected: how it should end.
         outcome: how it ended; None while it runs, or if it never began.
+        state: the state of its task that was seen last.
         task_id: the controller's id of the task.
         begin: when the controller took it, since the demonstration began [s].
         end: when its end was seen [s].
@@ -80,6 +81,7 @@ class MotionRecord:
     function: str
     expected: Outcome
     outcome: Outcome | None = None
+    state: str = "sent"
     task_id: int | None = None
     begin: float = 0.0
     end: float = 0.0

@@ -10,6 +10,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import anyio
+
 from aioduco.models.enums import Outcome
 from aioduco.models.pose import Joints
 
@@ -38,6 +40,7 @@ class Plan:
         joint_acceleration: acceleration of joint moves [rad/s²].
         line_speed: speed of straight lines [m/s].
         line_acceleration: acceleration of straight lines [m/s²].
+        hold: how long the arm stands paused [s].
     """
 
     start: Joints
@@ -46,9 +49,10 @@ class Plan:
     depth: float
     blend: float
     joint_speed: float = 1.2
-    joint_acceleration: float = 2.5
+    joint_acceleration: float = 4.0
     line_speed: float = 0.4
     line_acceleration: float = 1.5
+    hold: float = 0.5
 
     @classmethod
     def for_reach(cls, reach: float, *, careful: bool) -> Plan:
@@ -114,18 +118,17 @@ async def pick_and_place(robot: Robot, stage: Stage, plan: Plan) -> None:
     await stage.move("up again", line(over_place))
 
     turn = await stage.start("turn aside, with a pause", joint(plan.aside))
-    await stage.moved(0.25)
+    await stage.moved(0.2)
     await robot.pause()
-    await stage.standing()
     stage.note("paused: the arm stands on its path")
+    await anyio.sleep(plan.hold)
     await robot.resume()
     await stage.finish(turn)
 
     back = await stage.start("turn back, and be stopped", joint(plan.start), expect=Outcome.STOPPED)
-    await stage.moved(0.25)
+    await stage.moved(0.4)
     await robot.stop()
+    stage.note("stopped: the arm stands on its path")
     await stage.finish(back)
-    await stage.standing()
-    stage.note("stopped: the arm stands where it was told to stop")
 
     await stage.move("to the start again", joint(plan.start))

@@ -49,7 +49,9 @@ async def look(host: str, port: int) -> Found:
         return Found(await robot.state.get_robot_state(), await robot.state.getRobotStatus())
 
 
-async def perform(host: str, port: int, plan: Plan, report: Report, view: View) -> bool:
+async def perform(
+    host: str, port: int, plan: Plan, report: Report, view: View
+) -> signal.Signals | None:
     """Connect, bring the arm up, and go through the choreography.
 
     Args:
@@ -60,12 +62,13 @@ async def perform(host: str, port: int, plan: Plan, report: Report, view: View) 
         view: what is told while it runs.
 
     Returns:
-        Whether it was let go to its end: False after Ctrl-C, or when the process was asked to end.
+        The signal that ended it, with the arm stopped; None if none did.
     """
     work = anyio.CancelScope()
+    told: list[signal.Signals] = []
     async with anyio.create_task_group() as listening:
         # It outlives the work, so that a second Ctrl-C does not cut the stop short.
-        await listening.start(_end_on_signal, work, view)
+        await listening.start(_end_on_signal, work, told, view)
         with work:
             try:
                 await _perform(host, port, plan, report, view)
@@ -73,30 +76,36 @@ async def perform(host: str, port: int, plan: Plan, report: Report, view: View) 
                 report.error = "; ".join(str(error) for error in _leaves(group))
         listening.cancel_scope.cancel()
     if work.cancelled_caught:
-        report.error = report.error or "interrupted: the arm was stopped, and stands"
-    return not work.cancelled_caught
+        report.error = "interrupted: the arm was stopped, and stands"
+    return told[0] if told else None
 
 
 async def _perform(host: str, port: int, plan: Plan, report: Report, view: View) -> None:
-    async with aioduco.connect(host, port) as robot:
-        await robot.bring_up()
-        stage = Stage(robot, report, view)
-        async with anyio.create_task_group() as watching:
-            watching.start_soon(stage.watch)
-            await stage.seen()
-            await pick_and_place(robot, stage, plan)
-            watching.cancel_scope.cancel()
+    robot = aioduco.connect(host, port)
+    stage = Stage(robot, report, view)
+    try:
+        async with robot:
+            await robot.bring_up()
+            async with anyio.create_task_group() as watching:
+                watching.start_soon(stage.watch)
+                await stage.seen()
+                await pick_and_place(robot, stage, plan)
+                watching.cancel_scope.cancel()
+    finally:
+        stage.settle()
 
 
 async def _end_on_signal(
     work: anyio.CancelScope,
+    told: list[signal.Signals],
     view: View,
     *,
     task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED,
 ) -> None:
     with anyio.open_signal_receiver(signal.SIGINT, signal.SIGTERM) as signals:
         task_status.started()
-        async for _number in signals:
+        async for number in signals:
+            told.append(number)
             view.note("stopping the arm; this needs a moment")
             work.cancel()
 

@@ -23,9 +23,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Running", "Stage"]
 
-STANDING = 2e-3  # joint speed below which a joint stands [rad/s]
 SAMPLE_EVERY = 0.01  # seconds between two samples of the arm
-PATIENCE = 30.0  # seconds in which the arm must begin to move, or come to stand
+PATIENCE = 30.0  # seconds in which the arm must begin to move
 
 
 class Running:
@@ -52,6 +51,7 @@ class Stage:
         self._origin = time.monotonic()
         self._now: RobotStatus | None = None
         self._seen = anyio.Event()
+        self._live: list[Running] = []
 
     async def watch(self) -> None:
         """Take samples of the arm until cancelled."""
@@ -95,7 +95,9 @@ class Stage:
         record.task_id = task.id
         record.begin = task.accepted_at - self._origin
         self._view.began(record)
-        return Running(task, record)
+        running = Running(task, record)
+        self._live.append(running)
+        return running
 
     async def finish(self, running: Running) -> None:
         """Follow a motion to its end, and keep how it ended.
@@ -103,29 +105,34 @@ class Stage:
         Raises:
             TaskError: it ended otherwise than expected.
         """
-        task, record = running.task, running.record
         error: TaskError | None = None
         try:
-            await task
+            await running.task
         except TaskError as raised:
             error = raised
+        self._settle(running, error)
+        if error is not None and not running.record.ok:
+            raise error
+
+    def settle(self) -> None:
+        """Keep how the motions ended that nobody follows any more."""
+        for running in tuple(self._live):
+            self._settle(running, None)
+
+    def _settle(self, running: Running, error: TaskError | None) -> None:
+        self._live.remove(running)
+        task, record = running.task, running.record
         record.outcome = task.outcome
         record.end = (task.ended_at or time.monotonic()) - self._origin
         record.tracking_error = self._report.track.greatest_error(record.begin, record.end)
         if not record.ok:
             record.message = str(error or "")
         self._view.ended(record)
-        if error is not None and not record.ok:
-            raise error
 
     async def moved(self, angle: float) -> None:
         """Wait until a joint has moved by an angle [rad] from where it is now."""
         begin = self.now.joints.array
         await self._until(lambda status: np.abs(status.joints.array - begin).max() > angle)
-
-    async def standing(self) -> None:
-        """Wait until all joints stand."""
-        await self._until(lambda status: np.abs(status.joint_speeds).max() < STANDING)
 
     async def seen(self) -> None:
         """Wait until the arm was seen once."""
@@ -141,6 +148,8 @@ class Stage:
         actual, pose = tuple(status.joints), tuple(status.pose)
         at = status.received_at - self._origin
         self._report.track.add(at, tuple(status.expected_joints), actual, pose)
+        for running in self._live:
+            running.record.state = running.task.state.name.lower()
         self._view.sample(actual, pose, status.state.name.lower())
         seen, self._seen = self._seen, anyio.Event()
         seen.set()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Protocol
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Group
 from rich.live import Live
 from rich.progress_bar import ProgressBar
@@ -59,7 +60,7 @@ def view_for(console: Console) -> View:
 def outcome_text(motion: MotionRecord) -> Text:
     """How a motion ended, or that it runs."""
     if motion.outcome is None:
-        return Text("running", style="bold")
+        return Text(motion.state, style="bold")
     style = _STYLES.get(motion.outcome, "red") if motion.ok else "bold red"
     text = Text(motion.outcome.value, style=style)
     if not motion.ok:
@@ -161,7 +162,7 @@ class LiveView:
             table.add_row(
                 f"J{joint}",
                 f"{math.degrees(angle):8.2f} °",
-                ProgressBar(total=360.0, completed=math.degrees(angle) % 360.0, width=24),
+                ProgressBar(total=360.0, completed=(math.degrees(angle) + 180.0) % 360.0, width=24),
                 name,
                 shown,
             )
@@ -180,11 +181,15 @@ class LiveView:
 
 def summary(report: Report) -> Table:
     """The table at the end: each motion with outcome, duration and greatest tracking error."""
-    table = Table(title=f"aioduco demo: {report.model} at {report.controller}")
+    table = Table(
+        title=f"aioduco demo: {report.model} at {report.controller}",
+        caption="tracking error: the greatest difference of commanded and actual joints",
+        box=SIMPLE_HEAD,
+    )
     for heading in ("motion", "function", "outcome"):
-        table.add_column(heading)
-    for heading in ("duration", "greatest tracking error"):
-        table.add_column(heading, justify="right")
+        table.add_column(heading, no_wrap=True)
+    for heading in ("duration", "tracking error"):
+        table.add_column(heading, justify="right", no_wrap=True)
     for motion in report.motions:
         table.add_row(
             motion.name,

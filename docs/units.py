@@ -1,0 +1,17 @@
+"""Lets docstrings say "in [0, π] [rad]": Markdown would read a link with the target "rad"."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import griffe
+
+
+class UnitsAreNoLinks(griffe.Extension):
+    """Escapes a bracket that follows another one after a space."""
+
+    def on_object(self, *, obj: griffe.Object, **_: Any) -> None:
+        """Rewrite the docstring of one object."""
+        if obj.docstring is not None:
+            obj.docstring.value = re.sub(r"\] \[", r"] \\[", obj.docstring.value)

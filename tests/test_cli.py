@@ -1,0 +1,251 @@
+"""The command `aioduco`: in this process where it only answers, as a process where it runs."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import signal
+import socket
+import subprocess
+import sys
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from typer.testing import CliRunner, Result
+
+import aioduco
+from aioduco.cli.app import app
+from aioduco.kinematics import models
+from aioduco.models.enums import RobotState
+from aioduco.sim import Simulator
+from aioduco.testing import eventually
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+COMMAND = (sys.executable, "-W", "error", "-m", "aioduco.cli")
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def run(*arguments: str, typed: str = "") -> Result:
+    return CliRunner().invoke(app, list(arguments), input=typed)
+
+
+@contextmanager
+def process(*arguments: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
+    """The command in a process that does not outlive the test."""
+    with subprocess.Popen(
+        [*COMMAND, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        **options,
+    ) as started:
+        try:
+            yield started
+        finally:
+            started.kill()
+
+
+def address(sim: Simulator) -> tuple[str, ...]:
+    return ("--host", sim.host, "--port", str(sim.port))
+
+
+def test_version() -> None:
+    assert run("--version").stdout == f"{aioduco.__version__}\n"
+
+
+def test_help_names_the_commands() -> None:
+    shown = run("--help").stdout
+    assert "sim" in shown
+    assert "demo" in shown
+
+
+@pytest.mark.parametrize("command", ["sim", "demo"])
+def test_an_unknown_arm_is_refused_and_the_known_ones_are_listed(command: str) -> None:
+    answer = run(command, "--model", "ur5")
+    assert answer.exit_code == 2
+    said = answer.output.replace("\n", " ")
+    assert all(model in said for model in models())
+
+
+def test_missing_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == "mujoco" else 1)
+    answer = run("sim")
+    assert answer.exit_code == 1
+    assert "mujoco: pip install 'aioduco[sim,cli]'" in answer.output
+
+
+# -- sim -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_sim_says_where_it_listens_and_ends_when_told(number: signal.Signals) -> None:
+    with process("sim", "--port", "0") as sim:
+        assert sim.stdout is not None
+        words = sim.stdout.readline().split()
+        host, port = words[3].rstrip(";").split(":")
+        assert words[:3] == ["simulated", "gcr5_910", "on"]
+        with socket.create_connection((host, int(port)), timeout=5):
+            sim.send_signal(number)
+            _, errors = sim.communicate(timeout=20)
+    assert (sim.returncode, errors) == (0, "")
+
+
+def test_sim_says_so_when_the_port_is_taken() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        answer = run("sim", "--port", str(port))
+    assert answer.exit_code == 1
+    assert f"cannot listen on 127.0.0.1:{port}" in answer.output
+
+
+# -- demo ----------------------------------------------------------------------------------------
+
+
+def test_demo_without_a_terminal(tmp_path: Path) -> None:
+    """The whole of it: an arm in a process of its own, plain lines, a plot, and a result."""
+    plot, result = tmp_path / "demo.png", tmp_path / "demo.json"
+    done = subprocess.run(
+        [*COMMAND, "demo", "--speed", "10", "--plot", str(plot), "--json", str(result)],
+        check=False,
+        capture_output=True,
+        text=True,
+        stdin=subprocess.DEVNULL,
+        timeout=50,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "\x1b" not in done.stdout, "no colours and no cursor movements outside a terminal"
+    assert len(done.stdout.splitlines()) < 50
+
+    report = json.loads(result.read_text(encoding="utf-8"))
+    outcomes = [motion["outcome"] for motion in report["motions"]]
+    assert report["ok"] is True
+    assert {"finished", "blended", "stopped"} == set(outcomes)
+    assert all(motion["name"] in done.stdout for motion in report["motions"])
+    assert all(motion["duration"] > 0 for motion in report["motions"])
+    assert 0 < report["greatest_tracking_error"] < 5e-3
+
+    assert plot.read_bytes().startswith(PNG)
+    assert plot.stat().st_size < 200_000, "small enough for the README"
+
+
+def test_demo_gives_its_result_alone_on_the_output() -> None:
+    done = subprocess.run(
+        [*COMMAND, "demo", "--speed", "20", "--no-plot", "--json", "-"],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=50,
+    )
+    assert json.loads(done.stdout)["ok"] is True
+    assert "to the start" in done.stderr
+
+
+def test_demo_asks_before_it_moves_an_arm_that_it_did_not_make() -> None:
+    with Simulator() as sim:
+        for typed in ("n\n", "", "\n"):
+            answer = run("demo", *address(sim), "--no-plot", typed=typed)
+            assert answer.exit_code == 3
+            assert "nothing was sent that moves the arm" in answer.output
+            assert sim.view.robot is RobotState.POWER_OFF
+        said = answer.output
+    for what in ("robot POWER_OFF", "safety", "turns by", "°/s", "mm/s", "emergency stop"):
+        assert what in said
+
+
+def test_demo_runs_on_another_arm_once_that_is_confirmed() -> None:
+    with Simulator("gcr10_1300", speed=20) as sim:
+        answer = run("demo", *address(sim), "--model", "gcr10_1300", "--no-plot", typed="y\n")
+        assert answer.exit_code == 0, answer.output
+        assert not sim.moving
+        assert sim.get_digital_output(1) is False
+
+
+def test_demo_is_slower_on_an_arm_that_it_did_not_make(tmp_path: Path) -> None:
+    result = tmp_path / "demo.json"
+
+    def durations(*arguments: str) -> dict[str, float]:
+        assert run("demo", *arguments, "--no-plot", "--json", str(result)).exit_code == 0
+        report = json.loads(result.read_text(encoding="utf-8"))
+        return {motion["name"]: motion["duration"] for motion in report["motions"]}
+
+    simulated = durations("--speed", "10")
+    with Simulator(speed=10) as sim:
+        careful = durations(*address(sim), "--yes")
+    assert careful["across"] > 2 * simulated["across"]
+
+
+def test_demo_without_a_controller_says_so() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as closed:
+        port = closed.getsockname()[1]
+    for more in ((), ("--yes",)):
+        answer = run("demo", "--host", "127.0.0.1", "--port", str(port), "--no-plot", *more)
+        assert answer.exit_code == 1
+        assert f"cannot connect to 127.0.0.1:{port}" in answer.output.replace("\n", "")
+
+
+@pytest.mark.parametrize(
+    ("number", "status", "times"),
+    [(signal.SIGINT, 130, 1), (signal.SIGINT, 130, 3), (signal.SIGTERM, 143, 1)],
+)
+def test_demo_leaves_a_standing_arm_when_it_is_told_to_end(
+    number: signal.Signals, status: int, times: int
+) -> None:
+    """Also when Ctrl-C is pressed again while the arm is being stopped."""
+    with Simulator() as sim:
+        with process("demo", *address(sim), "--yes", "--no-plot", "--json", "-") as demo:
+            sim.wait_until(lambda: sim.moving, timeout=20)
+            for _ in range(times):
+                demo.send_signal(number)
+            output, _ = demo.communicate(timeout=20)
+        assert demo.returncode == status
+        assert not sim.moving
+        report = json.loads(output)
+        assert report["error"] == "interrupted: the arm was stopped, and stands"
+        assert report["motions"][-1]["outcome"] == "stopped"
+
+
+def test_demo_reports_what_went_wrong() -> None:
+    with Simulator() as sim:
+        with process("demo", *address(sim), "--yes", "--no-plot") as demo:
+            sim.wait_until(lambda: sim.moving, timeout=20)
+            sim.collide(3)
+            output, errors = demo.communicate(timeout=20)
+        assert (demo.returncode, errors) == (1, "")
+        assert "error: movej2" in output
+        assert not sim.moving
+
+
+def test_demo_on_a_terminal_shows_the_arm_while_it_moves(tmp_path: Path) -> None:
+    """On a pseudo terminal, with a Ctrl-C typed there, which its own simulator must survive."""
+    ours, theirs = pty.openpty()
+    options = ("demo", "--plot", str(tmp_path / "demo.png"))
+    seen = bytearray()
+
+    def shows(text: bytes) -> bool:
+        seen.extend(os.read(ours, 65536))
+        return text in seen
+
+    with subprocess.Popen(
+        [*COMMAND, *options],
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+        start_new_session=True,
+        env=os.environ | {"TERM": "xterm-256color", "COLUMNS": "100"},
+    ) as demo:
+        try:
+            eventually(lambda: shows(b"over the pick"), timeout=40)
+            os.killpg(demo.pid, signal.SIGINT)
+            eventually(lambda: shows(b"interrupted: the arm was stopped, and stands"), timeout=20)
+            assert demo.wait(timeout=20) == 130
+        finally:
+            demo.kill()
+            os.close(ours)
+            os.close(theirs)
+    assert b"J6" in seen
+    assert b"mm" in seen
