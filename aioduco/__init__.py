@@ -12,34 +12,9 @@ Units are SI: metres, radians, seconds, kilograms, newtons; `deg()` and `mm()` c
 
 from __future__ import annotations
 
+from aioduco import errors
 from aioduco._version import __version__
-from aioduco.errors import (
-    CallTimeout,
-    ConnectError,
-    ConnectionLost,
-    ConnectTimeout,
-    ControllerError,
-    DucoError,
-    HeartbeatLost,
-    NotAController,
-    NotSent,
-    OutcomeUnknown,
-    ParameterError,
-    ProtocolError,
-    Refused,
-    RobotStateError,
-    StaleState,
-    StopUnconfirmed,
-    TaskError,
-    TaskFailed,
-    TaskIllegal,
-    TaskInterrupted,
-    TaskOverdue,
-    TaskParameterMismatch,
-    TaskStopped,
-    TaskUnknown,
-    UnknownFunction,
-)
+from aioduco.errors import *  # noqa: F403  # all of them, as errors.__all__ lists them
 from aioduco.models.enums import (
     OperationMode,
     Outcome,
@@ -100,30 +75,5 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     "RobotStatus",
     "SafetyState",
     "TaskState",
-    # errors
-    "CallTimeout",
-    "ConnectError",
-    "ConnectTimeout",
-    "ConnectionLost",
-    "ControllerError",
-    "DucoError",
-    "HeartbeatLost",
-    "NotAController",
-    "NotSent",
-    "OutcomeUnknown",
-    "ParameterError",
-    "ProtocolError",
-    "Refused",
-    "RobotStateError",
-    "StaleState",
-    "StopUnconfirmed",
-    "TaskError",
-    "TaskFailed",
-    "TaskIllegal",
-    "TaskInterrupted",
-    "TaskOverdue",
-    "TaskParameterMismatch",
-    "TaskStopped",
-    "TaskUnknown",
-    "UnknownFunction",
 ]
+__all__ += errors.__all__

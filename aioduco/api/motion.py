@@ -288,6 +288,7 @@ class Motion(Section):
         for number, motion in enumerate(motions):
             if not isinstance(motion, MotionCommand):
                 raise ParameterError(f"motions[{number}]", motion, "a motion")
+            motion.hand_over()
         if ahead < 1:
             raise ParameterError("ahead", ahead, "a whole number from 1 on")
         tasks: deque[Task] = deque()

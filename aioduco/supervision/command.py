@@ -81,6 +81,10 @@ class MotionCommand:
                 stacklevel=2,
             )
 
+    def hand_over(self) -> None:
+        """Say that somebody else sees to this motion: it will not warn that it was not used."""
+        self._used = True
+
     async def start(
         self, *, deadline: float | None = None, on_cancel: OnCancel | None = None
     ) -> Task:
@@ -100,12 +104,12 @@ class MotionCommand:
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             ConnectionLost: it was not sent.
         """
-        self._used = True
+        self.hand_over()
         return await self._launcher.launch(self.command, deadline=deadline, on_cancel=on_cancel)
 
     def __await__(self) -> Generator[Any, Any, Outcome]:
-        # Marked here: a coroutine that is never awaited gives its own warning.
-        self._used = True
+        # Here and not in the coroutine: one that is never awaited gives its own warning.
+        self.hand_over()
         return self._run().__await__()
 
     async def _run(self) -> Outcome:

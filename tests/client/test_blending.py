@@ -1,0 +1,146 @@
+"""Blended motions: several in a row, of which the blended ones count as success."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import anyio
+import pytest
+
+import aioduco
+from aioduco import Outcome, TaskState
+from aioduco.testing import eventually_async
+from client.bench import HOME, POSE
+
+if TYPE_CHECKING:
+    from client.bench import Bench
+
+
+def motions(robot: aioduco.Robot, radii: list[float]) -> list[aioduco.MotionCommand]:
+    return [robot.motion.movel(POSE, v=0.2, a=0.2, r=r) for r in radii]
+
+
+async def test_run_sends_ahead_and_blends(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time = 0.05
+    outcomes = await robot.motion.run(*motions(robot, [0.02, 0.02, 0.0]))
+    assert outcomes == (Outcome.BLENDED, Outcome.BLENDED, Outcome.FINISHED)
+    first, second, third = bench.tasks.values()
+    # Each was there before the one before it ended: otherwise the arm would have stopped.
+    assert first.state is second.state is TaskState.INTERRUPT
+    assert third.state is TaskState.FINISHED
+    assert bench.commands == ["movel"] * 3
+
+
+async def test_run_keeps_the_controllers_queue_short(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time = 0.03
+    live: list[int] = []
+    start = bench._answers["movel"]
+
+    def counted(*args: object) -> int:
+        answer: int = start(*args)
+        live.append(sum(not task.state.ended for task in bench.tasks.values()))
+        return answer
+
+    bench.answer("movel", counted)
+    outcomes = await robot.motion.run(*motions(robot, [0.01] * 9 + [0.0]), ahead=2)
+    assert outcomes == (Outcome.BLENDED,) * 9 + (Outcome.FINISHED,)
+    assert max(live) == 2
+
+
+async def test_starting_one_after_another_blends_too(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time = 0.1
+    tasks = [await motion.start() for motion in motions(robot, [0.02, 0.0])]
+    assert [await task for task in tasks] == [Outcome.BLENDED, Outcome.FINISHED]
+
+
+async def test_a_radius_without_a_successor_just_finishes(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    assert await robot.motion.run(*motions(robot, [0.02])) == (Outcome.FINISHED,)
+
+
+async def test_an_interruption_without_a_successor_is_an_error(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.ends = TaskState.INTERRUPT
+    (motion,) = motions(robot, [0.02])
+    with pytest.raises(aioduco.TaskInterrupted):
+        await motion
+
+
+async def test_the_successors_acceptance_is_waited_for(robot: aioduco.Robot, bench: Bench) -> None:
+    """The controller has blended already, but the answer to the second start is on its way."""
+    bench.motion_time = 0.1
+    first, second = motions(robot, [0.02, 0.0])
+    task = await first.start()
+    start = bench._answers["movel"]
+    gate = bench.hold("movel")
+
+    def held(*args: object) -> int:
+        answer: int = start(*args)  # accepted, but not answered yet
+        gate.wait(10)
+        return answer
+
+    bench.answer("movel", held)
+    async with anyio.create_task_group() as tg:
+        tg.start_soon(second.start)
+        await eventually_async(lambda: task.state is TaskState.INTERRUPT)
+        assert task.outcome is None
+        gate.set()
+    assert await task is Outcome.BLENDED
+
+
+async def test_one_that_fails_stops_those_after_it(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time = 0.1
+    bench.ends = TaskState.ERROR
+    with pytest.raises(aioduco.TaskFailed):
+        await robot.motion.run(*motions(robot, [0.02, 0.02, 0.0]), ahead=2)
+    assert not bench.moving()
+    assert len(bench.received("movel")) == 2
+    assert "stop" in bench.commands
+    assert not robot.tasks
+
+
+async def test_one_that_is_refused_stops_those_before_it(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.motion_time = 30.0
+    bench.answer("movej2", -1)
+    refused = robot.motion.movej2(HOME, v=1.0, a=1.0)
+    with pytest.raises(aioduco.Refused):
+        await robot.motion.run(*motions(robot, [0.02]), refused)
+    assert not bench.moving()
+    assert not robot.tasks
+
+
+async def test_cancelling_a_run_stops_the_arm(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time = 30.0
+    with anyio.move_on_after(0.1) as scope:
+        await robot.motion.run(*motions(robot, [0.02, 0.02, 0.0]))
+    assert scope.cancelled_caught
+    assert not bench.moving()
+    assert not robot.tasks
+
+
+async def test_a_stop_ends_a_run(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time = 30.0
+    async with anyio.create_task_group() as tg:
+
+        async def run() -> None:
+            with pytest.raises(aioduco.TaskStopped):
+                await robot.motion.run(*motions(robot, [0.02, 0.0]))
+
+        tg.start_soon(run)
+        await eventually_async(lambda: len(robot.tasks) == 2)
+        await robot.stop()
+    assert bench.commands.count("movel") == 2
+    assert not bench.moving()
+
+
+async def test_what_is_no_motion_is_refused(robot: aioduco.Robot, bench: Bench) -> None:
+    with pytest.raises(aioduco.ParameterError, match=r"motions\[0\].*must be a motion"):
+        await robot.motion.run("home")  # type: ignore[arg-type]  # the wrong type is the point
+    with pytest.raises(aioduco.ParameterError, match="ahead is 0"):
+        await robot.motion.run(ahead=0)
+    assert await robot.motion.run() == ()
+    assert bench.commands == []

@@ -1,0 +1,66 @@
+"""The public names, and what importing the package costs."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import aioduco
+from aioduco import errors
+
+NAMES = {
+    "the robot": "__version__ connect Robot MotionCommand OnCancel Outcome Task",
+    "values": "deg mm Joints JointsLike Pose PoseLike",
+    "outputs": "bool_register event float_register output tool_output word_register Op PointOp",
+    "states": "HeartbeatState IOStatus OperationMode ProgramState RobotState RobotStates "
+    "RobotStatus SafetyState TaskState",
+    "errors": " ".join(errors.__all__),
+}
+
+
+def test_public_names() -> None:
+    assert sorted(aioduco.__all__) == sorted(" ".join(NAMES.values()).split())
+    assert len(set(aioduco.__all__)) == len(aioduco.__all__)
+    for name in aioduco.__all__:
+        assert getattr(aioduco, name) is not None
+
+
+def test_every_public_name_is_documented() -> None:
+    for name in aioduco.__all__:
+        thing = getattr(aioduco, name)
+        if callable(thing) and getattr(thing, "__module__", "").startswith("aioduco"):
+            assert thing.__doc__, name
+
+
+MODULES = """
+import sys
+import aioduco
+print(*sorted(m for m in sys.modules if m.split(".")[0] in {"thriftpy2", "mujoco", "asyncio"}))
+"""
+
+
+def test_import_loads_neither_thrift_nor_an_event_loop() -> None:
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", MODULES],
+        check=True,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.stdout.split() == []
+    assert done.stderr == ""
+
+
+def test_import_is_quick_beside_numpy() -> None:
+    """Most of the time to import is numpy's: what comes on top is of that order."""
+    script = (
+        "import time\n"
+        "a = time.perf_counter()\nimport numpy\n"
+        "b = time.perf_counter()\nimport aioduco\n"
+        "print((time.perf_counter() - b) / (b - a))"
+    )
+    ratios = [
+        float(subprocess.check_output([sys.executable, "-c", script], text=True, timeout=60))
+        for _ in range(3)
+    ]
+    assert min(ratios) < 2.0, ratios
