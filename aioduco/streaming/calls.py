@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from aioduco._wire.connection import Connection
 
-__all__ = ["Batch", "Point"]
+__all__ = ["Batch", "Point", "element_tail"]
 
 _MARKS = tuple(-1.2345678901e-217 * (axis + 1) for axis in range(6))
 _MARK = struct.pack("!6d", *_MARKS)
@@ -87,12 +87,9 @@ class Batch:
         self._connection = connection
         self._timeout = timeout
         self._function = idl.functions()[name]
-        encoded = codec.encode(self._function, ([element(list(_MARKS))], *others))
-        self._kind = encoded[: _LIST_HEAD - 4]
-        # What an empty list leaves behind its head is the rest of the call.
-        self._rest = codec.encode(self._function, ([], *others))[_LIST_HEAD:]
+        self._kind, encoded, self._rest = _parts(self._function, element, others)
         #: what lies before and behind the six numbers in an element of the list
-        self.head, self.tail = _around(encoded[_LIST_HEAD : len(encoded) - len(self._rest)])
+        self.head, self.tail = _around(encoded)
 
     def element(self, values: Sequence[float], tail: bytes = b"") -> bytes:
         """One set-point as it stands in the list, perhaps with another tail."""
@@ -107,6 +104,23 @@ class Batch:
         deadline = time.monotonic() + self._timeout
         answer: int = self._connection.exchange(self._function, self.encode(elements), deadline)
         return answer
+
+
+def element_tail(
+    name: str, element: Callable[[list[float]], Any], others: tuple[Any, ...]
+) -> bytes:
+    """What lies behind the six numbers of an element, for `Batch.element`."""
+    return _around(_parts(idl.functions()[name], element, others)[1])[1]
+
+
+def _parts(
+    function: idl.Function, element: Callable[[list[float]], Any], others: tuple[Any, ...]
+) -> tuple[bytes, bytes, bytes]:
+    """A call with one element in its list: what comes before the count, the element, the rest."""
+    encoded = codec.encode(function, ([element(list(_MARKS))], *others))
+    # What an empty list leaves behind its head is the rest of the call.
+    rest = codec.encode(function, ([], *others))[_LIST_HEAD:]
+    return encoded[: _LIST_HEAD - 4], encoded[_LIST_HEAD : len(encoded) - len(rest)], rest
 
 
 def _around(encoded: bytes) -> tuple[bytes, bytes]:

@@ -82,6 +82,7 @@ class Feed:
             rates=self.rates,
         )
         self._follower: Follower | Rates | None = None
+        self._sent: tuple[float, ...] | None = None
         self._next = self.ring.newest if config["latest"] else self.ring.take
         self._age = block.histograms["age"].record
 
@@ -113,7 +114,10 @@ class Feed:
     def step(self) -> tuple[float, ...] | None:
         """The next set-point for the controller; None when there is nothing to send."""
         config = self.source.step(self._take)
-        return None if config is None else self.values(config)
+        if config is None:
+            return None
+        self._sent = self.values(config)
+        return self._sent
 
     def resting(self) -> tuple[float, ...]:
         """The set-point at which the arm stays as it is; only after `begin`."""
@@ -138,6 +142,8 @@ class Feed:
         status[Status.OVERWRITTEN] = self.ring.overwritten
         if self._follower is not None:
             status[Status.LIMITED] = self._follower.limited
+        if self._sent is not None:
+            self.block.report.overwrite(self._sent, time.monotonic_ns())
 
 
 class Watch:

@@ -29,7 +29,7 @@ from aioduco.errors import ControllerError, DucoError
 from aioduco.streaming.drive import Driver, Each
 from aioduco.streaming.pacing import Schedule, sharpen_sleep, sleep_until
 from aioduco.streaming.queued import Pool, Queue
-from aioduco.streaming.shared import Block, Command, Control, Status
+from aioduco.streaming.shared import Block, Command, Control, Status, Unmet
 from aioduco.streaming.source import Reason, State
 
 __all__ = ["Lane", "main"]
@@ -76,6 +76,7 @@ class Lane:
         block, config = self._block, self._config
         reason, text = Reason.NONE, ""
         connection = self._connection()
+        block.status[Status.UNMET] = prepare(config)
         try:
             connection.open()
             self._driver = _DRIVERS[config["driver"]](config, connection, block)
@@ -221,25 +222,26 @@ class Lane:
             self._link.send(b"\1", socket.MSG_DONTWAIT | socket.MSG_NOSIGNAL)
 
 
-def prepare(config: dict[str, Any]) -> str:
+def prepare(config: dict[str, Any]) -> Unmet:
     """Give the calling thread what the configuration asks for of the system.
 
     Returns:
-        What was not allowed, in words.
+        What the system did not allow.
     """
-    refused: list[str] = []
-    sharpen_sleep(threading.get_native_id())
+    unmet = Unmet(0)
+    if not sharpen_sleep(threading.get_native_id()):
+        unmet |= Unmet.TIMER_SLACK
     if config["cpus"]:
         try:
             os.sched_setaffinity(0, config["cpus"])
-        except OSError as exc:
-            refused.append(f"CPU affinity: {exc.strerror}")
+        except OSError:
+            unmet |= Unmet.CPUS
     if config["priority"]:
         try:
             os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(config["priority"]))
-        except OSError as exc:
-            refused.append(f"SCHED_FIFO: {exc.strerror}")
-    return "; ".join(refused)
+        except OSError:
+            unmet |= Unmet.PRIORITY
+    return unmet
 
 
 def _memory() -> int:
@@ -264,7 +266,6 @@ def main(arguments: list[str]) -> int:
     lane = Lane(block, socket.socket(fileno=link), process=True)
     signal.signal(signal.SIGTERM, lambda *_: lane.terminate())
     signal.signal(signal.SIGHUP, lambda *_: lane.terminate())
-    prepare(block.config)
     # Nothing that was imported is garbage: leave it out of every collection from here on.
     gc.collect()
     gc.freeze()

@@ -15,7 +15,7 @@ import json
 import mmap
 import os
 import struct
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 from typing import TYPE_CHECKING, Any
 
 from aioduco.streaming.ring import Ring
@@ -24,7 +24,7 @@ from aioduco.streaming.statistics import Histogram
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["HISTOGRAMS", "Block", "Command", "Control", "Status"]
+__all__ = ["HISTOGRAMS", "Block", "Command", "Control", "Status", "Unmet"]
 
 _MAGIC = 0x61696F6475636F31
 _HEADER = struct.Struct("<QQQQ")
@@ -80,6 +80,16 @@ class Status(IntEnum):
     TEXT = 13
     #: size of the lane's process at its largest [kB]
     MEMORY = 14
+    #: what was asked of the system and not allowed: flags of `Unmet`
+    UNMET = 15
+
+
+class Unmet(IntFlag):
+    """What a lane asked of the system and did not get."""
+
+    TIMER_SLACK = 1
+    CPUS = 2
+    PRIORITY = 4
 
 
 _WORDS = 32

@@ -1,0 +1,62 @@
+"""What the end of a stream means to its program."""
+
+from __future__ import annotations
+
+from aioduco.errors import (
+    FirstPointTooFar,
+    LaneFailed,
+    StreamClosed,
+    StreamError,
+    StreamLost,
+    StreamRefused,
+    StreamStarved,
+    StreamStopped,
+)
+from aioduco.streaming.source import Reason
+
+__all__ = ["failure"]
+
+_BRAKED = "the stream was ended by its program; the arm was braked"
+_STARVED = (
+    "no set-point came for longer than the hold time: the arm was brought to rest, and the robot "
+    "stopped. Send more often, or open the stream with a longer hold"
+)
+_ALONE = "the lane lost sight of the program: the arm was brought to rest, and the robot stopped"
+_STOPPED = "the robot was stopped, and nothing more is sent. Open a new stream to go on"
+_TOO_FAR = (
+    "the first set-point is further from where the arm is than the stream's reach; nothing was "
+    "sent. Move there first, or begin the stream at the arm's own position"
+)
+_REFUSED = (
+    "the controller does not follow any more, and was told to stop. See its errors, and the "
+    "robot's state"
+)
+_CONNECTION = (
+    "the stream's connection failed; if anything was sent, a stop was tried over a new one. Look "
+    "at the robot's state before you go on"
+)
+_FAILED = "the stream's lane failed; the robot was told to stop"
+_DIED = (
+    "the stream's lane is gone without a word; the robot was told to stop on another connection, "
+    "if there was one"
+)
+
+_ENDS: dict[Reason, tuple[type[StreamError], str]] = {
+    Reason.ABORTED: (StreamClosed, _BRAKED),
+    Reason.STARVED: (StreamStarved, _STARVED),
+    Reason.PROGRAM_DIED: (LaneFailed, _ALONE),
+    Reason.STOPPED: (StreamStopped, _STOPPED),
+    Reason.TOO_FAR: (FirstPointTooFar, _TOO_FAR),
+    Reason.REFUSED: (StreamRefused, _REFUSED),
+    Reason.CONNECTION: (StreamLost, _CONNECTION),
+    Reason.FAILED: (LaneFailed, _FAILED),
+    Reason.LANE_DIED: (LaneFailed, _DIED),
+}
+
+
+def failure(name: str, reason: Reason, text: str, statistics: object) -> StreamError | None:
+    """The error for the end of a stream; None if there is none, or it was closed."""
+    if reason not in _ENDS:
+        return None
+    kind, meaning = _ENDS[reason]
+    return kind(f"{name}: {meaning}{f' ({text})' if text else ''}", statistics)

@@ -1,0 +1,188 @@
+"""What a stream did and how well: one frozen value, as text, as a table, as JSON, as a figure."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from aioduco.streaming.shared import HISTOGRAMS, Status, Unmet
+from aioduco.streaming.statistics import Percentiles
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from aioduco.streaming.host import Host
+    from aioduco.streaming.source import Reason, State
+
+__all__ = ["StreamStatistics", "plot"]
+
+_MEANINGS = {
+    "lateness": "how late a tick began",
+    "interval": "time between two ticks",
+    "round_trip": "set-point sent to answer received",
+    "work": "all work of a tick",
+    "age": "set-point sent by the program to taken by the lane",
+    "depth": "points in the controller's queue",
+}
+
+
+class StreamStatistics(NamedTuple):
+    """Figures of one stream, at one moment.
+
+    Attributes:
+        state: state of the stream.
+        reason: why it ended, or ends.
+        ticks: ticks of the lane.
+        sent: set-points sent to the controller.
+        missed: ticks that were skipped, since the lane or the controller was not ready in time.
+        starved: ticks in which a set-point of the program was due and none was there.
+        limited: ticks in which the limits kept the arm from its target.
+        overwritten: set-points that newer ones replaced before they were taken.
+        drained: times at which the controller's queue was found empty.
+        queued: set-points of the program that wait in the lane's ring.
+        depth: points in the controller's queue when last looked at.
+        memory: size of the lane's process at its end [bytes]; 0 before, and for a thread.
+        unmet: what was asked of the system and not allowed.
+        lateness: how late ticks began, those that were skipped included [s].
+        interval: time between two ticks [s].
+        round_trip: time from a set-point sent to its answer [s].
+        work: time of all work in a tick [s].
+        age: time from a set-point sent by the program to taken by the lane [s].
+        queue: points in the controller's queue each time that it was looked at.
+        buckets: the histograms behind these percentiles: by name the lowest value, the next
+            bucket's, and the count; nanoseconds or points.
+    """
+
+    state: State
+    reason: Reason
+    ticks: int
+    sent: int
+    missed: int
+    starved: int
+    limited: int
+    overwritten: int
+    drained: int
+    queued: int
+    depth: int
+    memory: int
+    unmet: tuple[str, ...]
+    lateness: Percentiles
+    interval: Percentiles
+    round_trip: Percentiles
+    work: Percentiles
+    age: Percentiles
+    queue: Percentiles
+    buckets: dict[str, list[tuple[int, int, int]]]
+
+    @classmethod
+    def of(cls, host: Host) -> StreamStatistics:
+        """Read them from the memory that the lane writes."""
+        block = host.block
+        words = block.status
+        times = {
+            name: block.histograms[name].snapshot(1.0 if name == "depth" else 1e-9)
+            for name in HISTOGRAMS
+        }
+        return cls(
+            state=host.state,
+            reason=host.reason,
+            ticks=words[Status.TICKS],
+            sent=words[Status.SENT],
+            missed=words[Status.MISSED],
+            starved=words[Status.STARVED],
+            limited=words[Status.LIMITED],
+            overwritten=words[Status.OVERWRITTEN],
+            drained=words[Status.DRAINED],
+            queued=block.ring.level,
+            depth=words[Status.DEPTH],
+            memory=words[Status.MEMORY] * 1024 if host.pid is not None else 0,
+            unmet=tuple(str(flag.name).lower() for flag in Unmet(words[Status.UNMET])),
+            lateness=times["lateness"],
+            interval=times["interval"],
+            round_trip=times["round_trip"],
+            work=times["work"],
+            age=times["age"],
+            queue=times["depth"],
+            buckets={name: block.histograms[name].buckets() for name in HISTOGRAMS},
+        )
+
+    def __repr__(self) -> str:
+        late = self.lateness
+        return (
+            f"<StreamStatistics {self.state.name}"
+            f"{f' ({self.reason.name})' if self.reason else ''}: {self.sent} sent, "
+            f"{self.missed} missed, {self.starved} starved, late p50 {late.p50 * 1e6:.0f} µs, "
+            f"p99 {late.p99 * 1e6:.0f} µs, max {late.max * 1e6:.0f} µs>"
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """Everything as plain values, for JSON."""
+        found: dict[str, Any] = {}
+        for name, value in self._asdict().items():
+            match value:
+                case Percentiles():
+                    found[name] = value._asdict()
+                case _ if name in ("state", "reason"):
+                    found[name] = value.name
+                case _:
+                    found[name] = value
+        return found
+
+    def save(self, path: str | Path) -> None:
+        """Write them as JSON, from which `aioduco plot` draws a figure."""
+        Path(path).write_text(json.dumps(self.as_dict(), indent=1) + "\n", encoding="utf-8")
+
+    def __rich__(self) -> Table:
+        """The table that `rich` prints."""
+        from rich.table import Table  # noqa: PLC0415 - only for those who print it
+
+        counts = (
+            f"{self.sent} sent · {self.missed} missed · {self.starved} starved · "
+            f"{self.limited} limited · {self.overwritten} overwritten · {self.drained} drained"
+        )
+        title = f"{self.state.name}{f' ({self.reason.name})' if self.reason else ''} · {counts}"
+        table = Table(title=title, title_justify="left")
+        for column in ("", "p50", "p99", "p99.9", "max", "what"):
+            table.add_column(column, justify="left" if column in ("", "what") else "right")
+        for name, meaning in _MEANINGS.items():
+            points = name == "depth"
+            figures: Percentiles = self.queue if points else getattr(self, name)
+            if figures.samples:
+                cells = (figures.p50, figures.p99, figures.p999, figures.max)
+                shown = [f"{v:.0f}" if points else f"{v * 1e6:,.0f} µs" for v in cells]
+                table.add_row(name, *shown, meaning)
+        return table
+
+
+def plot(statistics: StreamStatistics | dict[str, Any], path: str | Path) -> None:
+    """Draw the histograms of a stream as a PNG. Needs matplotlib.
+
+    Args:
+        statistics: the statistics, or what `StreamStatistics.save` wrote, read back.
+        path: where to write the figure.
+    """
+    from matplotlib.figure import Figure  # noqa: PLC0415 - only for those who plot
+
+    found = statistics if isinstance(statistics, dict) else statistics.as_dict()
+    shown = [name for name in HISTOGRAMS if found["buckets"].get(name)]
+    figure = Figure(figsize=(8, 2.2 * max(1, len(shown))), layout="constrained")
+    for index, name in enumerate(shown):
+        axes = figure.add_subplot(len(shown), 1, index + 1)
+        scale = 1.0 if name == "depth" else 1e-3
+        lows, highs, counts = zip(*found["buckets"][name], strict=True)
+        edges = [(low * scale, high * scale) for low, high in zip(lows, highs, strict=True)]
+        axes.bar(
+            [low for low, _ in edges],
+            counts,
+            width=[high - low for low, high in edges],
+            align="edge",
+        )
+        axes.set_yscale("log")
+        axes.set_title(f"{name}: {_MEANINGS[name]}", fontsize="medium", loc="left")
+        axes.set_xlabel("points" if name == "depth" else "µs")
+        figures = found["queue" if name == "depth" else name]
+        scale = 1.0 if name == "depth" else 1e6
+        for percentile in ("p50", "p99", "p999"):
+            axes.axvline(figures[percentile] * scale, linewidth=0.8, linestyle="--", color="black")
+    figure.savefig(path, dpi=120)

@@ -1,0 +1,171 @@
+"""Trajectories given by points and times, read at other times."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from aioduco.errors import ParameterError
+from aioduco.streaming.space import PoseSpace
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from aioduco.streaming.space import Space
+
+__all__ = ["Spline", "sampled"]
+
+
+class Spline:
+    """A curve through points at given times, per axis: cubic, or of fifth order.
+
+    Without velocities it is monotone between the points (Fritsch and Carlson): it overshoots
+    none of them. With velocities it has them at the points, with accelerations these as well.
+
+    Args:
+        times: rising times [s]. Shape (n,).
+        points: positions. Shape (n, k).
+        velocities: per second. Shape (n, k).
+        accelerations: per second squared, only with velocities. Shape (n, k).
+    """
+
+    def __init__(
+        self,
+        times: NDArray[np.float64],
+        points: NDArray[np.float64],
+        velocities: NDArray[np.float64] | None = None,
+        accelerations: NDArray[np.float64] | None = None,
+    ) -> None:
+        self.times = times
+        self._points = points
+        self._velocities = _monotone(times, points) if velocities is None else velocities
+        self._accelerations = accelerations if velocities is not None else None
+
+    @property
+    def duration(self) -> float:
+        """Time from the first point to the last [s]."""
+        return float(self.times[-1] - self.times[0])
+
+    def at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Positions at some times; before and after the curve its ends. Shape (m, k)."""
+        return self._evaluate(times)[0]
+
+    def velocity(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Velocities at some times, zero outside of the curve. Shape (m, k)."""
+        inside = (times >= self.times[0]) & (times <= self.times[-1])
+        return np.asarray(np.where(inside[:, None], self._evaluate(times)[1], 0.0))
+
+    def _evaluate(
+        self, times: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        if len(self.times) == 1:
+            flat = np.repeat(self._points, len(times), axis=0)
+            return flat, np.zeros_like(flat)
+        index = np.clip(np.searchsorted(self.times, times, "right") - 1, 0, len(self.times) - 2)
+        length = np.diff(self.times)[index][:, None]
+        share = np.clip((times - self.times[index])[:, None] / length, 0.0, 1.0)
+        start, way = self._points[index], self._points[index + 1] - self._points[index]
+        leave, come = self._velocities[index] * length, self._velocities[index + 1] * length
+        if self._accelerations is None:
+            square, cube = 3 * way - 2 * leave - come, leave + come - 2 * way
+            terms = [start, leave, square, cube]
+        else:
+            bend, bent = (self._accelerations[at] * length**2 for at in (index, index + 1))
+            terms = [
+                start,
+                leave,
+                bend / 2,
+                10 * way - 6 * leave - 4 * come - 1.5 * bend + 0.5 * bent,
+                -15 * way + 8 * leave + 7 * come + 1.5 * bend - bent,
+                6 * way - 3 * leave - 3 * come - 0.5 * bend + 0.5 * bent,
+            ]
+        place = np.zeros_like(start)
+        rate = np.zeros_like(start)
+        for term in reversed(terms):
+            rate = rate * share + place
+            place = place * share + term
+        return place, rate / length
+
+
+def _monotone(times: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Velocities at the points, at rest at both ends, with which no point is overshot."""
+    velocities = np.zeros_like(points)
+    if len(times) < 3:
+        return velocities
+    steps = np.diff(times)[:, None]
+    slopes = np.diff(points, axis=0) / steps
+    before, after = slopes[:-1], slopes[1:]
+    first, second = 2 * steps[1:] + steps[:-1], steps[1:] + 2 * steps[:-1]
+    same = before * after > 0
+    safe_before, safe_after = np.where(same, before, 1.0), np.where(same, after, 1.0)
+    mean = (first + second) / (first / safe_before + second / safe_after)
+    velocities[1:-1] = np.where(same, mean, 0.0)
+    return velocities
+
+
+def sampled(space: Space, trajectory: Any, times: Any, interval: float) -> NDArray[np.float64]:
+    """Set-points at a fixed interval, from points at given times.
+
+    Args:
+        space: the space of the points.
+        trajectory: the points. Shape (n, 6).
+        times: when each is due, rising [s]. Shape (n,). None: one per interval.
+        interval: time between two set-points [s].
+
+    Returns:
+        The set-points, from the first point to the last. Shape (m, 6).
+
+    Raises:
+        ParameterError: the shapes do not fit, a number is not finite, or times do not rise.
+    """
+    points = _floats("trajectory", trajectory)
+    if points.ndim != 2 or points.shape[1] != 6 or not len(points):
+        raise ParameterError("trajectory", points.shape, "of the shape (n, 6), n at least 1")
+    if times is None:
+        return points
+    moments = _floats("times", times)
+    if moments.shape != (len(points),):
+        raise ParameterError("times", moments.shape, f"of the shape ({len(points)},)")
+    if np.any(np.diff(moments) <= 0):
+        raise ParameterError("times", times, "rising")
+    moments = moments - moments[0]
+    count = int(np.ceil(moments[-1] / interval - 1e-9))
+    at = np.minimum(np.arange(count + 1) * interval, moments[-1])
+    if isinstance(space, PoseSpace):
+        return _poses(space, points, moments, at)
+    return Spline(moments, points).at(at)
+
+
+def _poses(
+    space: PoseSpace,
+    points: NDArray[np.float64],
+    moments: NDArray[np.float64],
+    at: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Positions by a monotone curve, orientations by the shortest turn from one to the next."""
+    placed = Spline(moments, points[:, :3]).at(at)
+    if len(points) == 1:
+        return np.repeat(points, len(at), axis=0)
+    decoded = [space.decode(point) for point in points.tolist()]
+    turns = [space.difference(a, b) for a, b in itertools.pairwise(decoded)]
+    found = np.empty((len(at), 6))
+    indices = np.clip(np.searchsorted(moments, at, "right") - 1, 0, len(points) - 2)
+    lengths = np.diff(moments)
+    for row, (index, moment) in enumerate(zip(indices.tolist(), at.tolist(), strict=True)):
+        share = (moment - moments[index]) / lengths[index]
+        turn = tuple(share * t for t in turns[index])
+        found[row] = space.encode(space.moved(decoded[index], turn))
+    found[:, :3] = placed
+    return found
+
+
+def _floats(name: str, value: Any) -> NDArray[np.float64]:
+    try:
+        found = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as exc:
+        raise ParameterError(name, value, "an array of numbers") from exc
+    if not np.all(np.isfinite(found)):
+        raise ParameterError(name, value, "an array of finite numbers")
+    return found

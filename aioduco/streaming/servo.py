@@ -1,0 +1,394 @@
+"""Servo streams (servoj, servoj_pose, servo_tcp, servol; manual 1.3.5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from aioduco.api import ranges
+from aioduco.streaming.settings import Endpoint, Feeding, LaneOptions, Upsampling, per_group
+from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE
+from aioduco.streaming.stream import Stream
+
+if TYPE_CHECKING:
+    from aioduco.models.rules import VectorLike
+
+__all__ = ["Servo", "ServoGains"]
+
+_JERK = 10.0  # of the acceleration, per second: full acceleration after 0.1 s
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ServoGains:
+    """How closely the controller follows a servo's set-points (manual 1.3.5, servoj).
+
+    Attributes:
+        kp: proportional gain, from 0; the manual advises its default.
+        kd: derivative gain, from 0; the manual advises its default.
+        smooth_vel: smoothing of the velocity, 1 to 100; more is smoother and lags more.
+        smooth_acc: smoothing of the acceleration, 0 to 1; more is smoother and lags more.
+    """
+
+    kp: float = 200.0
+    kd: float = 25.0
+    smooth_vel: float = 10.0
+    smooth_acc: float = 1.0
+
+    def wire(self) -> list[float]:
+        """The four numbers as they stand at the end of a servo call, checked.
+
+        Raises:
+            ParameterError: one is out of range.
+        """
+        return [
+            ranges.SERVO_KP("kp", self.kp),
+            ranges.SERVO_KD("kd", self.kd),
+            ranges.SERVO_SMOOTH_VELOCITY("smooth_vel", self.smooth_vel),
+            ranges.SERVO_SMOOTH_ACCELERATION("smooth_acc", self.smooth_acc),
+        ]
+
+
+_GAINS = ServoGains()
+_OPTIONS = LaneOptions()
+
+
+class Servo:
+    """Streams of positions to follow (servo, manual 1.3.5).
+
+        async with robot.servo.joints(v=1.0, a=5.0, rate=500) as stream:
+            async for tick in stream.ticks():
+                await stream.send(policy(tick.time))
+
+    All of them move each joint by itself to the newest set-point. Only one kind may run at a
+    time, and only one stream per robot.
+
+    Args:
+        endpoint: the controller.
+    """
+
+    def __init__(self, endpoint: Endpoint) -> None:
+        self._endpoint = endpoint
+
+    def joints(
+        self,
+        *,
+        v: float,
+        a: float,
+        jerk: float | None = None,
+        rate: float = 500.0,
+        source_rate: float | None = None,
+        latest: bool = False,
+        upsample: Upsampling = "none",
+        hold: float = 0.5,
+        ahead: int | None = None,
+        max_step: float = 0.2,
+        reach: float = 0.1,
+        gains: ServoGains = _GAINS,
+        options: LaneOptions = _OPTIONS,
+    ) -> Stream:
+        """Follow joint positions (servoj, 关节伺服).
+
+        Args:
+            v: largest speed of each joint, 0.000175 to 3.93 [rad/s].
+            a: largest acceleration of each joint, from 0.000175 [rad/s²].
+            jerk: largest jerk of each joint, for upsample="ruckig" [rad/s³]; None: 10 a.
+            rate: set-points per second to the controller [Hz].
+            source_rate: targets per second from the program [Hz], see `Feeding`.
+            latest: only the newest target counts, and `send` never waits.
+            upsample: "none", "linear", "cubic" or "ruckig".
+            hold: time without a target after which the stream ends [s].
+            ahead: targets queued before `send` waits.
+            max_step: largest step of a joint between two targets [rad].
+            reach: how far each joint may be from the first target [rad].
+            gains: how closely the controller follows.
+            options: how the lane runs.
+
+        Returns:
+            The stream; its set-points are six joint angles [rad], -2π to 2π.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        v_, a_ = ranges.JOINT_SPEED("v", v), ranges.JOINT_ACCELERATION("a", a)
+        feeding = Feeding(
+            rate=rate,
+            source_rate=source_rate,
+            latest=latest,
+            upsample=upsample,
+            hold=hold,
+            ahead=ahead,
+            max_step=per_group("max_step", max_step, 6),
+            reach=per_group("reach", reach, 6),
+        )
+        config = {
+            "space": "joints",
+            "limits": [
+                per_group("v", v_, 6),
+                per_group("a", a_, 6),
+                per_group("jerk", _JERK * a_ if jerk is None else jerk, 6),
+            ],
+            "read": ["get_actual_joints_position"],
+            "function": "servoj",
+            "arguments": [None, v_, a_, False, *gains.wire()],
+        }
+        return Stream(
+            self._endpoint,
+            feeding,
+            options,
+            space=JOINT_SPACE,
+            check=ranges.JOINTS,
+            config=_single(config, rate),
+            name="servoj",
+        )
+
+    def pose(
+        self,
+        *,
+        v: float,
+        a: float,
+        velocity: tuple[float, float] = (0.25, 1.0),
+        acceleration: tuple[float, float] = (1.0, 4.0),
+        jerk: tuple[float, float] | None = None,
+        q_near: VectorLike | None = None,
+        tool: str = "",
+        wobj: str = "",
+        rate: float = 500.0,
+        source_rate: float | None = None,
+        latest: bool = False,
+        upsample: Upsampling = "none",
+        hold: float = 0.5,
+        ahead: int | None = None,
+        max_step: tuple[float, float] = (0.05, 0.2),
+        reach: tuple[float, float] = (0.05, 0.1),
+        gains: ServoGains = _GAINS,
+        options: LaneOptions = _OPTIONS,
+    ) -> Stream:
+        """Follow poses of the tool in the work object (servoj_pose, 位姿伺服).
+
+        Args:
+            v: largest speed of each joint, for the controller, 0.000175 to 3.93 [rad/s].
+            a: largest acceleration of each joint, for the controller, from 0.000175 [rad/s²].
+            velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
+            acceleration: of the tool [m/s²] and of its turning [rad/s²].
+            jerk: of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
+                acceleration.
+            q_near: joint angles that choose the solution [rad]; None: the present ones.
+            tool: name of the tool; empty: the one in use.
+            wobj: name of the work object; empty: the one in use.
+            rate: set-points per second to the controller [Hz].
+            source_rate: targets per second from the program [Hz], see `Feeding`.
+            latest: only the newest target counts, and `send` never waits.
+            upsample: "none", "linear", "cubic" or "ruckig".
+            hold: time without a target after which the stream ends [s].
+            ahead: targets queued before `send` waits.
+            max_step: largest step between two targets [m, rad].
+            reach: how far the tool may be from the first target [m, rad].
+            gains: how closely the controller follows.
+            options: how the lane runs.
+
+        Returns:
+            The stream; its set-points are poses (x, y, z [m], rx, ry, rz [rad]).
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        feeding = Feeding(
+            rate=rate,
+            source_rate=source_rate,
+            latest=latest,
+            upsample=upsample,
+            hold=hold,
+            ahead=ahead,
+            max_step=per_group("max_step", max_step, 2),
+            reach=per_group("reach", reach, 2),
+        )
+        v_, a_ = ranges.JOINT_SPEED("v", v), ranges.JOINT_ACCELERATION("a", a)
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        frames = [ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)]
+        config = {
+            **_cartesian(velocity, acceleration, jerk, frames),
+            "function": "servoj_pose",
+            "arguments": [None, v_, a_, near, *frames, False, *gains.wire()],
+        }
+        return self._poses(feeding, options, config, rate, "servoj_pose")
+
+    def linear(
+        self,
+        *,
+        v: float,
+        a: float,
+        velocity: tuple[float, float] = (0.25, 1.0),
+        acceleration: tuple[float, float] = (1.0, 4.0),
+        jerk: tuple[float, float] | None = None,
+        q_near: VectorLike | None = None,
+        tool: str = "",
+        wobj: str = "",
+        rate: float = 500.0,
+        source_rate: float | None = None,
+        latest: bool = False,
+        upsample: Upsampling = "none",
+        hold: float = 0.5,
+        ahead: int | None = None,
+        max_step: tuple[float, float] = (0.05, 0.2),
+        reach: tuple[float, float] = (0.05, 0.1),
+        gains: ServoGains = _GAINS,
+        options: LaneOptions = _OPTIONS,
+    ) -> Stream:
+        """Follow poses with Cartesian interpolation in the controller (servol, 直线伺服).
+
+        Manual 3.8 gives `v` and `a` as joint speeds, manual 4.3 as those of the tool; what is
+        allowed here lies within both.
+
+        Args:
+            v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
+            a: acceleration for the controller, from 0.000175 [rad/s² or m/s²].
+            velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
+            acceleration: of the tool [m/s²] and of its turning [rad/s²].
+            jerk: of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
+                acceleration.
+            q_near: joint angles that choose the solution [rad]; None: the present ones.
+            tool: name of the tool; empty: the one in use.
+            wobj: name of the work object; empty: the one in use.
+            rate: set-points per second to the controller [Hz].
+            source_rate: targets per second from the program [Hz], see `Feeding`.
+            latest: only the newest target counts, and `send` never waits.
+            upsample: "none", "linear", "cubic" or "ruckig".
+            hold: time without a target after which the stream ends [s].
+            ahead: targets queued before `send` waits.
+            max_step: largest step between two targets [m, rad].
+            reach: how far the tool may be from the first target [m, rad].
+            gains: how closely the controller follows.
+            options: how the lane runs.
+
+        Returns:
+            The stream; its set-points are poses (x, y, z [m], rx, ry, rz [rad]).
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        feeding = Feeding(
+            rate=rate,
+            source_rate=source_rate,
+            latest=latest,
+            upsample=upsample,
+            hold=hold,
+            ahead=ahead,
+            max_step=per_group("max_step", max_step, 2),
+            reach=per_group("reach", reach, 2),
+        )
+        v_, a_ = ranges.SERVO_SPEED("v", v), ranges.SERVO_ACCELERATION("a", a)
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        frames = [ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)]
+        config = {
+            **_cartesian(velocity, acceleration, jerk, frames),
+            "function": "servol",
+            "arguments": [None, v_, a_, near, *frames, False, *gains.wire()],
+        }
+        return self._poses(feeding, options, config, rate, "servol")
+
+    def tcp_offset(
+        self,
+        *,
+        v: float,
+        a: float,
+        max_offset: tuple[float, float] = (0.005, 0.02),
+        ramp: float = 0.2,
+        tool: str = "",
+        rate: float = 500.0,
+        latest: bool = True,
+        hold: float = 0.1,
+        ahead: int | None = None,
+        gains: ServoGains = _GAINS,
+        options: LaneOptions = _OPTIONS,
+    ) -> Stream:
+        """Move by offsets from the tool's present pose (servo_tcp, 工具增量伺服).
+
+        An offset that is sent again and again keeps the arm moving, as a speed would; so it is
+        ramped like one, and the end of the stream is an offset of zero.
+
+        Args:
+            v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
+            a: acceleration for the controller, from 0.000175 [rad/s² or m/s²].
+            max_offset: largest offset, and largest turn [m, rad]; a larger one is shortened.
+            ramp: time from zero to the largest offset [s].
+            tool: name of the tool; empty: the one in use.
+            rate: offsets per second to the controller [Hz].
+            latest: only the newest offset counts, and `send` never waits.
+            hold: time without an offset after which the stream ends [s].
+            ahead: offsets queued before `send` waits.
+            gains: how closely the controller follows.
+            options: how the lane runs.
+
+        Returns:
+            The stream; its set-points are offsets (x, y, z [m], rx, ry, rz [rad]).
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        feeding = Feeding(rate=rate, latest=latest, hold=hold, ahead=ahead)
+        v_, a_ = ranges.SERVO_SPEED("v", v), ranges.SERVO_ACCELERATION("a", a)
+        largest = per_group("max_offset", max_offset, 2)
+        (ramp_,) = per_group("ramp", ramp, 1)
+        config = {
+            "space": "pose",
+            "rates": True,
+            "limits": [largest, [value / ramp_ for value in largest]],
+            "function": "servo_tcp",
+            "arguments": [None, v_, a_, ranges.FRAME("tool", tool), False, *gains.wire()],
+        }
+        return self._poses(feeding, options, config, rate, "servo_tcp")
+
+    def _poses(
+        self, feeding: Feeding, options: LaneOptions, config: dict[str, Any], rate: float, name: str
+    ) -> Stream:
+        return Stream(
+            self._endpoint,
+            feeding,
+            options,
+            space=POSE_SPACE,
+            check=ranges.POSE,
+            config=_single(config, rate),
+            name=name,
+        )
+
+
+def _cartesian(
+    velocity: tuple[float, float],
+    acceleration: tuple[float, float],
+    jerk: tuple[float, float] | None,
+    frames: list[str],
+) -> dict[str, Any]:
+    """The part of a configuration that streams of poses share."""
+    accelerations = per_group("acceleration", acceleration, 2)
+    jerks = tuple(_JERK * a for a in accelerations) if jerk is None else jerk
+    return {
+        "space": "pose",
+        "limits": [
+            per_group("velocity", velocity, 2),
+            accelerations,
+            per_group("jerk", jerks, 2),
+        ],
+        "read": ["get_tcp_pose_coord", *frames],
+    }
+
+
+def _single(config: dict[str, Any], rate: float) -> dict[str, Any]:
+    """A configuration of a lane with one call per tick."""
+    return {
+        "driver": "each",
+        "rates": False,
+        "read": [],
+        "slot": 0,
+        "leave": [],
+        "period": 1 / rate,
+        "point_period": 1 / rate,
+        **config,
+    }

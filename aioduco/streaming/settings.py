@@ -1,0 +1,234 @@
+"""What a stream is told once, when it is opened: where to, how fast, within which limits."""
+
+from __future__ import annotations
+
+import importlib.util
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+from aioduco.errors import ParameterError, RobotStateError
+from aioduco.streaming.upsample import UPSAMPLING
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Iterator, Sequence
+
+    from aioduco.streaming.stream import Stream
+
+__all__ = ["Endpoint", "Feeding", "LaneOptions", "Streams", "Upsampling", "per_group"]
+
+Upsampling = Literal["none", "linear", "cubic", "ruckig"]
+
+_MOST_POINTS = 16384
+_LATEST = 8  # slots of a ring of which only the newest counts
+_FASTEST = 100_000.0
+
+
+class Streams:
+    """The open streams of one robot: at most one at a time, ended by any stop.
+
+    A stop of the robot first calls `halt`, which is synchronous and never waits, then sends the
+    controller's `stop`, then awaits `settled`, and sends `stop` once more if that says so: a
+    set-point may have been on its way when the first one came.
+    """
+
+    def __init__(self) -> None:
+        self._open: list[Stream] = []
+
+    def __len__(self) -> int:
+        return len(self._open)
+
+    def __iter__(self) -> Iterator[Stream]:
+        return iter(tuple(self._open))
+
+    def add(self, stream: Stream) -> None:
+        """Take a stream that is being opened.
+
+        Raises:
+            RobotStateError: another one is open; the arm can follow only one.
+        """
+        for other in self:
+            raise RobotStateError(
+                f"{other!r} is open on this robot; close it before you open another one. "
+                "Nothing was sent"
+            )
+        self._open.append(stream)
+
+    def remove(self, stream: Stream) -> None:
+        """Forget a stream that is over."""
+        if stream in self._open:
+            self._open.remove(stream)
+
+    def halt(self) -> bool:
+        """Have no stream send anything more; from any thread or signal handler.
+
+        Returns:
+            Whether there was a stream.
+        """
+        streams = tuple(self._open)
+        for stream in streams:
+            stream.halt()
+        return bool(streams)
+
+    async def settled(self) -> None:
+        """Wait until no lane can send anything more."""
+        for stream in self:
+            await stream.ended()
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """Where a stream leads to.
+
+    Attributes:
+        host: name or address of the controller.
+        port: its TCP port.
+        stop: stops the robot on another connection; for a lane that cannot do it any more.
+        streams: the open streams of the robot.
+    """
+
+    host: str
+    port: int
+    stop: Callable[[], Awaitable[object]] | None = None
+    streams: Streams = field(default_factory=Streams)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaneOptions:
+    """How a stream's lane runs.
+
+    Attributes:
+        lane: "process" for one of its own, which nothing in the program can delay; "thread" for
+            light use, or where no process can be started.
+        cpus: processors that the lane may use; none given: all.
+        priority: priority under SCHED_FIFO, 1 to 99, if the system allows it; 0: none.
+        spin: how long before each tick to watch the clock instead of sleeping [s]. It costs
+            that share of a processor and takes the system's wake-up time out of the lateness.
+        timeout: most time for one answer of the controller [s].
+        connect_timeout: most time to connect, and for the lane to start [s].
+        watch: time between two looks at whether the controller still follows [s]; 0: never.
+    """
+
+    lane: Literal["process", "thread"] = "process"
+    cpus: tuple[int, ...] = ()
+    priority: int = 0
+    spin: float = 0.0
+    timeout: float = 0.5
+    connect_timeout: float = 10.0
+    watch: float = 0.1
+
+    def __post_init__(self) -> None:
+        if self.lane not in ("process", "thread"):
+            raise ParameterError("lane", self.lane, '"process" or "thread"')
+        if not 0 <= self.priority <= 99:
+            raise ParameterError("priority", self.priority, "from 0 to 99")
+        for name in ("spin", "timeout", "connect_timeout", "watch"):
+            value = getattr(self, name)
+            if not 0 <= value <= 3600:
+                raise ParameterError(name, value, "a time from 0 to 3600 s")
+
+    def config(self) -> dict[str, Any]:
+        """The part of a lane's configuration that is about how it runs."""
+        return {
+            "cpus": list(self.cpus),
+            "priority": self.priority,
+            "spin": self.spin,
+            "timeout": self.timeout,
+            "connect_timeout": self.connect_timeout,
+            "watch": self.watch,
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Feeding:
+    """How the program feeds a stream, and what becomes of it.
+
+    Attributes:
+        rate: set-points that are sent to the controller per second [Hz].
+        source_rate: targets that the program sends per second [Hz]; None: as many as `rate`
+            without up-sampling, else measured.
+        latest: only the newest target counts, and `send` never waits; otherwise every one
+            counts, and `send` waits while enough are queued.
+        upsample: how targets are brought to `rate`: "none", "linear", "cubic" or "ruckig".
+        hold: time without a target after which the stream ends [s].
+        ahead: targets that `send` queues before it waits; None: those of 50 ms.
+        max_step: largest step between two targets, per group [rad, m]; empty: not checked.
+        reach: how far the first target may be from where the arm is, per group [rad, m].
+    """
+
+    rate: float
+    source_rate: float | None = None
+    latest: bool = False
+    upsample: Upsampling = "none"
+    hold: float = 0.5
+    ahead: int | None = None
+    max_step: tuple[float, ...] = ()
+    reach: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not 0 < self.rate <= _FASTEST:
+            raise ParameterError("rate", self.rate, f"above 0 and up to {_FASTEST:g} Hz")
+        if self.source_rate is not None and not 0 < self.source_rate <= self.rate:
+            raise ParameterError(
+                "source_rate",
+                self.source_rate,
+                f"above 0 and up to the stream's rate, {self.rate:g} Hz",
+            )
+        if self.upsample not in UPSAMPLING:
+            raise ParameterError("upsample", self.upsample, f"one of {', '.join(UPSAMPLING)}")
+        if self.upsample == "ruckig" and importlib.util.find_spec("ruckig") is None:
+            raise ParameterError(
+                "upsample", "ruckig", 'another one, or installed: pip install "aioduco[sim]"'
+            )
+        if self.upsample != "none" and not self.latest and self.source_rate is None:
+            raise ParameterError(
+                "source_rate", None, "given when every target counts and is up-sampled"
+            )
+        if not 0 < self.hold <= 60:
+            raise ParameterError("hold", self.hold, "above 0 and up to 60 s")
+        if self.ahead is not None and not 1 <= self.ahead <= _MOST_POINTS:
+            raise ParameterError("ahead", self.ahead, f"from 1 to {_MOST_POINTS} targets")
+
+    @property
+    def interval(self) -> float | None:
+        """Time between two targets [s]; None: measured."""
+        if self.source_rate is not None:
+            return 1 / self.source_rate
+        return None if self.latest else 1 / self.rate
+
+    @property
+    def queued(self) -> int:
+        """Targets that `send` queues before it waits."""
+        if self.ahead is not None:
+            return self.ahead
+        return max(2, round(0.05 * (self.source_rate or self.rate)))
+
+    @property
+    def capacity(self) -> int:
+        """Set-points that fit into the ring: four seconds of them, for whole arrays."""
+        if self.latest:
+            return _LATEST
+        wanted = round(4 * (self.source_rate or self.rate))
+        return min(_MOST_POINTS, max(256, wanted, 2 * self.queued))
+
+    def config(self) -> dict[str, Any]:
+        """The part of a lane's configuration that is about its feeding."""
+        return {
+            "hold": self.hold,
+            "interval": self.interval,
+            "latest": self.latest,
+            "upsample": self.upsample,
+            "reach": list(self.reach),
+            "capacity": self.capacity,
+        }
+
+
+def per_group(name: str, value: float | Sequence[float], groups: int) -> tuple[float, ...]:
+    """A limit for each group, from one number or one per group.
+
+    Raises:
+        ParameterError: it is not that, or not above zero.
+    """
+    values = (value,) * groups if isinstance(value, (int, float)) else tuple(value)
+    if len(values) != groups or not all(v > 0 for v in values):
+        raise ParameterError(name, value, f"above zero: one number, or {groups}")
+    return tuple(float(v) for v in values)

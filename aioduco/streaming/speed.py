@@ -1,0 +1,150 @@
+"""Speed streams with a dead-man time (speedj, speedl, speed_stop; manual 1.3.5)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from aioduco.api import ranges
+from aioduco.errors import ParameterError
+from aioduco.streaming.settings import Endpoint, Feeding, LaneOptions, per_group
+from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE
+from aioduco.streaming.stream import Stream
+
+if TYPE_CHECKING:
+    from aioduco.streaming.space import Space
+
+__all__ = ["Speed"]
+
+_OPTIONS = LaneOptions()
+
+
+class Speed:
+    """Streams of speeds (speedj, speedl, manual 1.3.5), as a joystick gives them.
+
+        async with robot.speed.linear(a=0.5, dead_man=0.2) as stream:
+            async for tick in stream.ticks():
+                await stream.send(joystick())
+
+    Each call carries a time after which the controller ends the motion by itself, so an arm
+    never runs on alone: not when the program dies, nor when the cable is pulled. The stream's
+    end ramps to zero and calls speed_stop.
+
+    Args:
+        endpoint: the controller.
+    """
+
+    def __init__(self, endpoint: Endpoint) -> None:
+        self._endpoint = endpoint
+
+    def joints(
+        self,
+        *,
+        a: float,
+        v: float = 1.0,
+        dead_man: float = 0.2,
+        rate: float = 50.0,
+        latest: bool = True,
+        hold: float = 0.1,
+        options: LaneOptions = _OPTIONS,
+    ) -> Stream:
+        """Follow joint speeds (speedj, 关节速度).
+
+        Args:
+            a: largest acceleration of each joint, from 0.000175 [rad/s²].
+            v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; more is shortened.
+            dead_man: time without a call after which the controller ends the motion [s].
+            rate: calls per second [Hz].
+            latest: only the newest speed counts, and `send` never waits.
+            hold: time without a speed from the program after which the stream ends [s].
+            options: how the lane runs.
+
+        Returns:
+            The stream; its set-points are six joint speeds [rad/s].
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        a_, v_ = ranges.JOINT_ACCELERATION("a", a), ranges.JOINT_SPEED("v", v)
+        limits = [per_group("v", v_, 6), per_group("a", a_, 6)]
+        config = {"space": "joints", "limits": limits, "function": "speedj"}
+        feeding = Feeding(rate=rate, latest=latest, hold=hold)
+        return self._stream(feeding, options, config, a_, dead_man, JOINT_SPACE)
+
+    def linear(
+        self,
+        *,
+        a: float,
+        turn_a: float = 2.0,
+        v: float = 0.25,
+        turn_v: float = 1.0,
+        dead_man: float = 0.2,
+        rate: float = 50.0,
+        latest: bool = True,
+        hold: float = 0.1,
+        options: LaneOptions = _OPTIONS,
+    ) -> Stream:
+        """Follow a speed of the tool (speedl, 末端速度).
+
+        Manual 4.3 says that the speed is in the tool's frame; manual 3.8 says nothing.
+
+        Args:
+            a: largest acceleration of the tool, from 0.00001 [m/s²].
+            turn_a: largest change of the turning speed [rad/s²], kept by the lane.
+            v: largest speed, 0.00001 to 5 [m/s]; more is shortened.
+            turn_v: largest turning speed, up to 3.93 [rad/s]; more is shortened.
+            dead_man: time without a call after which the controller ends the motion [s].
+            rate: calls per second [Hz].
+            latest: only the newest speed counts, and `send` never waits.
+            hold: time without a speed from the program after which the stream ends [s].
+            options: how the lane runs.
+
+        Returns:
+            The stream; its set-points are speeds (x, y, z [m/s], rx, ry, rz [rad/s]).
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        a_, v_ = ranges.FINE_ACCELERATION("a", a), ranges.FINE_SPEED("v", v)
+        turning = ranges.JOINT_SPEED("turn_v", turn_v)
+        limits = [(v_, turning), (a_, *per_group("turn_a", turn_a, 1))]
+        config = {"space": "pose", "limits": limits, "function": "speedl"}
+        feeding = Feeding(rate=rate, latest=latest, hold=hold)
+        return self._stream(feeding, options, config, a_, dead_man, POSE_SPACE)
+
+    def _stream(
+        self,
+        feeding: Feeding,
+        options: LaneOptions,
+        config: dict[str, Any],
+        a: float,
+        dead_man: float,
+        space: Space,
+    ) -> Stream:
+        milliseconds = ranges.RUN_TIME("dead_man", dead_man)
+        if dead_man < 2 / feeding.rate:
+            raise ParameterError(
+                "dead_man", dead_man, f"two calls, {2 / feeding.rate:g} s, or more"
+            )
+        return Stream(
+            self._endpoint,
+            feeding,
+            options,
+            space=space,
+            check=ranges.JOINT_VELOCITIES if space is JOINT_SPACE else ranges.TWIST,
+            config={
+                "driver": "each",
+                "rates": True,
+                "read": [],
+                "slot": 0,
+                "arguments": [None, a, milliseconds, False],
+                "leave": [["speed_stop", False]],
+                "period": 1 / feeding.rate,
+                "point_period": 1 / feeding.rate,
+                **config,
+            },
+            name=config["function"],
+        )

@@ -1,0 +1,192 @@
+"""Streams through the controller's track pool (轨迹池, manual 1.3.12)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal
+
+from aioduco._wire import rpc
+from aioduco.api import ranges
+from aioduco.errors import ParameterError
+from aioduco.streaming.calls import element_tail
+from aioduco.streaming.settings import Endpoint, Feeding, LaneOptions, per_group
+from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE
+from aioduco.streaming.stream import Stream
+
+if TYPE_CHECKING:
+    from aioduco.models.op import Op
+    from aioduco.models.rules import VectorLike
+    from aioduco.streaming.host import Host
+
+__all__ = ["Track", "TrackStream"]
+
+POOL = 1000  # points that fit (manual 1.3.12)
+LEAST = 10  # points to keep, for a motion without a halt (manual 1.3.12)
+_EXTRA = 512  # bytes for what is set at a point: 128 and three names of events
+_RATE = 100.0  # points per second by which the lane's ring is sized; the arm's pace is its own
+_OPTIONS = LaneOptions()
+
+
+class TrackStream(Stream):
+    """A stream into the track pool: points of a path, each perhaps with outputs to set."""
+
+    async def send(self, point: VectorLike, op: Op | None = None) -> None:
+        """Send one point of the path.
+
+        The first points wait in the lane until there are enough of them to begin.
+
+        Args:
+            point: the point, in the stream's units. Shape (6,).
+            op: what is set there; only for streams opened with `operations`.
+
+        Raises:
+            ParameterError: it is not allowed; nothing was sent, and the stream goes on.
+            StreamError: the stream has ended; says why.
+        """
+        values = tuple(self._check("point", point))
+        self._check_step(values)
+        await self._feed((values,), self._feeding.queued, self._tail(op))
+
+    async def play(self, trajectory: Any, times: Any = None) -> None:
+        """Send a whole path, and wait until the lane has taken it.
+
+        Args:
+            trajectory: the points. Shape (n, 6).
+            times: not taken: the controller plans the times itself, by speed and acceleration.
+
+        Raises:
+            ParameterError: the path is not allowed, or times were given; nothing was sent.
+            StreamError: the stream has ended; says why.
+        """
+        if times is not None:
+            raise ParameterError("times", times, "left out: the controller plans the times")
+        await self._feed(await self._sampled(trajectory, None), self._feeding.capacity)
+
+    async def _begin(self, host: Host) -> None:
+        """The lane begins with the first points together, so no point waits for it alone."""
+
+    def _tail(self, op: Op | None) -> bytes:
+        if not self._config["operations"]:
+            if op is not None:
+                raise ParameterError("op", op, "left out, or the stream opened with operations")
+            return b""
+        joints = self._config["space"] == "joints"
+        made = rpc.Op() if op is None else op.wire("op", joint_motion=joints)
+        tail = element_tail("trackEnqueueOp", lambda q: rpc.PointOp(q, made), (True,))
+        if len(tail) > _EXTRA:
+            raise ParameterError("op", op, f"up to {_EXTRA} bytes on the wire, not {len(tail)}")
+        return tail
+
+
+class Track:
+    """Streams of points of a path, which the controller plans a motion through.
+
+        async with robot.track.stream("pose", speed=0.2, acc=0.5) as stream:
+            for pose in path:
+                await stream.send(pose)
+
+    The lane keeps the pool between a low and a high mark. When the pool runs dry the controller
+    comes to rest at the last point by itself, and goes on when there are new ones.
+
+    Args:
+        endpoint: the controller.
+    """
+
+    def __init__(self, endpoint: Endpoint) -> None:
+        self._endpoint = endpoint
+
+    def stream(
+        self,
+        space: Literal["joints", "pose"],
+        *,
+        speed: float,
+        acc: float,
+        radius: float = 0.005,
+        tool: str = "",
+        wobj: str = "",
+        operations: bool = False,
+        low: int = 50,
+        high: int = 200,
+        period: float = 0.02,
+        hold: float = 5.0,
+        ahead: int = 200,
+        max_step: float | tuple[float, float] | None = None,
+        reach: float | tuple[float, float] | None = None,
+        options: LaneOptions = _OPTIONS,
+    ) -> TrackStream:
+        """Follow the points of a path (trackEnqueue, trackJointMotion, trackCartMotion).
+
+        Args:
+            space: "joints" for joint positions, "pose" for poses of the tool.
+            speed: largest joint speed, 0.000175 to 3.93 [rad/s], or speed of the tool, 0.00001
+                to 5 [m/s].
+            acc: largest joint acceleration, 0.000175 to 39.3 [rad/s²], or of the tool, from
+                0.00001 [m/s²].
+            radius: blend radius between the points of a Cartesian path [m].
+            tool: name of the tool; empty: the one in use. Cartesian paths only.
+            wobj: name of the work object; empty: the one in use. Cartesian paths only.
+            operations: whether points come with outputs to set (trackEnqueueOp).
+            low: fill the pool up when it has fewer points; at least 10, as the manual advises.
+            high: fill it up to so many points, up to 1000.
+            period: time between two looks at the pool [s].
+            hold: time with an empty pool after which the stream ends [s].
+            ahead: points queued in the lane before `send` waits.
+            max_step: largest step between two points [rad], or [m, rad]; None: not checked.
+            reach: how far the arm may be from the first point; None: 0.1 rad, or 0.05 m and
+                0.1 rad.
+            options: how the lane runs.
+
+        Returns:
+            The stream.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.12.
+        """
+        if space not in ("joints", "pose"):
+            raise ParameterError("space", space, '"joints" or "pose"')
+        if not LEAST <= low < high <= POOL:
+            raise ParameterError("low", (low, high), f"{LEAST} <= low < high <= {POOL} points")
+        joints = space == "joints"
+        groups = 6 if joints else 2
+        near = reach or (0.1 if joints else (0.05, 0.1))
+        frames = [ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)]
+        if joints:
+            speed_ = ranges.TRACK_JOINT_SPEED("speed", speed)
+            acc_ = ranges.TRACK_JOINT_ACCELERATION("acc", acc)
+            arguments: list[Any] = [speed_, acc_, False]
+        else:
+            speed_ = ranges.TRACK_SPEED("speed", speed)
+            acc_ = ranges.TRACK_ACCELERATION("acc", acc)
+            arguments = [speed_, acc_, False, *frames, ranges.TRACK_RADIUS("radius", radius)]
+        feeding = Feeding(
+            rate=_RATE,
+            hold=hold,
+            ahead=max(ahead, low),
+            max_step=() if max_step is None else per_group("max_step", max_step, groups),
+            reach=per_group("reach", near, groups),
+        )
+        return TrackStream(
+            self._endpoint,
+            feeding,
+            options,
+            space=JOINT_SPACE if joints else POSE_SPACE,
+            check=ranges.JOINTS if joints else ranges.POSE,
+            config={
+                "driver": "pool",
+                "space": space,
+                "read": (
+                    ["get_actual_joints_position"] if joints else ["get_tcp_pose_coord", *frames]
+                ),
+                "leave": [],
+                "limits": [[speed_], [acc_]],
+                "period": period,
+                "low": low,
+                "high": high,
+                "operations": operations,
+                "extra": _EXTRA if operations else 0,
+                "function": "trackJointMotion" if joints else "trackCartMotion",
+                "arguments": arguments,
+            },
+            name="track",
+        )
