@@ -260,7 +260,10 @@ class Mover:
         piece = law.piece(self._s, self._law_piece)
         braking = self._pausing or self._stopping
         down = braking or self._v > self._speed * law.speed(self._s, piece)
-        limit = law.brake(piece) if self._stopping else law.limit(piece)
+        limits = self._queue[0].limits
+        assert limits is not None
+        gentle, hard = limits.at(self._s, self._v)
+        limit = hard if self._stopping else gentle
         if down and self._v <= limit * self._cycle:
             v, s = 0.0, self._s + 0.5 * self._v**2 / limit
         else:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Law", "Limits", "allowed", "backward", "fastest"]
 
+_SAME = 1e-9  # accelerations closer than this, of their size, are one
+
 
 class Limits(NamedTuple):
     """What limits the motion along a path, in the path's own unit of length.
@@ -46,6 +48,12 @@ class Limits(NamedTuple):
             return min(self.push[piece], self.total[piece])
         total = self.total[piece]
         return min(self.push[piece], math.sqrt(max(total * total - across * across, 0.0)))
+
+    def at(self, s: float, v: float) -> tuple[float, float]:
+        """Give the acceleration that the motion may use at distance s, and a stop, at ds/dt = v."""
+        piece = min(max(bisect_right(self.nodes, s) - 1, 0), len(self.push) - 1)
+        along = self.along(piece, v * v)
+        return along, max(along, self.brake[piece])
 
     def slice(self, start: float, end: float) -> Limits:
         """Give the limits from `start` to `end`, with the same distances."""
@@ -93,42 +101,29 @@ class Law:
         end_speed: ds/dt at the end.
     """
 
-    __slots__ = (
-        "_brake", "_limit", "_rate", "_s", "_t", "_v", "duration", "end", "end_speed", "start",
-    )  # fmt: skip
+    __slots__ = ("_rate", "_s", "_t", "_v", "duration", "end", "end_speed", "start")
 
     def __init__(self, start: float, speed: float) -> None:
         self._s, self._v, self._t = [start], [speed], [0.0]
         self._rate: list[float] = []
-        self._limit: list[float] = []
-        self._brake: list[float] = []
         self.start = self.end = start
         self.duration = 0.0
         self.end_speed = speed
 
-    def extend(self, end: float, x: float, limit: float, brake: float) -> None:
+    def extend(self, end: float, x: float) -> None:
         """Go on to distance `end`, where (ds/dt)² is x, at a constant acceleration."""
         length = end - self.end
         if length <= 1e-15 * abs(end):
             return  # a corner that rounding has put on top of another
         speed = math.sqrt(max(x, 0.0))
         rate = 0.5 * (speed - self.end_speed) * (speed + self.end_speed) / length
-        mean = 0.5 * (speed + self.end_speed)
-        self.duration += length / mean
-        same = (
-            self._rate
-            and abs(rate - self._rate[-1]) <= 1e-9 * limit
-            and limit == self._limit[-1]
-            and brake == self._brake[-1]
-        )
-        if not same:
-            self._rate.append(rate)
-            self._limit.append(limit)
-            self._brake.append(brake)
-        else:
+        self.duration += 2.0 * length / (speed + self.end_speed)
+        if self._rate and abs(rate - self._rate[-1]) <= _SAME * max(abs(rate), 1.0):
             self._s.pop()
             self._v.pop()
             self._t.pop()
+        else:
+            self._rate.append(rate)
         self._s.append(end)
         self._v.append(speed)
         self._t.append(self.duration)
@@ -160,14 +155,6 @@ class Law:
         i = self.piece(s)
         mean = 0.5 * (self._v[i] + self.speed(s, i))
         return self._t[i] + ((s - self._s[i]) / mean if mean > 0.0 else 0.0)
-
-    def limit(self, piece: int) -> float:
-        """Give the acceleration that the motion may use in a piece."""
-        return self._limit[piece]
-
-    def brake(self, piece: int) -> float:
-        """Give the deceleration that a stop may use in a piece."""
-        return self._brake[piece]
 
 
 def backward(limits: Limits, x: float) -> list[float]:
@@ -228,10 +215,8 @@ def fastest(limits: Limits, back: Sequence[float], start: float, speed: float) -
             (ceiling[i] + climb * (a - nodes[i]), climb),
             (back[i + 1] + 2.0 * slow * length, -2.0 * slow),
         )
-        limit, brake = limits.along(i, max(x, back[i + 1])), limits.brake[i]
-        brake = max(limit, brake)
         for end, value in _least(lines, length):
-            law.extend(a + end, value, limit, brake)
+            law.extend(a + end, value)
         x = min(x + 2.0 * rate * length, ceiling[i + 1])
     return law
 
