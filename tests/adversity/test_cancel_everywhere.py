@@ -61,6 +61,8 @@ async def test_the_arm_stands_after_a_cancellation_at_any_await(
     sim: Simulator, how: How, again: int
 ) -> None:
     program = Program(sim)
+    await program()
+    await eventually_async(lambda: not sim.connections)
     before = Resources.now()
 
     async def check(run: Cancelled) -> None:
