@@ -31,7 +31,7 @@ from aioduco.supervision.pulse import HeartbeatState
 from aioduco.supervision.task import Task
 
 if TYPE_CHECKING:
-    from typing import Any
+    from typing import Any, NoReturn
 
     from aioduco._wire.lane import Lane
     from aioduco.models.enums import Outcome
@@ -113,6 +113,9 @@ class Launcher:
         on_cancel: OnCancel | None = None,
     ) -> Task:
         """Send a command and return its task; `MotionCommand.start` describes it."""
+        self._admit(command)
+        # Held until it is certain what became of the command: while one that went astray is
+        # being stopped, no other motion is sent, and the robot is not closed.
         async with self._order:
             self._admit(command)
             stops = self._keeper.stops
@@ -125,21 +128,29 @@ class Launcher:
             error = sending.error
             if error is None and sending.answer < 0:
                 error = Refused(command.name, sending.answer, "no reason is given")
-            if error is None:
-                task = self._accept(command, sending, stops, deadline, on_cancel)
-        if error is not None:
-            if command.motion and isinstance(error, OutcomeUnknown):
-                _, again = await insist(self._keeper.halt_late)
+            if error is not None:
+                await self._failed(command, before, error, cancelled)
+            task = self._accept(command, sending, stops, deadline, on_cancel)
+            if command.motion and self._keeper.stops != stops:
+                # Somebody asked for a stop in the meantime, and it may have been served first.
+                _, again = await insist(self._keeper.halt)
                 cancelled = cancelled or again
-            if before is not None:
-                before.life.successor_refused()
-            raise cancelled or error
-        if command.motion and self._keeper.stops != stops:
-            # Somebody asked for a stop in the meantime, and it may have been served first.
-            _, again = await insist(self._keeper.halt)
+            await self._hand_over(task, cancelled)
+            return task
+
+    async def _failed(
+        self,
+        command: Command,
+        before: Task | None,
+        error: DucoError,
+        cancelled: BaseException | None,
+    ) -> NoReturn:
+        if command.motion and isinstance(error, OutcomeUnknown):
+            _, again = await insist(self._keeper.halt_late)
             cancelled = cancelled or again
-        await self._hand_over(task, cancelled)
-        return task
+        if before is not None:
+            before.life.successor_refused()
+        raise cancelled or error
 
     async def _hand_over(self, task: Task, cancelled: BaseException | None) -> None:
         """Give the task to the caller, unless the caller was cancelled meanwhile."""

@@ -187,7 +187,8 @@ class Supervisor:
         self.launcher.closed = "the robot is closed, or is being closed"
         cancelled: list[BaseException | None] = []
         try:
-            limit = self.settings.call_timeout + _GRACE
+            s = self.settings
+            limit = s.call_timeout + s.stop_timeout + s.standstill_timeout + _GRACE
             cancelled.append((await insist(lambda: self.launcher.quiet(limit)))[1])
             if self.keeper.moving:
                 cancelled.append((await insist(self.keeper.halt))[1])

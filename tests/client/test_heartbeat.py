@@ -1,0 +1,159 @@
+"""The heartbeat: beside the event loop, but not without it."""
+
+from __future__ import annotations
+
+import itertools
+import logging
+import subprocess
+import sys
+import textwrap
+import time
+from typing import TYPE_CHECKING
+
+import anyio
+import pytest
+
+import aioduco
+from aioduco import HeartbeatState
+from aioduco.testing import Cut, DropReply, FaultProxy, Place, eventually, eventually_async
+from client.bench import HOME
+
+if TYPE_CHECKING:
+    from client.bench import Bench
+
+
+def beats(bench: Bench) -> int:
+    return len(bench.received("rpc_heartbeat"))
+
+
+def state(robot: aioduco.Robot) -> HeartbeatState:
+    figures = robot.heartbeat
+    assert figures is not None
+    return figures.state
+
+
+async def test_beats_three_times_per_heartbeat_time(bench: Bench) -> None:
+    async with aioduco.connect(bench.host, bench.port, heartbeat=0.3) as robot:
+        await eventually_async(lambda: beats(bench) >= 10)
+        assert state(robot) is HeartbeatState.BEATING
+    calls = bench.received("rpc_heartbeat")
+    assert {call.args for call in calls} == {(300,)}
+    assert len({call.thread for call in calls}) == 1  # one connection
+    others = {c.thread for c in bench.received() if c.method != "rpc_heartbeat"}
+    assert calls[0].thread not in others  # and nothing else goes over it
+    gaps = [b.at - a.at for a, b in itertools.pairwise(calls)]
+    assert sorted(gaps)[len(gaps) // 2] == pytest.approx(0.1, rel=0.3)
+
+
+async def test_no_heartbeat_on_request(bench: Bench) -> None:
+    async with aioduco.connect(bench.host, bench.port, heartbeat=None) as robot:
+        await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        assert robot.heartbeat is None
+        assert robot.statistics().heartbeat is None
+        await robot.rearm_heartbeat()
+    assert beats(bench) == 0
+
+
+async def test_a_short_stall_of_the_loop_does_not_stop_the_beat(bench: Bench) -> None:
+    async with aioduco.connect(
+        bench.host, bench.port, heartbeat=0.2, loop_stall_limit=20.0
+    ) as robot:
+        before = beats(bench)
+        eventually(lambda: beats(bench) >= before + 6)  # blocks the event loop meanwhile
+        assert state(robot) is HeartbeatState.BEATING
+
+
+async def test_a_hung_loop_stops_the_beat_until_rearmed(
+    bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with aioduco.connect(
+        bench.host, bench.port, heartbeat=0.2, loop_stall_limit=0.1
+    ) as robot:
+        with caplog.at_level(logging.CRITICAL, "aioduco"):
+            eventually(lambda: state(robot) is HeartbeatState.STALLED)  # blocks the event loop
+        stalled = beats(bench)
+        # The loop runs again, and still there is no beat: several times that between two pass.
+        with anyio.move_on_after(0.3):
+            await eventually_async(lambda: beats(bench) > stalled, timeout=5)
+        assert beats(bench) == stalled
+        with pytest.raises(aioduco.HeartbeatLost, match=r"the event loop hung.*rearm_heartbeat"):
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        assert "movej2" not in bench.commands
+        await robot.stop()  # a stop is never refused
+        await robot.rearm_heartbeat()
+        assert state(robot) is HeartbeatState.BEATING
+        await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        figures = robot.heartbeat
+        assert figures is not None
+        assert figures.stalls == 1
+        assert robot.statistics().longest_stall > 0.1
+
+
+async def test_a_lost_heartbeat_is_reported_and_comes_back(
+    bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with (
+        FaultProxy(bench.host, bench.port) as proxy,
+        aioduco.connect(proxy.host, proxy.port, heartbeat=0.2) as robot,
+    ):
+        await eventually_async(lambda: beats(bench) >= 2)
+        proxy.on("rpc_heartbeat", Cut(Place.BEFORE_REQUEST), times=None)
+        await eventually_async(lambda: state(robot) is HeartbeatState.LOST)
+        with pytest.raises(aioduco.HeartbeatLost, match="does not answer it"):
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        proxy.clear()
+        await eventually_async(lambda: state(robot) is HeartbeatState.BEATING)
+        await robot.motion.movej2(HOME, v=1.0, a=1.0)
+    messages = [record.getMessage() for record in caplog.records]
+    assert any("no heartbeat was answered for 0.2 s" in message for message in messages)
+    assert any("answered again" in message for message in messages)
+
+
+async def test_one_beat_without_an_answer_is_repeated_in_time(bench: Bench) -> None:
+    async with (
+        FaultProxy(bench.host, bench.port) as proxy,
+        aioduco.connect(proxy.host, proxy.port, heartbeat=0.6) as robot,
+    ):
+        await eventually_async(lambda: beats(bench) >= 2)
+        proxy.on("rpc_heartbeat", DropReply())
+        seen = beats(bench)
+        await eventually_async(lambda: beats(bench) >= seen + 4)
+        figures = robot.heartbeat
+        assert figures is not None
+        assert figures.state is HeartbeatState.BEATING
+        assert (figures.missed, figures.losses) == (1, 0)
+
+
+async def test_leaving_ends_the_heartbeat_at_once(bench: Bench) -> None:
+    gate = bench.hold("rpc_heartbeat", None)
+    gate.set()
+    async with aioduco.connect(bench.host, bench.port, heartbeat=60.0):
+        gate.clear()
+        before = time.monotonic()
+    # Neither the next beat, 20 s off, nor one that hangs is waited for.
+    assert time.monotonic() - before < 10
+    await eventually_async(lambda: bench.connections == 0)
+
+
+FORGOTTEN = """
+    import asyncio
+    import aioduco
+
+    async def main():
+        robot = aioduco.connect({host!r}, {port}, heartbeat=0.2)
+        await robot.open()
+        await robot.motion.movej2([0, 0, 1.5, 0, -1.5, 0], v=1.0, a=1.0).start()
+        {end}
+
+    asyncio.run(main())
+"""
+
+
+@pytest.mark.parametrize("end", ["return", "raise SystemExit(3)", "1 / 0"])
+def test_a_program_that_ends_without_closing_beats_no_more(bench: Bench, end: str) -> None:
+    """The heartbeat's thread must not keep a finished program, and its arm, alive."""
+    bench.motion_time = 30.0
+    script = textwrap.dedent(FORGOTTEN.format(host=bench.host, port=bench.port, end=end))
+    subprocess.run([sys.executable, "-c", script], check=False, capture_output=True, timeout=30)
+    eventually(lambda: bench.connections == 0)
+    assert beats(bench) > 0

@@ -1,0 +1,173 @@
+"""Leaving `async with robot`: whatever happened inside, the arm stands and nothing is left."""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+import threading
+from typing import TYPE_CHECKING
+
+import anyio
+import pytest
+
+import aioduco
+from aioduco.testing import FaultProxy, eventually_async
+from aioduco.testing.cancel import cancel_at
+from client.bench import HOME
+
+if TYPE_CHECKING:
+    from typing import Literal
+
+    from client.bench import Bench
+
+
+def threads() -> set[str]:
+    return {t.name for t in threading.enumerate() if t.name.startswith("aioduco")}
+
+
+async def left_standing(bench: Bench) -> None:
+    assert not bench.moving()
+    await eventually_async(lambda: bench.connections == 0)
+    await eventually_async(lambda: not threads(), what=lambda: str(threads()))
+
+
+async def test_a_motion_that_runs_is_stopped(bench: Bench) -> None:
+    bench.motion_time, bench.braking_time = 30.0, 0.1
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    assert bench.commands == ["movej2", "stop"]
+    # It was seen to stand, and the heartbeat went on until then.
+    assert bench.received("robotmoving")[-1].at >= bench._stopped_at + bench.braking_time
+    await left_standing(bench)
+
+
+async def test_a_program_that_moved_nothing_stops_nothing(bench: Bench) -> None:
+    """Somebody else's arm is moving; this program only looks on."""
+    bench.motion_time = 30.0
+    bench._answers["movej2"](HOME, 1.0, 1.0, 0.0, False, None, False)
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        assert await robot.state.robotmoving()
+    assert bench.commands == []
+    assert bench.moving()
+
+
+async def test_a_motion_that_has_ended_is_not_stopped(bench: Bench) -> None:
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        await robot.motion.movej2(HOME, v=1.0, a=1.0)
+    assert bench.commands == ["movej2"]
+    await left_standing(bench)
+
+
+async def test_a_detached_motion_is_stopped_when_leaving(bench: Bench) -> None:
+    bench.motion_time = 30.0
+    async with aioduco.connect(bench.host, bench.port, on_cancel="detach") as robot:
+        with anyio.move_on_after(0.05):
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        assert bench.moving()
+    await left_standing(bench)
+
+
+async def test_an_exception_inside(bench: Bench) -> None:
+    bench.motion_time = 30.0
+
+    async def program() -> None:
+        async with aioduco.connect(bench.host, bench.port) as robot:
+            await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+            _ = 1 / 0
+
+    with pytest.raises(ZeroDivisionError):
+        await program()
+    await left_standing(bench)
+
+
+@pytest.mark.parametrize("how", ["scope", "task"])
+@pytest.mark.parametrize("again", [0, 5])
+async def test_cancelled_at_every_await_from_opening_to_closing(
+    bench: Bench, how: Literal["scope", "task"], again: int
+) -> None:
+    bench.motion_time = 0.03
+
+    async def program() -> None:
+        async with aioduco.connect(bench.host, bench.port) as robot:
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+            bench.motion_time = 30.0
+            await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+
+    at = 0
+    while True:
+        at += 1
+        bench.motion_time = 0.03
+        run = await cancel_at(program, at, how=how, again=again)
+        await left_standing(bench)
+        if not run.struck:
+            break
+        # By a scope, the way out is shielded: it returns, and the next await is cancelled.
+        assert run.ended == "cancelled" or (how == "scope" and run.error is None), run
+    assert at > 10
+    assert run.ended == "returned"
+
+
+async def test_a_start_on_its_way_while_leaving_is_waited_for(bench: Bench) -> None:
+    bench.motion_time = 30.0
+    gate = bench.hold("movej2", bench._answers["movej2"])
+    robot = aioduco.connect(bench.host, bench.port)
+    await robot.open()
+    async with anyio.create_task_group() as tg:
+        tg.start_soon(robot.motion.movej2(HOME, v=1.0, a=1.0).start)
+        await eventually_async(lambda: bench.received("movej2"))
+        tg.start_soon(robot.aclose)
+        await eventually_async(lambda: "closed" in repr(robot))
+        with pytest.raises(aioduco.RobotStateError, match="being closed"):
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        gate.set()
+    assert len(bench.received("movej2")) == 1
+    await left_standing(bench)
+
+
+async def test_a_controller_that_hangs_does_not_hold_the_way_out_for_ever(bench: Bench) -> None:
+    bench.motion_time = 30.0
+    async with FaultProxy(bench.host, bench.port) as proxy:
+        robot = aioduco.connect(
+            proxy.host, proxy.port, call_timeout=0.3, stop_timeout=0.5, standstill_timeout=0.5
+        )
+        await robot.open()
+        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        proxy.freeze()
+        with anyio.fail_after(20), pytest.raises(aioduco.StopUnconfirmed):
+            await robot.aclose()
+        assert not threads()
+
+
+async def test_closing_twice_and_opening_twice(bench: Bench) -> None:
+    robot = aioduco.connect(bench.host, bench.port)
+    await robot.aclose()  # not open yet: nothing to do
+    async with robot:
+        with pytest.raises(RuntimeError, match="opened once"):
+            await robot.open()
+        assert repr(robot) == f"<Robot {bench.host}:{bench.port} open, 0 live tasks>"
+    await robot.aclose()
+    with pytest.raises(RuntimeError, match="opened once"):
+        await robot.open()
+    assert repr(robot.motion) == f"<Motion of {bench.host}:{bench.port}, closed>"
+
+
+async def test_opened_in_one_task_and_closed_in_another(bench: Bench) -> None:
+    """As a fixture's set-up and tear-down do, or two cells of a notebook."""
+    bench.motion_time = 30.0
+    robot = aioduco.connect(bench.host, bench.port)
+    await asyncio.ensure_future(robot.open())
+    await asyncio.ensure_future(robot.motion.movej2(HOME, v=1.0, a=1.0).start())
+    await asyncio.ensure_future(robot.aclose())
+    await left_standing(bench)
+
+
+@pytest.mark.filterwarnings("ignore::ResourceWarning")
+async def test_a_robot_that_is_forgotten_warns(bench: Bench) -> None:
+    robot = aioduco.connect(bench.host, bench.port)
+    await robot.open()
+    supervisor = robot._supervisor
+    with pytest.warns(ResourceWarning, match="unclosed <Robot"):
+        robot.__del__()
+    await supervisor.aclose()
+    del robot
+    gc.collect()
