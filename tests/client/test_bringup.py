@@ -1,0 +1,219 @@
+"""Bring-up: from any state to one in which the arm can move, or a word on what a person must do."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+import hypothesis.strategies as st
+import pytest
+from hypothesis import given
+
+import aioduco
+from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
+from aioduco.models.state import RobotStates
+from aioduco.supervision.bringup import BringUp, Step
+from aioduco.testing import eventually_async
+
+if TYPE_CHECKING:
+    from client.bench import Bench
+
+
+def seen(
+    robot: int = 6, program: int = 0, safety: int = 5, mode: int = 1, sequence: int = 0
+) -> RobotStates:
+    return RobotStates(
+        sequence=sequence,
+        received_at=0.0,
+        robot=RobotState(robot),
+        program=ProgramState(program),
+        safety=SafetyState(safety),
+        mode=OperationMode(mode),
+    )
+
+
+def step(
+    decide: BringUp, states: RobotStates, *, emergency_stop: bool = False, collision: bool = False
+) -> Step:
+    return decide.next(states, emergency_stop=emergency_stop, collision=collision)
+
+
+def test_the_steps_from_power_off() -> None:
+    decide = BringUp()
+    assert step(decide, seen(robot=0, safety=13)) is Step.WAIT
+    assert step(decide, seen(robot=4, safety=4)) is Step.POWER_ON
+    assert step(decide, seen(robot=4, safety=4)) is Step.WAIT  # asked for once
+    assert step(decide, seen(robot=5)) is Step.ENABLE
+    assert step(decide, seen(robot=5)) is Step.WAIT
+    assert step(decide, seen(robot=6)) is Step.DONE
+    assert step(decide, seen(robot=6)) is Step.DONE
+
+
+@pytest.mark.parametrize("safety", [7, 8, 9])
+def test_the_steps_after_a_safety_stop(safety: int) -> None:
+    decide = BringUp()
+    assert step(decide, seen(robot=6, safety=safety)) is Step.POWER_OFF
+    assert step(decide, seen(robot=6, safety=safety)) is Step.WAIT
+    assert step(decide, seen(robot=4, safety=safety)) is Step.POWER_ON
+    assert step(decide, seen(robot=5, safety=safety)) is Step.WAIT
+    assert step(decide, seen(robot=5)) is Step.ENABLE
+    # It comes back at once: the power is not switched for ever.
+    assert step(decide, seen(robot=5, safety=safety)) is Step.WAIT
+
+
+def test_a_collision_is_reset_once() -> None:
+    decide = BringUp()
+    assert step(decide, seen(), collision=True) is Step.RESET_COLLISION
+    assert step(decide, seen()) is Step.DONE
+
+
+def test_a_paused_program_is_stopped_and_one_that_is_stopping_waited_for() -> None:
+    decide = BringUp()
+    assert step(decide, seen(program=1)) is Step.WAIT
+    assert step(decide, seen(program=3)) is Step.STOP
+    assert step(decide, seen(program=0)) is Step.DONE
+
+
+@pytest.mark.parametrize("mode", [0, 1, 2])
+def test_the_operation_mode_is_left_alone(mode: int) -> None:
+    assert step(BringUp(), seen(mode=mode)) is Step.DONE
+
+
+@pytest.mark.parametrize(
+    ("states", "emergency_stop", "words"),
+    [
+        (seen(), True, "an emergency stop is pressed.*release the button"),
+        (seen(safety=14), False, "fatal error: switch the cabinet off and on"),
+        (seen(safety=6), False, "recovery mode: bring the arm back"),
+        (seen(safety=3), False, "being configured"),
+        (seen(safety=10), False, "model is being configured"),
+        (seen(safety=99), False, "being updated"),
+        (seen(robot=7), False, "being updated"),
+        (seen(program=2), False, r"busy \(program RUNNING\).*robot.stop\(\)"),
+        (seen(program=5), False, r"busy \(program TASK_RUNNING\)"),
+    ],
+)
+def test_what_needs_a_person_says_so(states: RobotStates, emergency_stop: bool, words: str) -> None:
+    with pytest.raises(aioduco.RobotStateError, match=words):
+        step(BringUp(), states, emergency_stop=emergency_stop)
+
+
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 7), st.integers(0, 5), st.sampled_from(list(SafetyState))),
+        max_size=40,
+    ),
+    st.booleans(),
+)
+def test_no_sequence_of_states_asks_for_a_step_twice(
+    sequence: list[tuple[int, int, SafetyState]], collision: bool
+) -> None:
+    decide = BringUp()
+    asked: list[Step] = []
+    for robot, program, safety in sequence:
+        try:
+            made = step(decide, seen(robot, program, int(safety)), collision=collision)
+        except aioduco.RobotStateError:
+            continue
+        if made is Step.DONE:
+            assert robot == RobotState.ENABLE
+            assert program == ProgramState.STOPPED
+        elif made is not Step.WAIT:
+            asked.append(made)
+    assert len(asked) == len(set(asked))
+
+
+async def test_from_power_off_to_ready(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.states[:3] = [4, 0, 4]
+    states = await robot.bring_up()
+    assert states.robot is RobotState.ENABLE
+    assert bench.commands == ["power_on", "enable"]
+
+
+async def test_a_robot_that_is_ready_is_left_alone(robot: aioduco.Robot, bench: Bench) -> None:
+    await robot.bring_up()
+    assert bench.commands == []
+
+
+async def test_what_can_be_cleared_is_cleared(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.collision = True
+    bench.states[:3] = [6, 3, 7]
+    await robot.bring_up()
+    assert bench.commands == [
+        "collision_detection_reset",
+        "power_off",
+        "power_on",
+        "enable",
+        "stop",
+    ]
+
+
+async def test_an_emergency_stop_is_for_a_person(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.emergency_stop = True
+    bench.states[:3] = [4, 0, 9]
+    with pytest.raises(aioduco.RobotStateError, match="release the button"):
+        await robot.bring_up()
+    assert bench.commands == []
+
+
+async def test_states_that_lag_behind_are_waited_for(robot: aioduco.Robot, bench: Bench) -> None:
+    """The task has ended, the states follow later: nothing is sent twice."""
+    bench.states[0] = 4
+    looks = itertools.count()
+
+    def states() -> list[int]:
+        look = next(looks)
+        if look >= 12:
+            return [6, 0, 5, 1]
+        return [5, 0, 5, 1] if look >= 6 else [4, 0, 4, 1]
+
+    bench.answer("get_robot_state", states)
+    await robot.bring_up()
+    assert bench.commands == ["power_on", "enable"]
+
+
+async def test_a_controller_that_is_starting_is_waited_for(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    looks = itertools.count()
+    bench.answer("get_robot_state", lambda: [] if next(looks) < 5 else [6, 0, 5, 1])
+    await robot.bring_up()
+    assert next(looks) > 5
+
+
+async def test_not_ready_in_time_says_what_is_seen(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.states[:3] = [5, 0, 9]
+    bench.errors = ["Safety input SI0 is open"]
+    bench.answer("power_off", lambda block: bench._switch("power_off", 5))
+    with pytest.raises(
+        aioduco.RobotStateError,
+        match=r"not ready after 0\.3 s: robot DISABLE.*safety STOP0.*Safety input SI0 is open",
+    ):
+        await robot.bring_up(timeout=0.3)
+
+
+async def test_a_step_that_the_controller_does_not_take(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.states[:3] = [4, 0, 9]
+    bench.errors = ["E-stop"]
+    switch = bench._answers["power_on"]
+
+    def failing(block: bool) -> int:
+        task_id: int = switch(block)
+        bench.tasks[task_id].state = aioduco.TaskState.ILLEGAL
+        bench.states[:3] = [4, 0, 9]
+        return task_id
+
+    bench.answer("power_off", failing)
+    with pytest.raises(
+        aioduco.RobotStateError, match=r"did not power_off.*E-stop.*Is an emergency stop"
+    ) as caught:
+        await robot.bring_up()
+    assert isinstance(caught.value.__cause__, aioduco.TaskIllegal)
+
+
+async def test_a_step_that_never_ends_has_a_deadline(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.states[:3] = [4, 0, 4]
+    bench.answer("power_on", 77)  # a task that stays idle
+    with pytest.raises(aioduco.RobotStateError, match="has not ended after"):
+        await robot.bring_up(timeout=0.3)
+    await eventually_async(lambda: len(robot.tasks) == 1)
