@@ -117,17 +117,16 @@ class AwaitedCall(Call):
     def settle(self) -> None:
         """Give the waiting task what the thread left; on the loop."""
         error, self.error = self.error, None
-        if self._future.done():
-            return
         if error is not None:
             # not kept here too: its traceback knows this call, which would be a cycle
-            self._future.set_exception(error)
-        else:
+            self.fail(error)
+        elif not self._future.done():
             self._future.set_result(self.value)
 
     def fail(self, error: BaseException) -> None:
         """Have the waiting task raise this; on the loop."""
-        if not self._future.done():
+        # a task of a loop that was closed meanwhile waits no more
+        if not self._future.done() and not self.loop.is_closed():
             self._future.set_exception(error)
 
 

@@ -8,6 +8,7 @@ import warnings
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import anyio
+from anyio.lowlevel import checkpoint_if_cancelled
 
 from aioduco._wire import codec, idl
 from aioduco._wire.handoff import AwaitedCall, BlockingCall, Deadlines, Farewell, doorbell
@@ -234,6 +235,9 @@ class Lane:
         encoded = codec.encode(function, args)
         if self._state is not LaneState.OPEN:
             raise ConnectionLost(f"{name} was not sent, since {self!r} is not open")
+        # a task whose scope is cancelled already sends nothing: from here to the thread there is
+        # no other point at which it would notice
+        await checkpoint_if_cancelled()
         seconds = self.call_timeout if timeout is _Default.LIMIT else timeout
         begin = time.monotonic()
         deadline = None if seconds is None else begin + seconds

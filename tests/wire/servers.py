@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from thriftpy2.protocol import TCyBinaryProtocol
+from thriftpy2.thrift import TType
 from thriftpy2.transport import TCyMemoryBuffer
 
 from aioduco._wire import idl, rpc
@@ -42,7 +43,9 @@ def zero(name: str) -> Any:
         "get_actual_joints_position": [0.0, 0.1, 0.2, 0.3, 0.4, 0.5],
         "get_robot_version": "3.8",
     }
-    return results.get(name, 0)
+    if name in results:
+        return results[name]
+    return [] if idl.functions()[name].result.thrift_spec[0][0] == TType.LIST else 0
 
 
 def decode(raw: Raw) -> tuple[Any, ...]:
