@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from aioduco.testing import eventually_async
+
 if TYPE_CHECKING:
     from aioduco.sim import Simulator
 
@@ -14,12 +18,29 @@ RIGHT = (-0.4, 0.1, 1.4, 0.0, -1.57, 0.2)
 #: tasks that move nothing, and end by themselves
 _STANDING = frozenset({"power_on", "power_off", "enable", "disable"})
 
+#: by how much the joints may still swing after their set-points have come to rest [rad]
+_SETTLING = 2e-3
 
-def stands(sim: Simulator) -> bool:
-    """Whether the arm stands, and no task is there that could move it."""
-    return not sim.moving and all(task.name in _STANDING for task in sim.tasks)
+
+def idle(sim: Simulator) -> bool:
+    """Whether no task is there that could move the arm."""
+    return all(task.name in _STANDING for task in sim.tasks)
 
 
 def unrest(sim: Simulator) -> str:
     """What keeps the arm from standing, for messages."""
     return f"moving: {sim.moving}; tasks: {sim.tasks}; states: {sim.view[:4]}"
+
+
+async def see_it_stand(sim: Simulator, after: object) -> None:
+    """See that no task moves the arm at this moment, and that it does no more than settle.
+
+    Args:
+        sim: the simulated arm.
+        after: what has happened, for the message.
+    """
+    joints = sim.joints.array
+    assert idle(sim), f"after {after}: {unrest(sim)}"
+    await eventually_async(lambda: not sim.moving, what=lambda: f"{after}: {unrest(sim)}")
+    moved = float(np.abs(sim.joints.array - joints).max())
+    assert moved < _SETTLING, f"after {after} the arm moved on by {moved} rad"

@@ -12,7 +12,7 @@ from aioduco.errors import TaskStopped
 from aioduco.sim import Simulator
 from aioduco.testing import Resources, cancel_at_every_await, eventually_async
 
-from .arm import LEFT, RIGHT, stands, unrest
+from .arm import LEFT, RIGHT, see_it_stand, unrest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -66,8 +66,8 @@ async def test_the_arm_stands_after_a_cancellation_at_any_await(
     before = Resources.now()
 
     async def check(run: Cancelled) -> None:
-        # without waiting: the program has seen it stand before it ended
-        assert stands(sim), f"{run}: {unrest(sim)}"
+        # at once: the program has seen it stand before it ended
+        await see_it_stand(sim, run)
         assert run.error is None
         # a scope cannot cancel what is shielded: the way out of a block that was gone through
         assert program.through or run.ended == "cancelled"
