@@ -124,6 +124,7 @@ class Runtime:
         self._network: bool | None = True
         self._count = 0
         self._quiet = 0
+        self._braked: bool | None = None
         q = plant.q
         self._drive = Drive(SetPoint.at_rest(q), brake=True)
         self._snapshot = Snapshot(
@@ -242,7 +243,6 @@ class Runtime:
 
     def _loop(self) -> None:
         idle, late, begun = False, 0.0, 0.0
-        braked: bool | None = None
         self._pace.begin(time.perf_counter())
         while not self._closing:
             now = time.perf_counter()
@@ -259,9 +259,9 @@ class Runtime:
                 else:
                     late = -delay
                 begun = time.perf_counter()
-                if braked is not self._drive.brake:
-                    braked = self._drive.brake
-                    self._plant.brake(braked)
+                if self._braked is not self._drive.brake:
+                    self._braked = self._drive.brake
+                    self._plant.brake(self._braked)
                 self._plant.step(self._drive.setpoint)
             self._count += cycles
             self._pace.ran(cycles)
@@ -300,5 +300,6 @@ class Runtime:
 
     def _is_idle(self, cycles: int) -> bool:
         """Whether the arm has stood for so long that physics would change nothing."""
-        self._quiet = 0 if self._controller.busy else self._quiet + cycles
+        changing = self._controller.busy or self._braked is not self._drive.brake
+        self._quiet = 0 if changing else self._quiet + cycles
         return self._quiet * self._cycle >= _SETTLING

@@ -1,0 +1,86 @@
+"""A simulator in a process of its own, and how it ends."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import psutil
+import pytest
+
+from aioduco.sim.simulator import Simulator
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .conftest import Program
+
+
+def run() -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "aioduco.sim"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+
+
+def first_line(process: subprocess.Popen[bytes]) -> dict[str, object]:
+    assert process.stdout is not None
+    ready: dict[str, object] = json.loads(process.stdout.readline())
+    return ready
+
+
+def test_a_spawned_simulator_is_served_and_ends_with_its_block(
+    connect: Callable[..., Program],
+) -> None:
+    with Simulator.spawn(model="gcr10_1300", seed=7) as sim:
+        assert psutil.pid_exists(sim.pid)
+        assert sim.host == "127.0.0.1"
+        assert connect(sim).get_robot_type() == ["GCR10", "1300", "", "SIM00000007"]
+    assert sim.process.returncode == 0
+
+
+async def test_the_same_in_async_code(connect: Callable[..., Program]) -> None:
+    async with Simulator.spawn() as sim:
+        assert connect(sim).get_robot_state() == [4, 0, 4, 1]
+    assert sim.process.returncode == 0
+
+
+def test_a_process_that_cannot_start_says_why() -> None:
+    with pytest.raises(RuntimeError, match="ur5"), Simulator.spawn(model="ur5"):
+        pass
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_signals_end_it_cleanly(number: signal.Signals) -> None:
+    with run() as process:
+        first_line(process)
+        process.send_signal(number)
+        _, errors = process.communicate(timeout=30)
+        assert (process.returncode, errors) == (0, b"")
+
+
+def test_it_ends_with_the_process_that_started_it_even_if_that_is_killed() -> None:
+    program = (
+        "import sys, time; from aioduco.sim.simulator import Simulator\n"
+        "sim = Simulator.spawn().start(); print(sim.pid, flush=True); sys.stdin.read()"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as parent:
+        assert parent.stdout is not None
+        child = psutil.Process(int(parent.stdout.readline()))
+        parent.kill()
+        parent.wait(30)
+    gone, alive = psutil.wait_procs([child], timeout=30)
+    assert (len(gone), alive) == (1, [])
+
+
+def test_a_shutdown_ends_the_process(connect: Callable[..., Program]) -> None:
+    with Simulator.spawn(speed=50.0) as sim:
+        connect(sim).shutdown(False)
+        assert sim.process.wait(30) == 0

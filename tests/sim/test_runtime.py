@@ -1,0 +1,167 @@
+"""The loop: its pace, its sleep, its failure; handlers and commands beside it."""
+
+from __future__ import annotations
+
+import logging
+import math
+import threading
+import time
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from aioduco.sim.controller import Controller
+from aioduco.sim.refusal import Refusal
+from aioduco.sim.runtime import Runtime
+
+from .fakes import HOME, FakeMover, leg
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from aioduco.sim.planner.mover import SetPoint
+
+    Vector = NDArray[np.float64]
+
+
+class Follower:
+    """An arm that is where it is told to be; counts its steps, and can break."""
+
+    def __init__(self) -> None:
+        self.q = HOME.copy()
+        self.qd = self.qdd = self.torque = np.zeros(6)
+        self.steps = 0
+        self.broken = False
+        self.braked: list[bool] = []
+
+    def step(self, setpoint: SetPoint) -> None:
+        if self.broken:
+            raise FloatingPointError("the arm fell apart")
+        self.steps += 1
+        if not self.braked[-1]:
+            self.q = setpoint.q
+
+    def brake(self, on: bool) -> None:
+        self.braked.append(on)
+
+
+@pytest.fixture
+def arm() -> Follower:
+    return Follower()
+
+
+@pytest.fixture
+def runtime(arm: Follower) -> Iterator[Runtime]:
+    controller = Controller(FakeMover, HOME)  # type: ignore[arg-type]  # a stand-in
+    runtime = Runtime(controller, arm, speed=math.inf)
+    runtime.start()
+    yield runtime
+    runtime.close()
+
+
+def enable(runtime: Runtime) -> None:
+    for name in ("power_on", "enable"):
+        with runtime.command() as controller:
+            id_ = controller.change_power(name)
+        assert runtime.wait(id_) == 4
+
+
+def test_a_command_is_seen_at_once(runtime: Runtime) -> None:
+    with runtime.command() as controller:
+        controller.set_speed(30)
+    assert runtime.snapshot.view.speed == 30
+
+
+def test_a_snapshot_never_changes(runtime: Runtime) -> None:
+    enable(runtime)
+    before = runtime.snapshot
+    q, time_ = before.q.copy(), before.time
+    with runtime.command() as controller:
+        id_ = controller.move("movej2", leg(1.0, 100))
+    assert runtime.wait(id_) == 4
+    assert (before.q == q).all()
+    assert before.time == time_
+    assert runtime.snapshot.time > time_
+
+
+def test_while_nothing_happens_time_passes_without_physics(runtime: Runtime, arm: Follower) -> None:
+    assert runtime.wait_until(lambda: runtime.snapshot.time > 0.5, 10.0)
+    steps = arm.steps
+    begin = time.monotonic()
+    simulated = runtime.snapshot.time
+    assert runtime.wait_until(lambda: runtime.snapshot.time > simulated + 0.5, 10.0)
+    # As fast as possible means real time while idle: else a wait for nothing would be over at once.
+    assert time.monotonic() - begin > 0.4
+    assert arm.steps == steps
+    enable(runtime)
+    assert arm.steps > steps
+
+
+def test_brakes_are_told_when_they_change(runtime: Runtime, arm: Follower) -> None:
+    enable(runtime)
+    assert runtime.wait_until(lambda: arm.braked[-1] is False, 10.0)
+    with runtime.command() as controller:
+        controller.press_emergency_stop()
+    assert runtime.wait_until(lambda: arm.braked[-1], 10.0)
+    assert arm.braked == [True, False, True]
+
+
+def test_a_wait_for_what_never_comes_ends_in_simulated_time(runtime: Runtime) -> None:
+    begin = runtime.snapshot.time
+    assert not runtime.wait_until(lambda: False, 0.2)
+    assert runtime.snapshot.time >= begin + 0.2
+
+
+def test_closing_lets_go_of_waiters(arm: Follower) -> None:
+    controller = Controller(FakeMover, HOME)  # type: ignore[arg-type]  # a stand-in
+    runtime = Runtime(controller, arm, speed=1.0)
+    runtime.start()
+    id_ = controller.tasks.new("never")
+    ended = threading.Event()
+
+    def wait() -> None:
+        with pytest.raises(Refusal, match="ended before the task"):
+            runtime.wait(id_)
+        ended.set()
+
+    waiter = threading.Thread(target=wait)
+    waiter.start()
+    assert runtime.wait_until(lambda: bool(runtime._waiters), 10.0)
+    runtime.close()
+    waiter.join(10)
+    assert ended.is_set()
+    with pytest.raises(Refusal):
+        runtime.wait(id_)
+
+
+def test_physics_that_fail_are_answered_by_errors_and_not_by_old_states(
+    runtime: Runtime, arm: Follower, caplog: pytest.LogCaptureFixture
+) -> None:
+    with caplog.at_level(logging.CRITICAL):
+        enable(runtime)
+        with runtime.command() as controller:
+            id_ = controller.move("movej2", leg(1.0, 100_000))
+        arm.broken = True
+        with pytest.raises(Refusal, match="ended before the task"):
+            runtime.wait(id_)
+    with pytest.raises(Refusal, match="fell apart"):
+        _ = runtime.snapshot
+    with pytest.raises(Refusal, match="fell apart"), runtime.command():
+        pass
+
+
+def test_statistics_of_a_loop_in_real_time(arm: Follower) -> None:
+    controller = Controller(FakeMover, HOME)  # type: ignore[arg-type]  # a stand-in
+    runtime = Runtime(controller, arm, speed=1.0)
+    runtime.start()
+    try:
+        enable(runtime)
+        found = runtime.statistics()
+    finally:
+        runtime.close()
+    assert found.cycles > 500
+    assert 0.0 <= found.work_p50 <= found.work_p99 <= found.work_max
+    assert found.late_p50 <= found.late_p99 <= found.late_max

@@ -1,0 +1,433 @@
+"""The whole simulated controller over its wire: programs move the arm and stop it."""
+
+from __future__ import annotations
+
+import math
+import threading
+from typing import TYPE_CHECKING
+
+import psutil
+import pytest
+
+from aioduco._wire.rpc import Op
+from aioduco.errors import ConnectionLost, ControllerError, ParameterError
+from aioduco.models.enums import TaskState
+from aioduco.models.pose import Joints, Pose
+from aioduco.sim.simulator import READY, Simulator
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from concurrent.futures import Future
+
+    from .conftest import Program
+
+    Aside = Callable[[Simulator, Callable[[Program], int]], Future[int]]
+
+SLOW = 0.02
+
+
+def test_a_program_brings_the_robot_up_and_moves_it(
+    sim: Simulator, connect: Callable[..., Program]
+) -> None:
+    robot = connect(sim)
+    assert robot.get_robot_state() == [4, 0, 4, 1]
+    assert robot.to(0, 0, 1.5, 0, -1.5, 0) == TaskState.ILLEGAL
+    robot.bring_up()
+    assert robot.get_robot_state() == [6, 0, 5, 1]
+    goal = Joints(0.5, 0.1, 1.4, 0.2, -1.5, 0.3)
+    assert robot.to(*goal) == TaskState.FINISHED
+    sim.wait_until(lambda: not sim.moving)
+    assert sim.joints.almost_equal(goal, 1e-3)
+    assert robot.get_actual_joints_position() == pytest.approx(list(goal), abs=1e-3)
+
+
+def test_a_line_ends_at_its_pose_and_an_unreachable_one_moves_nothing(
+    sim: Simulator, robot: Program
+) -> None:
+    goal = Pose.of(robot.get_tcp_pose()).shifted(z=-0.1, x=0.05)
+    assert robot.line(list(goal)) == TaskState.FINISHED
+    sim.wait_until(lambda: not sim.moving)
+    assert Pose.of(robot.get_tcp_pose()).almost_equal(goal, position=1e-3, rotation=2e-3)
+    there = sim.joints
+    assert robot.line(list(goal.shifted(x=5.0))) == TaskState.ERROR
+    assert "reach" in robot.get_last_error()[-1]
+    assert robot.get_robot_state() == [6, 0, 5, 1]
+    assert sim.joints.almost_equal(there, 1e-4)
+
+
+def test_an_arc_passes_its_point(sim: Simulator, robot: Program) -> None:
+    start = Pose.of(robot.get_tcp_pose())
+    middle, end = start.shifted(x=0.05, y=0.05), start.shifted(x=0.1)
+    nearest = math.inf
+    id_ = robot.movec(list(middle), list(end), 0.1, 1.0, 0.0, 1, [], "", "", False, Op(), False)
+
+    def done() -> bool:
+        nonlocal nearest
+        nearest = min(nearest, Pose.from_matrix(sim.arm.fkine(sim.joints)).distance(middle)[0])
+        return TaskState(robot.get_noneblock_taskstate(id_)).ended
+
+    sim.wait_until(done, 60.0)
+    assert robot.get_noneblock_taskstate(id_) == TaskState.FINISHED
+    assert nearest < 5e-3
+    sim.wait_until(lambda: not sim.moving)
+    assert Pose.of(robot.get_tcp_pose()).almost_equal(end, position=1e-3, rotation=2e-3)
+
+
+def test_an_offset_in_the_tools_frame_is_added_to_the_end_of_the_motion_before(
+    sim: Simulator, robot: Program
+) -> None:
+    offset = Pose(0.0, 0.0, 0.05, 0.0, 0.0, 0.0)
+    expected = Pose.of(robot.get_tcp_pose()) @ offset @ offset
+    ids = [robot.tcp_move(list(offset), 0.1, 1.0, 0.0, "", False, Op(), False) for _ in range(2)]
+    sim.wait_until(lambda: robot.get_noneblock_taskstate(ids[1]) == TaskState.FINISHED, 60.0)
+    sim.wait_until(lambda: not sim.moving)
+    assert Pose.of(robot.get_tcp_pose()).almost_equal(expected, position=1e-3, rotation=2e-3)
+
+
+def test_a_pose_is_reached_near_the_joints_given(sim: Simulator, robot: Program) -> None:
+    goal = Pose.from_matrix(sim.arm.fkine(Joints.of(READY))).shifted(x=0.05)
+    branches = sim.arm.ikine_all(goal)
+    near = Joints.of(branches[-1])
+    assert robot.movej_pose2(list(goal), 2.0, 5.0, 0.0, near, "", "", True, Op(), False) == 4
+    sim.wait_until(lambda: not sim.moving)
+    assert sim.joints.almost_equal(near, 1e-3)
+
+
+def test_percent_speeds_of_the_older_functions(sim: Simulator, robot: Program) -> None:
+    begin = sim.time
+    assert robot.movej([0.5, *READY[1:]], 50.0, 50.0, 0.0, True, Op(), False) == 4
+    fast = sim.time - begin
+    begin = sim.time
+    assert robot.movej([0.0, *READY[1:]], 5.0, 50.0, 0.0, True, Op(), False) == 4
+    assert sim.time - begin > 2 * fast
+    assert robot.movej(READY, 101.0, 50.0, 0.0, True, Op(), False) == 8
+    goal = robot.get_tcp_pose()
+    assert robot.movej_pose(goal, 0.0, 50.0, 0.0, [], "", "", True, Op(), False) == 8
+    assert robot.movej_pose(goal, 10.0, 50.0, 0.0, [], "", "", True, Op(), False) == 4
+
+
+# -- tasks ---------------------------------------------------------------------------------------
+
+
+def test_a_call_that_does_not_block_returns_an_id(sim: Simulator, robot: Program) -> None:
+    first = robot.to(0.5, *READY[1:], block=False)
+    second = robot.to(0.0, *READY[1:], block=False)
+    assert 1000 <= first < second
+    states = set[int]()
+
+    def ended() -> bool:
+        states.add(robot.get_noneblock_taskstate(first))
+        return robot.get_noneblock_taskstate(second) == TaskState.FINISHED
+
+    sim.wait_until(ended, 60.0)
+    assert TaskState.RUNNING in states
+    assert robot.get_noneblock_taskstate(first) == TaskState.FINISHED
+    assert robot.get_noneblock_taskstate(999) == TaskState.IDLE
+
+
+def test_blending_ends_the_first_motion_as_interrupted(sim: Simulator, robot: Program) -> None:
+    first = robot.to(0.5, *READY[1:], r=0.05, block=False)
+    second = robot.to(0.5, 0.3, *READY[2:], r=0.05, block=False)
+    sim.wait_until(lambda: robot.get_noneblock_taskstate(second) == TaskState.FINISHED, 60.0)
+    assert robot.get_noneblock_taskstate(first) == TaskState.INTERRUPT
+
+
+def test_one_connection_waits_while_another_works(
+    sim: Simulator, robot: Program, aside: Aside
+) -> None:
+    moving = aside(sim, lambda other: other.to(1.0, *READY[1:], v=SLOW))
+    sim.wait_until(lambda: sim.moving)
+    assert sim.tasks[0].name == "movej2"
+    assert robot.robotmoving()
+    assert not moving.done()
+    assert sim.drop_connections() == 2
+    with pytest.raises(ConnectionLost):
+        moving.result(30)
+    assert sim.moving
+
+
+def test_stop_from_another_connection_ends_a_blocking_move(
+    sim: Simulator, robot: Program, aside: Aside
+) -> None:
+    moving = aside(sim, lambda other: other.to(1.0, *READY[1:], v=SLOW))
+    sim.wait_until(lambda: sim.joints[0] > 0.001)
+    assert robot.stop(True) == TaskState.FINISHED
+    assert not sim.moving
+    assert moving.result(30) == TaskState.STOPPED
+    assert robot.get_robot_state() == [6, 0, 5, 1]
+    there = sim.joints
+    assert 0.0 < there[0] < 0.9
+    assert robot.to(*there) == TaskState.FINISHED
+
+
+def test_pause_and_resume_go_on_to_the_same_end(
+    sim: Simulator, robot: Program, connect: Callable[..., Program]
+) -> None:
+    control = connect(sim)
+    id_ = robot.to(0.4, *READY[1:], v=0.5, block=False)
+    sim.wait_until(lambda: sim.joints[0] > 0.02)
+    assert control.pause(True) == TaskState.FINISHED
+    assert control.get_robot_state() == [6, 3, 5, 1]
+    assert control.get_noneblock_taskstate(id_) == TaskState.PAUSED
+    assert not control.robotmoving()
+    there = sim.joints
+    begin = sim.time
+    sim.wait_until(lambda: sim.time > begin + 0.5)
+    assert sim.joints.almost_equal(there, 1e-4)
+    assert control.resume(True) == TaskState.FINISHED
+    sim.wait_until(lambda: control.get_noneblock_taskstate(id_) == TaskState.FINISHED, 60.0)
+    sim.wait_until(lambda: not sim.moving)
+    assert sim.joints.almost_equal([0.4, *READY[1:]], 1e-3)
+
+
+def test_a_popup_pauses_all_tasks(sim: Simulator, robot: Program) -> None:
+    robot.to(0.4, *READY[1:], v=0.5, block=False)
+    sim.wait_until(lambda: sim.moving)
+    robot.log_info("nothing happens")
+    robot.log_error("look here")
+    sim.wait_until(lambda: sim.view.program == 3)
+    assert robot.get_last_error() == ["look here"]
+    assert robot.abort(True) == TaskState.FINISHED
+
+
+def test_global_speed_scales_time(sim: Simulator, robot: Program) -> None:
+    def duration(goal: float) -> float:
+        begin = sim.time
+        assert robot.to(goal, *READY[1:], v=0.5) == TaskState.FINISHED
+        return sim.time - begin
+
+    whole = duration(0.3)
+    assert robot.speed(50.0) == TaskState.FINISHED
+    assert robot.get_global_speed() == 50
+    assert duration(0.0) > 1.5 * whole
+    for wrong in (0.0, 101.0, math.nan, -5.0):
+        assert robot.speed(wrong) == TaskState.PARAMETER_MISMATCH
+    assert robot.get_global_speed() == 50
+
+
+# -- what a controller refuses -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("change", "ends"),
+    [
+        ({"joints_list": [0.0] * 5}, 7),
+        ({"joints_list": []}, 7),
+        ({"joints_list": [0.0] * 7}, 7),
+        ({"joints_list": [math.nan] * 6}, 8),
+        ({"joints_list": [math.inf] + [0.0] * 5}, 8),
+        ({"joints_list": [6.3] + [0.0] * 5}, 8),
+        ({"v": 0.0}, 8),
+        ({"v": -1.0}, 8),
+        ({"v": math.nan}, 8),
+        ({"v": 4.0}, 8),
+        ({"a": 0.0}, 8),
+        ({"a": math.nan}, 8),
+        ({"r": -0.1}, 8),
+        ({"r": math.nan}, 8),
+    ],
+)
+def test_wrong_parameters_of_a_joint_motion(
+    sim: Simulator, robot: Program, change: dict[str, object], ends: int
+) -> None:
+    args: dict[str, object] = {"joints_list": list(READY), "v": 1.0, "a": 1.0, "r": 0.0}
+    args.update(change)
+    assert robot.connection.call("movej2", (*args.values(), True, Op(), False), 30.0) == ends
+    assert not sim.moving
+    assert robot.get_last_error()[-1].startswith("movej2: ")
+
+
+@pytest.mark.parametrize(
+    ("change", "ends"),
+    [
+        ({"tool": "gripper"}, 7),
+        ({"wobj": "pallet"}, 7),
+        ({"p": [0.0] * 5}, 8),
+        ({"p": [math.nan] * 6}, 8),
+        ({"v": 0.001}, 8),
+        ({"q_near": [0.0] * 3}, 7),
+    ],
+)
+def test_wrong_parameters_of_a_line(
+    sim: Simulator, robot: Program, change: dict[str, object], ends: int
+) -> None:
+    args: dict[str, object] = {
+        "p": robot.get_tcp_pose(),
+        "v": 0.1,
+        "a": 1.0,
+        "r": 0.0,
+        "q_near": [],
+        "tool": "",
+        "wobj": "",
+    }
+    args.update(change)
+    assert robot.connection.call("movel", (*args.values(), True, Op(), False), 30.0) == ends
+    assert not sim.moving
+
+
+def test_a_refusal_without_blocking_is_an_id_whose_task_has_ended(robot: Program) -> None:
+    id_ = robot.movej2([math.nan] * 6, 1.0, 1.0, 0.0, False, Op(), False)
+    assert id_ >= 1000
+    assert robot.get_noneblock_taskstate(id_) == TaskState.PARAMETER_MISMATCH
+
+
+def test_what_is_not_simulated_says_so(sim: Simulator, robot: Program) -> None:
+    with pytest.raises(ControllerError, match="fc_start is not simulated yet"):
+        robot.fc_start()
+    with pytest.raises(ControllerError, match="op"):
+        robot.movej2(READY, 1.0, 1.0, 0.0, True, Op(time_or_dist_1=1, trig_io_1=1), False)
+    assert not sim.moving
+
+
+def test_modes_are_manual_and_automatic(robot: Program) -> None:
+    assert robot.switch_mode(0) == TaskState.FINISHED
+    assert robot.get_robot_state() == [6, 0, 5, 0]
+    assert robot.switch_mode(2) == TaskState.PARAMETER_MISMATCH
+    assert robot.switch_mode(1) == TaskState.FINISHED
+    assert robot.get_robot_state() == [6, 0, 5, 1]
+
+
+# -- accidents -----------------------------------------------------------------------------------
+
+
+def test_the_emergency_stop_ends_a_blocking_move_and_the_arm_stands(
+    sim: Simulator, robot: Program, aside: Aside
+) -> None:
+    moving = aside(sim, lambda other: other.to(2.0, *READY[1:], v=1.0))
+    sim.wait_until(lambda: sim.joints[0] > 0.05)
+    sim.emergency_stop()
+    assert moving.result(30) == TaskState.ERROR
+    assert robot.get_robot_state() == [4, 0, 9, 1]
+    status = robot.getRobotStatus()
+    assert status.emcStopSignal
+    assert status.slaveReady == [False] * 6
+    sim.wait_until(lambda: not sim.moving)
+    sim.release_emergency_stop()
+    assert [robot.power_off(True), robot.power_on(True), robot.enable(True)] == [4, 4, 4]
+    assert robot.to(*READY) == TaskState.FINISHED
+
+
+def test_a_collision_is_told_and_reset(sim: Simulator, robot: Program) -> None:
+    robot.to(2.0, *READY[1:], v=1.0, block=False)
+    sim.wait_until(lambda: sim.joints[0] > 0.05)
+    sim.collide(4)
+    sim.wait_until(lambda: not sim.moving)
+    status = robot.getRobotStatus()
+    assert (status.collision, status.collisionAxis) == (True, 4)
+    assert robot.get_last_error() == ["Joint 4 检测到碰撞"]
+    assert robot.get_robot_state() == [6, 0, 7, 1]
+    assert robot.collision_detection_reset() == TaskState.FINISHED
+    assert not robot.getRobotStatus().collision
+    with pytest.raises(ValueError, match="1 to 6"):
+        sim.collide(7)
+
+
+def test_a_lost_heartbeat_leaves_a_standing_arm(connect: Callable[..., Program]) -> None:
+    with Simulator() as sim:
+        robot, heart = connect(sim), connect(sim)
+        robot.bring_up()
+        heart.rpc_heartbeat(200)
+        id_ = robot.to(2.0, *READY[1:], v=0.3, block=False)
+        sim.wait_until(lambda: robot.get_noneblock_taskstate(id_) == TaskState.STOPPED, 5.0)
+        assert not sim.moving
+        assert robot.get_last_error() == ["heartbeat lost: all tasks were stopped"]
+
+
+def test_a_lost_connection_stops_nothing_without_a_heartbeat(
+    sim: Simulator, robot: Program, connect: Callable[..., Program]
+) -> None:
+    id_ = robot.to(0.5, *READY[1:], block=False)
+    sim.wait_until(lambda: sim.moving)
+    robot.connection.close()
+    again = connect(sim)
+    sim.wait_until(lambda: again.get_noneblock_taskstate(id_) == TaskState.FINISHED, 60.0)
+
+
+# -- the end -------------------------------------------------------------------------------------
+
+
+def test_shutdown_answers_and_takes_the_network_down(
+    connect: Callable[..., Program],
+) -> None:
+    told = threading.Event()
+    with Simulator(speed=math.inf, on_shutdown=told.set) as sim:
+        robot = connect(sim)
+        assert robot.shutdown(True) == TaskState.FINISHED
+        assert told.wait(20)
+        assert sim.halted
+        with pytest.raises(ConnectionLost):
+            robot.get_robot_state()
+
+
+def test_restart_comes_back_on_the_same_port(connect: Callable[..., Program]) -> None:
+    with Simulator(speed=math.inf) as sim:
+        robot = connect(sim)
+        robot.bring_up()
+        assert robot.restart(False) >= 1000
+        sim.wait_until(lambda: sim.view.robot == 0)
+        sim.wait_until(lambda: sim.view.robot == 4)
+        sim.wait_until(lambda: sim.connections == 0)
+        with pytest.raises(ConnectionLost):
+            robot.get_robot_state()
+        assert connect(sim).get_robot_state() == [4, 0, 4, 1]
+
+
+def test_closing_ends_blocked_calls_and_leaves_no_thread_or_socket(
+    aside: Aside,
+) -> None:
+    def program(robot: Program) -> int:
+        robot.bring_up()
+        return robot.to(1.0, *READY[1:], v=0.001)
+
+    process = psutil.Process()
+    descriptors = process.num_fds()
+    with Simulator(speed=math.inf) as sim:
+        moving = aside(sim, program)
+        sim.wait_until(lambda: sim.moving)
+    with pytest.raises((ConnectionLost, ControllerError)):
+        moving.result(30)
+    assert [thread.name for thread in threading.enumerate() if thread.name.startswith("sim-")] == []
+    assert process.num_fds() == descriptors
+
+
+async def test_the_same_in_async_code() -> None:
+    async with Simulator(speed=math.inf) as sim:
+        assert sim.port > 0
+        await sim.wait_until_async(lambda: sim.time > 0.01)
+        with pytest.raises(TimeoutError):
+            await sim.wait_until_async(lambda: sim.moving, timeout=0.05)
+        assert str(sim.port) in repr(sim)
+    assert "not running" in repr(sim)
+
+
+def test_a_simulator_is_entered_before_it_is_used_and_once() -> None:
+    sim = Simulator()
+    with pytest.raises(RuntimeError, match="not running"):
+        _ = sim.time
+    sim.close()
+    with sim, pytest.raises(RuntimeError, match="running already"):
+        sim.start()
+    with sim:
+        assert sim.time >= 0.0
+
+
+@pytest.mark.parametrize(
+    "options", [{"model": "ur5"}, {"joints": [0.0] * 5}, {"joints": [math.nan] * 6}]
+)
+def test_wrong_options_are_named(options: dict[str, object]) -> None:
+    with pytest.raises(ParameterError):
+        Simulator(**options)  # type: ignore[arg-type]  # that is the test
+
+
+def test_the_same_program_gives_the_same_joints_at_any_speed(
+    connect: Callable[..., Program],
+) -> None:
+    ends = []
+    for speed in (math.inf, 20.0):
+        with Simulator(speed=speed) as sim:
+            robot = connect(sim)
+            robot.bring_up()
+            assert robot.to(0.3, 0.1, 1.5, 0.0, -1.5, 0.0) == TaskState.FINISHED
+            sim.wait_until(lambda sim=sim: not sim.moving)  # type: ignore[misc]
+            ends.append(sim.joints)
+    assert ends[0].almost_equal(ends[1], 1e-5)

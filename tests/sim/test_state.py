@@ -1,0 +1,305 @@
+"""What the simulated controller tells of the arm, its tools and its signals."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, fields
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from aioduco._wire.rpc import IOStatus, Op, RobotStatus
+from aioduco.errors import ControllerError
+from aioduco.kinematics import arm, models
+from aioduco.kinematics.forward import bias_acceleration, fkine, jacobian
+from aioduco.models.enums import TaskState
+from aioduco.models.pose import Joints, Pose
+from aioduco.sim.frames import Frames, UnknownName
+from aioduco.sim.signals import Bank, Signals
+from aioduco.sim.simulator import READY, Simulator
+from aioduco.sim.tip import tip
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .conftest import Program
+
+ANGLES = st.lists(st.floats(-3.0, 3.0), min_size=6, max_size=6).map(np.array)
+
+
+@given(q=ANGLES, qd=ANGLES, qdd=ANGLES, model=st.sampled_from(models()))
+def test_a_tip_moves_as_the_jacobian_says(
+    q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, model: str
+) -> None:
+    geometry = arm(model).geometry
+    found = tip(geometry, q, qd, qdd, np.eye(4))
+    jacobian_ = jacobian(geometry, q)
+    assert Pose.of(found.pose).almost_equal(Pose.from_matrix(fkine(geometry, q)))
+    assert found.speed == pytest.approx(jacobian_ @ qd, abs=1e-9)
+    expected = jacobian_ @ qdd + bias_acceleration(geometry, q, qd)
+    assert found.acceleration == pytest.approx(expected, abs=1e-9)
+
+
+@given(q=ANGLES, qd=ANGLES, qdd=ANGLES)
+def test_a_tip_beside_the_flange_moves_as_differences_say(
+    q: np.ndarray, qd: np.ndarray, qdd: np.ndarray
+) -> None:
+    geometry, offset, h = (
+        arm("gcr5_910").geometry,
+        Pose(0.1, -0.05, 0.2, 0.3, 0.4, 0.5).matrix,
+        1e-4,
+    )
+
+    def at(t: float) -> np.ndarray:
+        pose: np.ndarray = fkine(geometry, q + qd * t + qdd * t * t / 2) @ offset
+        return pose[:3, 3]
+
+    found = tip(geometry, q, qd, qdd, offset)
+    assert found.pose[:3] == pytest.approx(at(0.0), abs=1e-12)
+    assert found.speed[:3] == pytest.approx((at(h) - at(-h)) / (2 * h), abs=1e-4)
+    bent = (at(h) - 2 * at(0.0) + at(-h)) / h**2
+    assert found.acceleration[:3] == pytest.approx(bent, abs=1e-3)
+
+
+def test_a_standing_robot_is_where_its_joints_put_it(sim: Simulator, robot: Program) -> None:
+    flange = sim.arm.fkine(sim.joints)
+    assert Pose.of(robot.get_flange_pose()).almost_equal(Pose.from_matrix(flange), position=1e-5)
+    assert robot.get_tcp_pose() == pytest.approx(robot.get_flange_pose(), abs=1e-6)
+    for name in ("joints_speed", "joints_acceleration"):
+        for which in ("actual", "target"):
+            assert getattr(robot, f"get_{which}_{name}")() == pytest.approx([0.0] * 6, abs=0.05)
+    for name in ("get_tcp_speed", "get_tcp_acceleration", "get_flange_speed"):
+        assert getattr(robot, name)() == pytest.approx([0.0] * 6, abs=0.05)
+    assert robot.get_flange_acceleration() == pytest.approx([0.0] * 6, abs=0.05)
+    assert robot.get_target_joints_position() == pytest.approx(list(sim.joints), abs=1e-4)
+    # Joint 2 and 3 carry the forearm, joint 1 turns about the vertical.
+    torque = robot.get_actual_joints_torque()
+    assert abs(torque[1]) > 1.0
+    assert abs(torque[0]) < 0.1
+
+
+def test_one_status_is_of_one_instant(sim: Simulator, robot: Program) -> None:
+    robot.to(1.0, *READY[1:], v=0.3, block=False)
+    sim.wait_until(lambda: sim.joints[0] > 0.05)
+    status = robot.getRobotStatus()
+    assert sorted(asdict(status)) == sorted(field.name for field in fields(RobotStatus))
+    for kind in ("Expect", "Actual"):
+        q = np.array(getattr(status, f"joint{kind}Position"))
+        qd = np.array(getattr(status, f"joint{kind}Velocity"))
+        pose = Pose.from_matrix(sim.arm.fkine(q))
+        assert Pose.of(getattr(status, f"cart{kind}Position")).almost_equal(pose)
+        assert getattr(status, f"cart{kind}Velocity") == pytest.approx(sim.arm.jacobian(q) @ qd)
+    assert status.jointExpectPosition == pytest.approx(status.jointActualPosition, abs=5e-3)
+    assert status.jointActualVelocity[0] == pytest.approx(0.3, abs=0.01)
+    assert status.slaveReady == [True] * 6
+    assert (status.robotState, status.robotError, status.emcStopSignal) == (6, 0, False)
+    currents = np.array(status.jointActualCurrent) / 1000.0 * sim.arm.effort
+    assert abs(currents[1]) > 1.0
+    robot.stop(True)
+
+
+# -- tools and work objects ----------------------------------------------------------------------
+
+
+def test_a_tool_is_used_once_it_is_set(sim: Simulator, robot: Program) -> None:
+    offset = Pose(0.0, 0.01, 0.15, 0.0, 0.0, 0.5)
+    assert robot.set_tool_data("gripper", list(offset), [1.5, 0.0, 0.0, 0.05], [0.0] * 6) == 4
+    assert robot.get_tcp_offset() == list(offset)
+    assert robot.get_tool_load() == [1.5, 0.0, 0.0, 0.05]
+    flange = Pose.of(robot.get_flange_pose())
+    assert Pose.of(robot.get_tcp_pose()).almost_equal(flange @ offset, position=1e-5, rotation=1e-5)
+    goal = Pose.of(robot.get_tcp_pose()).shifted(z=-0.05)
+    assert robot.line(list(goal)) == TaskState.FINISHED
+    sim.wait_until(lambda: not sim.moving)
+    assert Pose.of(robot.get_tcp_pose()).almost_equal(goal, position=1e-3, rotation=2e-3)
+    in_flange = robot.get_tcp_pose_coord("default", "default")
+    assert in_flange == pytest.approx(robot.get_flange_pose(), abs=1e-5)
+
+
+def test_poses_are_in_the_work_object_in_use(sim: Simulator, robot: Program) -> None:
+    frame = Pose(0.3, 0.1, 0.2, 0.0, 0.0, math.pi / 2)
+    assert robot.set_wobj("pallet", list(frame)) == TaskState.FINISHED
+    assert robot.get_wobj() == pytest.approx(list(frame))
+    here = Pose.of(robot.get_tcp_pose_coord("", "pallet"))
+    base = Pose.of(robot.get_tcp_pose())
+    assert (frame @ here).almost_equal(base, position=1e-5, rotation=1e-5)
+    assert robot.line(list(here.shifted(x=0.05))) == TaskState.FINISHED
+    sim.wait_until(lambda: not sim.moving)
+    moved = Pose.of(robot.get_tcp_pose())
+    # The object's x axis is the base's y axis.
+    assert moved.almost_equal(base.shifted(y=0.05), position=1e-3, rotation=2e-3)
+    assert robot.set_wobj_offset([0.0, 0.0, 0.1, 0.0, 0.0, 0.0], True) == TaskState.FINISHED
+    assert robot.get_wobj() == pytest.approx(list(frame.shifted(z=0.1)))
+    assert robot.set_wobj_offset([], False) == TaskState.FINISHED
+    assert robot.get_wobj() == pytest.approx(list(frame))
+
+
+@pytest.mark.parametrize(
+    ("name", "offset", "payload", "inertia"),
+    [
+        ("", [0.0] * 6, [0.0] * 4, []),
+        ("x" * 33, [0.0] * 6, [0.0] * 4, []),
+        ("工" * 11, [0.0] * 6, [0.0] * 4, []),
+        ("tool", [0.0] * 5, [0.0] * 4, []),
+        ("tool", [math.nan] * 6, [0.0] * 4, []),
+        ("tool", [0.0] * 6, [0.0] * 3, []),
+        ("tool", [0.0] * 6, [math.inf] * 4, []),
+        ("tool", [0.0] * 6, [0.0] * 4, [0.0] * 5),
+    ],
+)
+def test_a_tool_that_makes_no_sense_changes_nothing(
+    robot: Program, name: str, offset: list[float], payload: list[float], inertia: list[float]
+) -> None:
+    before = robot.get_tcp_offset()
+    assert robot.set_tool_data(name, offset, payload, inertia) == TaskState.PARAMETER_MISMATCH
+    assert robot.get_tcp_offset() == before
+    with pytest.raises(ControllerError, match="no tool 'tool'"):
+        robot.get_tcp_pose_coord("tool", "")
+
+
+def test_names_that_are_not_defined_list_those_that_are() -> None:
+    frames = Frames()
+    with pytest.raises(UnknownName, match="there are: default"):
+        frames.tool("gripper")
+    with pytest.raises(UnknownName, match="there are: default"):
+        frames.wobj("pallet")
+
+
+def test_kinematics_of_the_controller(sim: Simulator, robot: Program) -> None:
+    q = [0.3, 0.1, 1.4, 0.2, -1.3, 0.5]
+    tool, wobj = [0.0, 0.0, 0.1, 0.0, 0.0, 0.0], [0.5, 0.0, 0.0, 0.0, 0.0, 1.0]
+    pose = robot.cal_fkine(q, tool, wobj)
+    expected = Pose.of(wobj).inverse() @ Pose.from_matrix(sim.arm.fkine(q)) @ Pose.of(tool)
+    assert Pose.of(pose).almost_equal(expected)
+    assert robot.cal_ikine(pose, q, tool, wobj) == pytest.approx(q, abs=1e-6)
+    # Empty lists mean what is in use, and the joints where the arm is.
+    here = robot.cal_fkine(list(sim.joints), [], [])
+    assert here == pytest.approx(robot.get_tcp_pose(), abs=1e-6)
+    assert robot.cal_ikine(here, [], [], []) == pytest.approx(list(sim.joints), abs=1e-6)
+
+
+def test_an_unreachable_pose_gives_the_reference_joints_back(robot: Program) -> None:
+    q = [0.3, 0.1, 1.4, 0.2, -1.3, 0.5]
+    assert robot.cal_ikine([5.0, 0.0, 0.0, 0.0, 0.0, 0.0], q, [], []) == q
+
+
+def test_kinematics_of_what_makes_no_sense_is_an_error(robot: Program) -> None:
+    with pytest.raises(ControllerError, match="joints"):
+        robot.cal_fkine([0.0] * 5, [], [])
+    with pytest.raises(ControllerError, match="pose"):
+        robot.cal_ikine([0.0] * 3, [], [], [])
+    with pytest.raises(ControllerError, match="finite"):
+        robot.cal_ikine([math.nan] * 6, [], [], [])
+
+
+# -- signals -------------------------------------------------------------------------------------
+
+
+def test_outputs_are_read_back_at_once(sim: Simulator, robot: Program) -> None:
+    for num in range(1, 17):
+        assert not robot.get_standard_digital_out(num)
+        assert robot.set_standard_digital_out(num, True, True) == TaskState.FINISHED
+        assert robot.get_standard_digital_out(num)
+        assert sim.get_digital_output(num)
+    for num in (1, 2):
+        id_ = robot.set_tool_digital_out(num, True, False)
+        assert robot.get_noneblock_taskstate(id_) == TaskState.FINISHED
+        assert robot.get_tool_digital_out(num)
+    status = robot.getRobotIOStatus()
+    assert status.digitalOutputs == [True] * 16
+    assert status.toolIOOut == [True] * 2
+
+
+def test_inputs_are_what_the_world_puts_on_them(sim: Simulator, robot: Program) -> None:
+    sim.set_digital_input(3, True)
+    sim.set_tool_digital_input(2, True)
+    assert [robot.get_standard_digital_in(num) for num in (2, 3, 4)] == [False, True, False]
+    assert [robot.get_tool_digital_in(num) for num in (1, 2)] == [False, True]
+    status = robot.getRobotIOStatus()
+    assert status.digitalInputs == [num == 3 for num in range(1, 17)]
+    assert not any(
+        read(num)
+        for read in (
+            robot.get_function_digital_in,
+            robot.get_function_digital_out,
+            robot.get_config_digital_in,
+        )
+        for num in range(1, 9)
+    )
+    sim.set_digital_input(3, False)
+    assert not robot.get_standard_digital_in(3)
+
+
+@pytest.mark.parametrize("num", [0, 17, -1, 32767, -32768])
+def test_signals_that_do_not_exist_read_false_and_are_not_set(robot: Program, num: int) -> None:
+    assert robot.set_standard_digital_out(num, True, True) == TaskState.PARAMETER_MISMATCH
+    assert robot.set_tool_digital_out(num, True, True) == TaskState.PARAMETER_MISMATCH
+    assert not robot.get_standard_digital_out(num)
+    assert not robot.get_standard_digital_in(num)
+    assert not robot.get_tool_digital_in(num)
+    assert robot.getRobotIOStatus().digitalOutputs == [False] * 16
+
+
+def test_the_status_of_signals_has_the_lengths_of_the_manual(robot: Program) -> None:
+    lengths = {name: len(values) for name, values in asdict(robot.getRobotIOStatus()).items()}
+    assert sorted(lengths) == sorted(field.name for field in fields(IOStatus))
+    assert lengths == {
+        "analogCurrentOutputs": 4,
+        "analogVoltageOutputs": 4,
+        "analogCurrentInputs": 4,
+        "analogVoltageInputs": 4,
+        "digitalInputs": 16,
+        "digitalOutputs": 16,
+        "toolIOIn": 2,
+        "toolIOOut": 2,
+        "toolButton": 2,
+        "funRegisterInputs": 16,
+        "funRegisterOutputs": 16,
+        "boolRegisterInputs": 64,
+        "boolRegisterOutputs": 64,
+        "wordRegisterInputs": 32,
+        "wordRegisterOutputs": 32,
+        "floatRegisterInputs": 32,
+        "floatRegisterOutputs": 32,
+    }
+
+
+def test_a_bank_is_numbered_from_one() -> None:
+    bank = Bank(2, 0.0)
+    bank[2] = 1.5
+    assert bank.all() == [0.0, 1.5]
+    assert [bank[num] for num in (0, 1, 2, 3)] == [0.0, 0.0, 1.5, 0.0]
+    with pytest.raises(IndexError, match="1 to 2"):
+        bank[3] = 1.0
+    assert len(Signals().standard_in) == 16
+
+
+# -- what the robot is ---------------------------------------------------------------------------
+
+
+def test_the_robot_says_what_it_is(robot: Program) -> None:
+    assert robot.get_robot_type() == ["GCR5", "910", "", "SIM00000000"]
+    assert "aioduco" in robot.get_robot_version()
+    rows = robot.get_origin_DH()
+    assert robot.get_calib_DH() == rows
+    assert rows[0] == pytest.approx([0.0, -math.pi / 2, 0.122, 0.0])
+    assert len(rows) == 6
+
+
+def test_a_motion_op_without_a_trigger_is_none(robot: Program) -> None:
+    assert robot.movej2(READY, 1.0, 1.0, 0.0, True, Op(trig_io_1=3), False) == TaskState.FINISHED
+
+
+@pytest.mark.parametrize("model", models())
+def test_every_model_comes_up_and_moves(model: str, connect: Callable[..., Program]) -> None:
+    goal = Joints.of([0.3, *READY[1:]])
+    with Simulator(model, speed=math.inf) as sim:
+        robot = connect(sim)
+        robot.bring_up()
+        assert robot.to(*goal) == TaskState.FINISHED
+        sim.wait_until(lambda: not sim.moving)
+        assert sim.joints.almost_equal(goal, 1e-3)
+        assert robot.get_last_error() == []
