@@ -1,0 +1,195 @@
+"""The wire: what is generated is up to date, and the IDL says what the facts say."""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import inspect
+import json
+import subprocess
+import sys
+import typing
+from pathlib import Path
+from typing import Any
+
+import pytest
+from thriftpy2.thrift import TType
+
+from aioduco._wire import idl, rpc
+
+ROOT = Path(__file__).parents[1]
+
+#: functions and structs with field ids and types; its note says where they come from
+FACTS = json.loads((Path(__file__).parent / "data" / "wire.json").read_text(encoding="utf-8"))
+
+NAMES = {
+    TType.BOOL: "bool",
+    TType.BYTE: "i8",
+    TType.I16: "i16",
+    TType.I32: "i32",
+    TType.I64: "i64",
+    TType.DOUBLE: "double",
+    TType.STRING: "string",
+}
+
+PYTHON = {"bool": "bool", "double": "float", "string": "str"} | dict.fromkeys(
+    ("i8", "i16", "i32", "i64"), "int"
+)
+
+
+def wire_type(kind: int, shape: Any) -> str:
+    """A type as the facts write it, from thriftpy2's spec."""
+    if kind == TType.LIST:
+        return f"list<{part_type(shape)}>"
+    if kind == TType.MAP:
+        return f"map<{part_type(shape[0])},{part_type(shape[1])}>"
+    if kind == TType.STRUCT:
+        return str(shape.__name__)
+    return NAMES[kind]
+
+
+def part_type(part: Any) -> str:
+    return wire_type(*part) if isinstance(part, tuple) else wire_type(part, None)
+
+
+def fields(spec: dict[int, tuple[Any, ...]]) -> list[list[Any]]:
+    """Ids, types and names, as the facts write them."""
+    return [
+        [fid, wire_type(entry[0], entry[2] if len(entry) > 3 else None), entry[1]]
+        for fid, entry in spec.items()
+    ]
+
+
+def python_type(wire: str, container: str) -> str:
+    """The annotation for a type of the wire."""
+    if wire.startswith("list<"):
+        return f"{container}[{python_type(wire[5:-1], container)}]"
+    if wire.startswith("map<"):
+        key, value = wire[4:-1].split(",")
+        return f"dict[{python_type(key, container)}, {python_type(value, container)}]"
+    return PYTHON.get(wire, wire)
+
+
+def test_the_facts_name_their_source_and_are_complete() -> None:
+    assert "vendor client" in FACTS["note"]
+    assert len(FACTS["methods"]) == 226
+    assert len(FACTS["structs"]) == 10
+
+
+def test_the_generated_module_is_up_to_date() -> None:
+    done = subprocess.run(
+        [sys.executable, "idl/generate.py", "--check"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_check_finds_a_difference(tmp_path: Path) -> None:
+    """A check that cannot fail checks nothing."""
+    (tmp_path / "idl").mkdir()
+    (tmp_path / "aioduco" / "_wire").mkdir(parents=True)
+    for name in ("idl/generate.py", "idl/robot.thrift"):
+        (tmp_path / name).write_bytes((ROOT / name).read_bytes())
+    text = (ROOT / "aioduco/_wire/rpc.py").read_text(encoding="utf-8")
+    changed = text.replace('self._call("stop", (block,))', 'self._call("pause", (block,))')
+    assert changed != text
+    (tmp_path / "aioduco/_wire/rpc.py").write_text(changed, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "idl/generate.py", "--check"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 1
+    assert '("pause", (block,))' in done.stdout
+
+
+def test_functions_are_those_of_the_facts() -> None:
+    assert set(idl.functions()) == set(FACTS["methods"])
+
+
+@pytest.mark.parametrize("name", sorted(FACTS["methods"]))
+def test_each_function_is_as_the_facts_say(name: str) -> None:
+    function = idl.functions()[name]
+    facts = FACTS["methods"][name]
+    assert fields(function.args.thrift_spec) == facts["args"]
+    assert function.parameters == tuple(arg[2] for arg in facts["args"])
+    assert function.void is (facts["returns"] == "void")
+    if not function.void:
+        (result,) = fields(function.result.thrift_spec)
+        assert result == [0, facts["returns"], "success"]
+
+
+@pytest.mark.parametrize("name", sorted(FACTS["structs"]))
+def test_each_struct_is_as_the_facts_say(name: str) -> None:
+    idl.functions()
+    struct = getattr(rpc, name)
+    assert fields(struct.thrift_spec) == FACTS["structs"][name]
+    assert [field.name for field in dataclasses.fields(struct)] == [
+        field[2] for field in FACTS["structs"][name]
+    ]
+    # a field that is left out has its zero value
+    made = struct()
+    for _, kind, field in FACTS["structs"][name]:
+        value = getattr(made, field)
+        assert not value or dataclasses.is_dataclass(value), (field, kind)
+
+
+@pytest.mark.parametrize("name", sorted(FACTS["methods"]))
+@pytest.mark.parametrize("face", ["RpcClient", "AsyncRpc", "Handler"])
+def test_each_method_has_the_types_of_the_wire(face: str, name: str) -> None:
+    facts = FACTS["methods"][name]
+    container = "list" if face == "Handler" else "Sequence"
+    method = getattr(getattr(rpc, face), name)
+    annotations = {
+        parameter.name: parameter.annotation
+        for parameter in inspect.signature(method).parameters.values()
+        if parameter.name != "self"
+    }
+    assert annotations == {arg[2]: python_type(arg[1], container) for arg in facts["args"]}
+    returns = "None" if facts["returns"] == "void" else python_type(facts["returns"], "list")
+    if face == "AsyncRpc":
+        returns = f"Coroutine[Any, Any, {returns}]"
+    assert inspect.signature(method).return_annotation == returns
+
+
+@pytest.mark.parametrize("name", sorted(FACTS["methods"]))
+def test_each_method_calls_its_own_function_with_its_arguments_in_order(name: str) -> None:
+    seen: list[tuple[str, tuple[Any, ...]]] = []
+
+    def call(function: str, args: tuple[Any, ...]) -> Any:
+        seen.append((function, args))
+        return "an answer"
+
+    async def awaited(function: str, args: tuple[Any, ...]) -> Any:
+        return call(function, args)
+
+    args = tuple(f"argument {number}" for number in range(len(FACTS["methods"][name]["args"])))
+    void = FACTS["methods"][name]["returns"] == "void"
+    assert getattr(rpc.RpcClient(call), name)(*args) == (None if void else "an answer")
+    coroutine = getattr(rpc.AsyncRpc(awaited), name)(*args)
+    with pytest.raises(StopIteration, match="an answer"):
+        coroutine.send(None)
+    assert seen == [(name, args)] * 2
+
+
+def test_handlers_are_a_protocol() -> None:
+    assert typing.Protocol in rpc.Handler.__mro__
+    names = {name for name in vars(rpc.Handler) if not name.startswith("_")}
+    assert names == set(FACTS["methods"])
+
+
+def test_the_generated_module_knows_nothing_of_thrift() -> None:
+    tree = ast.parse((ROOT / "aioduco/_wire/rpc.py").read_text(encoding="utf-8"))
+    modules = {
+        node.module if isinstance(node, ast.ImportFrom) else node.names[0].name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    }
+    assert modules == {"__future__", "collections.abc", "dataclasses", "typing"}
