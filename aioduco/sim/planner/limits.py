@@ -13,10 +13,13 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["cartesian_limits", "joint_limits"]
+__all__ = ["SHARE", "STOPPING", "cartesian_limits", "joint_limits"]
 
 SHARE = 0.5
 """Share of a joint's acceleration for the bends of a path; the rest is for the speed along it."""
+
+STOPPING = 0.5
+"""Share of the drives' acceleration that a stop uses. An assumption."""
 
 _ACROSS = 0.98  # of the acceleration goes into a bend at most, so that some is left along it
 _STRAIGHT = 1e-6  # curvature that is only rounding [1/m]
@@ -49,13 +52,13 @@ def joint_limits(
     drives = np.broadcast_to(np.array(arm.acceleration), slope.shape)
     rates = np.minimum(np.broadcast_to(a, len(nodes))[:, None], drives)
     curved = bool(np.abs(bend).max() > 1e-9)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         ceiling = ((speeds / np.abs(slope)).min(axis=1)) ** 2
         if curved:
             ceiling = np.minimum(ceiling, (share * rates / np.abs(bend)).min(axis=1))
         rest = 1.0 - share if curved else 1.0
         push = (rest * rates / np.abs(slope)).min(axis=1)
-        brake = (rest * drives / np.abs(slope)).min(axis=1)
+        brake = (STOPPING * drives / np.abs(slope)).min(axis=1)
     pieces = len(nodes) - 1
     return Limits(
         nodes,

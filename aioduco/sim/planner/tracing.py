@@ -52,11 +52,14 @@ def follow(arm: Arm, q0: Array, flange: Array) -> Array:
     if off[branch] > 1e-6:
         raise PlanError("parameter", "the motion does not begin where the arm is")
     q = solutions[:, branch]
-    lost = np.isnan(q).any(axis=-1)
-    if lost.any():
-        missing = shortfall(arm.geometry, flange[int(np.argmax(lost))])
-        by = f", by at least {missing:.4f} m" if missing > 0.0 else ""
-        raise PlanError("unreachable", f"the path leaves the reach of the arm{by}")
+    lost = np.flatnonzero(np.isnan(q).any(axis=-1))
+    if len(lost):
+        if not np.isnan(solutions[lost]).any(axis=-1).all(axis=-1).any():
+            # Every pose is in reach, but from another shoulder, elbow or wrist.
+            raise PlanError("singular", "the path passes through a singularity")
+        missing = max(shortfall(arm.geometry, flange[place]) for place in (lost[0], lost[-1]))
+        by = f"by at least {missing:.4f} m" if missing > 0.0 else "in these orientations"
+        raise PlanError("unreachable", f"the path leaves the reach of the arm, {by}")
     q = np.unwrap(q, axis=0)
     turned: Array = q + 2 * math.pi * np.round((q0 - q[0]) / (2 * math.pi))
     return turned

@@ -1,0 +1,246 @@
+"""Planned motions: where they go, how long they take, and what is refused."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from aioduco.kinematics import arm
+from aioduco.models.pose import Pose
+from aioduco.models.rotation import rotvec_from_matrix
+from aioduco.sim.planner.errors import PlanError
+from aioduco.sim.planner.segments import (
+    Segment,
+    arc_move,
+    circle_move,
+    joint_move,
+    line_move,
+)
+from aioduco.sim.planner.timing import backward, fastest
+
+if TYPE_CHECKING:
+    from aioduco.models.rotation import Array
+
+FIVE = arm("gcr5_910")
+HOME = np.radians([0, 0, 90, 0, -90, 0])
+OFFSET = st.floats(-0.15, 0.15)
+
+
+def shifted(q: Array, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Array:
+    """The flange at q, moved in the base frame."""
+    flange = FIVE.fkine(q)
+    flange[:3, 3] += x, y, z
+    return flange
+
+
+def flanges(segment: Segment, count: int = 400) -> Array:
+    """Poses of the flange at even distances."""
+    assert segment.path is not None
+    return FIVE.fkine(segment.path.sample(np.linspace(0, segment.length, count))[:, 0])
+
+
+def trapezoid(length: float, v: float, a: float) -> float:
+    return length / v + v / a if length > v * v / a else 2 * math.sqrt(length / a)
+
+
+def joint_speeds(segment: Segment) -> Array:
+    """Joint speeds over the time law [rad/s]. Shape (n, 6)."""
+    assert segment.path is not None
+    assert segment.limits is not None
+    law = fastest(segment.limits, backward(segment.limits, 0.0), 0.0, 0.0)
+    states = [law.at(t) for t in np.linspace(0, law.duration, 500)]
+    path = segment.path
+    return np.array([path.state(path.piece(s), s, v, a)[1] for _, s, v, a in states])
+
+
+def code(caught: pytest.ExceptionInfo[PlanError]) -> str:
+    return caught.value.code
+
+
+@given(st.lists(st.floats(-1.5, 1.5), min_size=6, max_size=6), st.floats(0.1, 3), st.floats(0.1, 9))
+def test_a_joint_move_is_straight_and_takes_the_time_of_its_furthest_joint(
+    way: list[float], v: float, a: float
+) -> None:
+    goal = HOME + np.array(way)
+    segment = joint_move(FIVE, HOME, goal, v, a)
+    furthest = max(map(abs, way))
+    if furthest < 1e-9:
+        assert segment.path is None
+        return
+    assert segment.duration == pytest.approx(trapezoid(furthest, v, a), rel=1e-6)
+    assert segment.path is not None
+    samples = segment.path.sample(np.linspace(0, segment.length, 5))[:, 0]
+    np.testing.assert_allclose(samples, np.linspace(HOME, goal, 5), atol=1e-9)
+
+
+def test_a_joint_move_keeps_to_the_speed_of_the_slower_joints() -> None:
+    slow = replace(FIVE, velocity=(3.9, 0.5, 3.9, 3.9, 3.9, 3.9))
+    segment = joint_move(slow, HOME, HOME + np.array([1, 1, 0, 0, 0, 0]), 2.0, 4.0)
+    assert segment.duration == pytest.approx(trapezoid(1.0, 0.5, 4.0), rel=1e-6)
+    # The drives end an acceleration without limit.
+    fast = joint_move(FIVE, HOME, HOME + np.array([1, 0, 0, 0, 0, 0]), 2.0, math.inf)
+    assert fast.duration == pytest.approx(trapezoid(1.0, 2.0, FIVE.acceleration[0]), rel=1e-6)
+
+
+@given(OFFSET, OFFSET, OFFSET, st.floats(-0.8, 0.8), st.floats(0.05, 0.25), st.floats(0.1, 1.0))
+@settings(max_examples=60)
+def test_a_line_is_straight_and_takes_the_time_of_a_trapezoid(
+    x: float, y: float, z: float, turn: float, v: float, a: float
+) -> None:
+    target = shifted(HOME, x, y, z) @ Pose(0, 0, 0, 0, 0, turn).matrix
+    length = math.hypot(x, y, z)
+    if length < 0.01:
+        return
+    segment = line_move(FIVE, HOME, target, v, a)
+    start = Pose.from_matrix(FIVE.fkine(HOME))
+    end = Pose.from_matrix(target)
+    poses = flanges(segment, 100)
+    for part, pose in zip(np.linspace(0, 1, 100), poses, strict=True):
+        here = start.interpolate(end, part)
+        assert here.almost_equal(Pose.from_matrix(pose), position=2e-5, rotation=2e-5)
+    np.testing.assert_allclose(FIVE.fkine(segment.q_end), target, atol=1e-9)
+    if np.abs(joint_speeds(segment)).max() < 0.9 * min(FIVE.velocity):
+        assert segment.duration == pytest.approx(trapezoid(length, v, a), rel=0.02)
+
+
+def test_a_line_keeps_the_tool_on_it_when_the_flange_is_not() -> None:
+    tool = Pose(0.05, 0.0, 0.2, 0.0, 0.3, 0.0).matrix
+    start = FIVE.fkine(HOME) @ tool
+    target = start @ Pose(0.0, 0.0, 0.0, 0.4, 0.5, 0.6).matrix
+    target[:3, 3] += 0.05, 0.1, 0.0
+    segment = line_move(FIVE, HOME, target @ np.linalg.inv(tool), 0.1, 0.5, tool=tool)
+    tips = segment.tcp(np.linspace(0, segment.length, 200))
+    direction = (target - start)[:3, 3] / np.linalg.norm((target - start)[:3, 3])
+    off = tips[:, :3, 3] - start[:3, 3]
+    off -= np.outer(off @ direction, direction)
+    assert np.abs(off).max() < 1e-5
+    np.testing.assert_allclose(tips[-1], target, atol=1e-9)
+    flange = flanges(segment)[:, :3, 3]
+    straight = np.linspace(flange[0], flange[-1], len(flange))
+    assert np.linalg.norm(flange - straight, axis=1).max() > 0.005
+
+
+def test_a_turn_on_the_spot_takes_its_speed_as_radians() -> None:
+    target = FIVE.fkine(HOME) @ Pose(0, 0, 0, 0, 0, 0.9).matrix
+    segment = line_move(FIVE, HOME, target, 0.5, 1.0)
+    assert segment.duration == pytest.approx(trapezoid(0.9, 0.5, 1.0), rel=1e-3)
+
+
+@pytest.mark.parametrize("mode", [0, 1, 2])
+def test_an_arc_is_round_and_keeps_its_acceleration_across_it(mode: int) -> None:
+    via, target = shifted(HOME, 0.1, 0.1), shifted(HOME, 0.0, 0.2)
+    segment = arc_move(FIVE, HOME, via, target, 0.2, 0.8, mode=mode)
+    assert segment.length == pytest.approx(0.1 * math.pi)
+    centre = shifted(HOME, 0.0, 0.1)[:3, 3]
+    points = flanges(segment)[:, :3, 3]
+    np.testing.assert_allclose(np.linalg.norm(points - centre, axis=1), 0.1, atol=2e-5)
+    # 0.4 m/s² across leave 0.69 of 0.8 m/s² along at full speed.
+    assert trapezoid(segment.length, 0.2, 0.8) < segment.duration
+    assert segment.duration < trapezoid(segment.length, 0.2, 0.69)
+    turn = rotvec_from_matrix(FIVE.fkine(HOME)[:3, :3].T @ flanges(segment)[-1, :3, :3])
+    assert np.linalg.norm(turn) == pytest.approx(math.pi if mode == 2 else 0.0, abs=1e-9)
+
+
+def test_a_fast_arc_is_as_fast_as_its_bend_allows() -> None:
+    via, target = shifted(HOME, 0.1, 0.1), shifted(HOME, 0.0, 0.2)
+    segment = arc_move(FIVE, HOME, via, target, 2.0, 1.0, mode=1)
+    assert segment.limits is not None
+    assert max(segment.limits.ceiling) == pytest.approx(0.98 * 0.1 * 1.0, rel=1e-3)
+
+
+def test_a_circle_ends_where_it_began() -> None:
+    first, second = shifted(HOME, 0.1, 0.1), shifted(HOME, 0.0, 0.2)
+    segment = circle_move(FIVE, HOME, first, second, 0.3, 1.0)
+    assert segment.length == pytest.approx(0.2 * math.pi)
+    np.testing.assert_allclose(segment.q_end, HOME, atol=1e-9)
+    with pytest.raises(PlanError, match="not 1 or 2"):
+        circle_move(FIVE, HOME, first, second, 0.3, 1.0, mode=0)
+
+
+def test_joints_turn_no_faster_than_they_can_on_a_line_past_a_singularity() -> None:
+    # The wrist's centre passes the axis of joint 1 at a distance: joint 1 has to turn fast.
+    q = FIVE.ikine(Pose(0.40, -0.22, 0.5, math.pi, 0, 0), HOME)
+    target = Pose(-0.40, -0.22, 0.5, math.pi, 0, 0).matrix
+    segment = line_move(FIVE, q, target, 2.0, 5.0)
+    speeds = np.abs(joint_speeds(segment)).max(axis=0)
+    assert (speeds <= np.array(FIVE.velocity) * 1.02).all()
+    assert speeds.max() > 0.9 * FIVE.velocity[int(speeds.argmax())]
+    assert segment.duration > 1.2 * trapezoid(0.8, 2.0, 5.0)
+
+
+@pytest.mark.parametrize(
+    ("q", "name"),
+    [
+        (np.zeros(6), "singularity"),
+        (np.radians([0, 20, 0, 30, -90, 0]), "elbow"),
+        (np.radians([0, 20, 60, 30, 0, 0]), "wrist"),
+    ],
+)
+def test_a_line_from_a_singularity_is_refused(q: Array, name: str) -> None:
+    with pytest.raises(PlanError, match=name) as caught:
+        line_move(FIVE, q, shifted(q, y=0.05), 0.1, 0.5)
+    assert code(caught) == "singular"
+
+
+def test_a_line_through_a_singularity_is_refused() -> None:
+    # Turning about the tool's own y axis brings joint 5 through zero.
+    q = np.radians([10, 20, 60, 30, -25, 15])
+    beyond = np.radians([10, 20, 60, 30, 25, 15])
+    with pytest.raises(PlanError) as caught:
+        line_move(FIVE, q, FIVE.fkine(beyond), 0.1, 0.5)
+    assert code(caught) == "singular"
+
+
+def test_poses_out_of_reach_are_refused() -> None:
+    with pytest.raises(
+        PlanError, match=r"leaves the reach of the arm, by at least 0\.\d+ m"
+    ) as far:
+        line_move(FIVE, HOME, shifted(HOME, x=0.9), 0.1, 0.5)
+    assert code(far) == "unreachable"
+    # Both ends are in reach, but what is between them is too close to the axis of joint 1.
+    q = FIVE.ikine(Pose(0.35, 0.02, 0.5, math.pi, 0, 0), HOME)
+    with pytest.raises(PlanError) as through:
+        line_move(FIVE, q, Pose(-0.35, 0.02, 0.5, math.pi, 0, 0).matrix, 0.1, 0.5)
+    assert code(through) in ("unreachable", "singular")
+
+
+def test_joint_limits_are_kept() -> None:
+    with pytest.raises(PlanError, match=r"joint 2 would leave -6\.2832 to 6\.2832 rad") as caught:
+        joint_move(FIVE, HOME, HOME + np.array([0, 6.3, 0, 0, 0, 0]), 1.0, 1.0)
+    assert code(caught) == "limits"
+    narrow = replace(FIVE, upper=(0.05, 6, 6, 6, 6, 6))
+    with pytest.raises(PlanError, match="joint 1 would leave") as on_line:
+        line_move(narrow, HOME, shifted(HOME, y=0.2), 0.1, 0.5)
+    assert code(on_line) == "limits"
+
+
+@pytest.mark.parametrize(("v", "a", "r"), [(0, 1, 0), (1, 0, 0), (1, 1, -1), (math.nan, 1, 0)])
+def test_parameters_that_make_no_sense_are_refused(v: float, a: float, r: float) -> None:
+    with pytest.raises(PlanError) as joint:
+        joint_move(FIVE, HOME, HOME + 0.1, v, a, r)
+    with pytest.raises(PlanError) as line:
+        line_move(FIVE, HOME, shifted(HOME, 0.1), v, a, r)
+    assert code(joint) == code(line) == "parameter"
+
+
+def test_a_motion_to_where_the_arm_is_takes_no_time() -> None:
+    for segment in (
+        joint_move(FIVE, HOME, HOME, 1.0, 1.0),
+        line_move(FIVE, HOME, FIVE.fkine(HOME), 1.0, 1.0),
+    ):
+        assert segment.path is None
+        assert (segment.length, segment.duration) == (0.0, 0.0)
+        np.testing.assert_array_equal(segment.q_end, HOME)
+
+
+def test_whole_turns_of_the_joints_are_kept_along_a_line() -> None:
+    wound = HOME + np.array([2 * math.pi, 0, 0, 0, 0, 2 * math.pi])
+    segment = line_move(FIVE, wound, shifted(HOME, y=-0.1), 0.1, 0.5)
+    plain = line_move(FIVE, HOME, shifted(HOME, y=-0.1), 0.1, 0.5)
+    np.testing.assert_allclose(segment.q_end - wound, plain.q_end - HOME, atol=1e-9)
