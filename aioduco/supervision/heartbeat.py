@@ -55,14 +55,13 @@ class SignOfLife:
 
     def __init__(self) -> None:
         self.stamp = time.monotonic()
-        #: longest time between two signs of life [s]
+        #: how late the latest sign of life came [s]
         self.longest_stall = 0.0
 
-    def touch(self) -> None:
-        """The loop runs."""
-        now = time.monotonic()
-        self.longest_stall = max(self.longest_stall, now - self.stamp)
-        self.stamp = now
+    def touch(self, due: float) -> None:
+        """The loop runs; `due` is when this sign of life was to be given."""
+        self.stamp = time.monotonic()
+        self.longest_stall = max(self.longest_stall, self.stamp - due)
 
 
 class HeartbeatStatistics(NamedTuple):
@@ -125,7 +124,7 @@ class Heartbeat:
 
     def start(self) -> None:
         """Begin to beat."""
-        self._life.touch()
+        self._life.touch(time.monotonic())
         self._thread.start()
 
     @property
@@ -140,7 +139,7 @@ class Heartbeat:
 
     def rearm(self) -> None:
         """Go on beating after a stall of the event loop: the next beat goes at once."""
-        self._life.touch()
+        self._life.touch(time.monotonic())
         self._pulse.rearm()
         self._nudge.set()
 

@@ -45,7 +45,7 @@ class SupervisorStatistics(NamedTuple):
         polls: questions for the state of a task.
         stops: stops that the controller accepted.
         stop_attempts: stops that were sent, repeats included.
-        longest_stall: longest time for which the event loop did not run [s].
+        longest_stall: how late the event loop came to a task that was due, at most [s].
     """
 
     lanes: dict[str, LaneStatistics]
@@ -214,7 +214,7 @@ class Supervisor:
         every = min(self.settings.loop_stall_limit / _SIGNS, _SIGN_EVERY)
         due = time.monotonic()
         while True:
-            self._life.touch()
+            self._life.touch(due)
             now = time.monotonic()
             due = max(due + every, now)
             await anyio.sleep(due - now)

@@ -1,0 +1,93 @@
+"""A controller with tasks and trivial handlers, which keeps when they were reached.
+
+Motions take as long as the time set by `set_system_value_double("duration", s)`. All times are of
+CLOCK_MONOTONIC, which a client on the same machine shares. It prints its port as a line of JSON,
+and ends when its standard input does.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import sys
+import threading
+import time
+from typing import Any, cast
+
+from aioduco.models.enums import TaskState
+from aioduco.sim.server import Server
+
+
+class Handlers:
+    """Tasks that end by the clock; calls that hang until they are let go."""
+
+    def __init__(self) -> None:
+        self._duration = 0.3
+        self._ends: dict[int, float] = {}
+        self._stops: list[float] = []
+        self._ids = itertools.count(1000)
+        self._held = threading.Event()
+
+    def _start(self, *_: object) -> int:
+        task_id = next(self._ids)
+        self._ends[task_id] = time.monotonic() + self._duration
+        return task_id
+
+    movej2 = movel = _start
+
+    def speed(self, val: float) -> int:  # noqa: ARG002  # the wire's name
+        """A motion that is awaited inside the controller: it answers at its end."""
+        task_id = self._start()
+        time.sleep(max(0.0, self._ends[task_id] - time.monotonic()))
+        return task_id
+
+    def get_noneblock_taskstate(self, id: int) -> int:  # noqa: A002  # the wire's name
+        end = self._ends.get(id, 0.0)
+        return TaskState.FINISHED if time.monotonic() >= end else TaskState.RUNNING
+
+    def stop(self, block: bool) -> int:  # noqa: ARG002  # the wire's name
+        self._stops.append(time.monotonic())
+        return next(self._ids)
+
+    def set_standard_digital_out(self, *_: object) -> int:
+        self._held.wait()
+        return TaskState.FINISHED
+
+    def set_tool_digital_out(self, *_: object) -> int:
+        time.sleep(0.05)
+        return TaskState.FINISHED
+
+    def set_system_value_double(self, name: str, value: float) -> int:
+        if name == "duration":
+            self._duration = value
+        elif name == "release":
+            self._held.set()
+        return 0
+
+    def get_system_value_list(self, name: str) -> list[float]:
+        if name == "stops":
+            taken, self._stops = self._stops, []
+            return taken
+        return [self._ends[int(name)]]
+
+    def __getattr__(self, name: str) -> Any:
+        answers = {
+            "get_robot_state": [6, 0, 5, 1],
+            "get_actual_joints_position": [0.0] * 6,
+            "get_last_error": [],
+            "robotmoving": False,
+            "rpc_heartbeat": None,
+        }
+        return lambda *_: answers[name]
+
+
+def main() -> None:
+    handlers = Handlers()
+    with Server(cast("Any", handlers)) as server:
+        print(json.dumps({"rpc": server.port}), flush=True)
+        sys.stdin.read()
+        handlers.set_system_value_double("release", 1.0)
+
+
+if __name__ == "__main__":
+    main()
