@@ -45,32 +45,65 @@ class Limiter:
 
     Attributes:
         config: the set-point of the last tick.
-        velocity: its velocity, per second.
         limited: ticks in which the target could not be met.
     """
 
-    __slots__ = ("_period", "_rules", "_space", "_target", "config", "limited", "velocity")
+    __slots__ = (
+        "_axes",
+        "_period",
+        "_rules",
+        "_space",
+        "_step",
+        "_target",
+        "config",
+        "limited",
+    )
 
     def __init__(self, space: Space, limits: Limits, period: float, start: Config) -> None:
         self._space = space
         self._period = period
         self._rules = tuple(zip(space.groups, limits.velocity, limits.acceleration, strict=True))
+        # The same limits as displacements in one tick, where each axis has its own.
+        self._axes = tuple(
+            (v * period * _SLACK, a * period * period * _SLACK)
+            for group, v, a in self._rules
+            if group.stop - group.start == 1
+        )
         self.config = start
-        self.velocity: Displacement = _ZERO
         self.limited = 0
+        self._step: Displacement = _ZERO
         self._target = start
+
+    @property
+    def velocity(self) -> Displacement:
+        """Velocity of the last tick, per second."""
+        return tuple(step / self._period for step in self._step)
 
     @property
     def at_rest(self) -> bool:
         """Whether the last target is met, and nothing moves."""
-        return self.config == self._target and self.velocity == _ZERO
+        return self.config == self._target and self._step == _ZERO
 
     def follow(self, target: Config) -> Config:
         """One tick towards the target of this tick; returns the set-point."""
-        period, velocity = self._period, self.velocity
         gap = self._space.difference(self.config, target)
         moved = self._space.difference(self._target, target)
         self._target = target
+        if self._axes:
+            for (top, change), g, s, m in zip(self._axes, gap, self._step, moved, strict=False):
+                if not (
+                    -top <= g <= top and -change <= g - s <= change and -change <= g - m <= change
+                ):
+                    break
+            else:
+                self._step = gap
+                self.config = target
+                return target
+        return self._limit(target, gap, moved)
+
+    def _limit(self, target: Config, gap: Displacement, moved: Displacement) -> Config:
+        """The tick, when the target may be beyond the limits."""
+        period, velocity = self._period, self.velocity
         new: list[float] = []
         met = True
         for group, top, acceleration in self._rules:
@@ -92,21 +125,21 @@ class Limiter:
             delta = [w - v for w, v in zip(wished, velocity[group], strict=True)]
             reached = zip(velocity[group], _at_most(delta, change), strict=True)
             new += _at_most([v + d for v, d in reached], top)
-        self.velocity = tuple(new)
+        self._step = tuple(v * period for v in new)
         if met:
             self.config = target
         else:
             self.limited += 1
-            self.config = self._space.moved(self.config, tuple(v * period for v in new))
+            self.config = self._space.moved(self.config, self._step)
         return self.config
 
     def brake(self) -> Config:
         """One tick of coming to rest, all axes at the same moment; returns the set-point."""
-        speeds = ((_length(self.velocity[group]), a) for group, _, a in self._rules)
-        rest = max(speed / acceleration for speed, acceleration in speeds)
+        velocity = self.velocity
+        rest = max(_length(velocity[group]) / a for group, _, a in self._rules)
         share = 1 - self._period / rest if rest > self._period else 0.0
-        self.velocity = tuple(v * share for v in self.velocity)
-        self.config = self._space.moved(self.config, tuple(v * self._period for v in self.velocity))
+        self._step = tuple(step * share for step in self._step)
+        self.config = self._space.moved(self.config, self._step)
         self._target = self.config
         return self.config
 

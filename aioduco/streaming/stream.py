@@ -81,7 +81,7 @@ class Stream:
         self._final: StreamStatistics | None = None
         self._begun = False
         self._commanded: tuple[float, ...] | None = None
-        self._minding = anyio.CancelScope()
+        self._minding: anyio.CancelScope | None = None
 
     # -- what it is ----------------------------------------------------------------------------
 
@@ -177,7 +177,8 @@ class Stream:
 
     async def _mind(self, host: Host) -> None:
         """Hear from the lane to its end; stop the robot if it went without a word."""
-        with anyio.CancelScope(shield=True) as self._minding:
+        with anyio.CancelScope(shield=True) as scope:
+            self._minding = scope
             await host.listen()
             if host.reason is Reason.LANE_DIED and self._endpoint.stop is not None:
                 # `stop` says itself, to its own caller, when it cannot be confirmed; here is
@@ -202,7 +203,7 @@ class Stream:
                     await host.until_gone()
         self._tasks = None
         self._final = StreamStatistics.of(host)
-        if not host.gone:
+        if not host.gone and self._minding is not None:
             self._minding.cancel()
         await tasks.__aexit__(None, None, None)
 

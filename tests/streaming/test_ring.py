@@ -1,0 +1,164 @@
+"""The ring between two processes: order, and no set-point that is half of two."""
+
+from __future__ import annotations
+
+import mmap
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from aioduco.streaming.ring import Ring
+
+PRODUCER = """
+import mmap, os, sys, time
+from aioduco.streaming.ring import Ring
+
+descriptor, capacity, count, latest = map(int, sys.argv[1:])
+memory = mmap.mmap(descriptor, os.fstat(descriptor).st_size)
+ring = Ring(memoryview(memory), capacity)
+for number in range(1, count + 1):
+    values = [number * 1.5 + axis for axis in range(6)]
+    if latest:
+        ring.overwrite(values, number)
+    else:
+        while not ring.put(values, number):
+            os.sched_yield()
+"""
+
+
+def make(capacity: int, extra: int = 0) -> Ring:
+    return Ring(memoryview(bytearray(Ring.size(capacity, extra))), capacity, extra)
+
+
+def whole(stamp: int, values: tuple[float, ...]) -> bool:
+    return values == tuple(stamp * 1.5 + axis for axis in range(6))
+
+
+@given(st.lists(st.booleans(), max_size=200), st.integers(1, 8))
+def test_first_in_first_out_and_never_more_than_fit(steps: list[bool], capacity: int) -> None:
+    ring = make(capacity)
+    model: list[int] = []
+    written = 0
+    for put in steps:
+        if put:
+            accepted = ring.put([float(written)] * 6, written)
+            assert accepted == (len(model) < capacity)
+            if accepted:
+                model.append(written)
+            written += 1
+        else:
+            point = ring.take()
+            assert (point.stamp if point else None) == (model.pop(0) if model else None)
+        assert ring.level == len(model)
+
+
+@given(st.lists(st.integers(0, 20), max_size=30), st.integers(2, 8))
+def test_latest_is_the_last_written_and_counts_the_others(bursts: list[int], capacity: int) -> None:
+    ring = make(capacity)
+    number = seen = 0
+    for burst in bursts:
+        for _ in range(burst):
+            number += 1
+            ring.overwrite([float(number)] * 6, number)
+        point = ring.newest()
+        assert (point.stamp if point else None) == (number if burst else None)
+        seen += point is not None
+    assert ring.overwritten == number - seen
+
+
+def test_what_goes_with_a_point_comes_out_again() -> None:
+    ring = make(4, extra=10)
+    for text in (b"", b"one", b"ten bytes!"):
+        ring.put([0.0] * 6, 0, text)
+    taken = [ring.take() for _ in range(3)]
+    assert [point.extra for point in taken if point] == [b"", b"one", b"ten bytes!"]
+    with pytest.raises(ValueError, match="11 bytes go with the point; 10 fit"):
+        ring.put([0.0] * 6, 0, b"eleven byte")
+
+
+@given(st.integers(0, 71), st.integers(1, 255))
+def test_a_slot_with_a_wrong_byte_is_not_there(place: int, flip: int) -> None:
+    memory = bytearray(Ring.size(1))
+    ring = Ring(memoryview(memory), 1)
+    ring.put([1.0] * 6, 7)
+    memory[16 + place] ^= flip
+    assert ring.take() is None
+    memory[16 + place] ^= flip
+    assert ring.take() is not None
+
+
+def test_a_counter_ahead_of_its_slot_is_harmless() -> None:
+    memory = bytearray(Ring.size(4))
+    words = memoryview(memory)[:8].cast("Q")
+    ring = Ring(memoryview(memory), 4)
+    ring.put([1.0] * 6, 1)
+    words[0] = 2  # as if the counter of the second were visible before its bytes
+    first, second = ring.take(), ring.take()
+    assert first is not None
+    assert second is None
+
+
+def run_producer(
+    capacity: int, count: int, *, latest: bool
+) -> tuple[Ring, subprocess.Popen[bytes]]:
+    descriptor = os.memfd_create("test-ring")
+    size = Ring.size(capacity)
+    os.ftruncate(descriptor, size)
+    ring = Ring(memoryview(mmap.mmap(descriptor, size)), capacity)
+    producer = subprocess.Popen(
+        [
+            sys.executable,
+            "-c",
+            PRODUCER,
+            str(descriptor),
+            str(capacity),
+            str(count),
+            str(int(latest)),
+        ],
+        pass_fds=(descriptor,),
+    )
+    os.close(descriptor)
+    return ring, producer
+
+
+@pytest.mark.parametrize("capacity", [1, 2, 7, 64])
+def test_a_hammering_producer_loses_nothing_and_tears_nothing(capacity: int) -> None:
+    count = 30_000 if capacity > 2 else 3_000
+    ring, producer = run_producer(capacity, count, latest=False)
+    deadline = time.monotonic() + 40
+    expected = 1
+    while expected <= count:
+        point = ring.take()
+        if point is None:
+            assert time.monotonic() < deadline
+            os.sched_yield()
+            continue
+        assert point.stamp == expected
+        assert whole(point.stamp, point.values)
+        expected += 1
+    assert producer.wait(10) == 0
+    assert ring.take() is None
+
+
+def test_a_hammering_producer_of_latest_never_goes_back_and_tears_nothing() -> None:
+    count = 100_000
+    ring, producer = run_producer(4, count, latest=True)
+    deadline = time.monotonic() + 40
+    last = seen = 0
+    while last < count:
+        assert time.monotonic() < deadline
+        point = ring.newest()
+        if point is None:
+            os.sched_yield()
+            continue
+        assert point.stamp > last
+        assert whole(point.stamp, point.values)
+        last = point.stamp
+        seen += 1
+    assert producer.wait(10) == 0
+    assert ring.overwritten == count - seen

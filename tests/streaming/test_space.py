@@ -1,0 +1,68 @@
+"""Displacements of joints and poses, against scipy's rotations."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE
+
+ANGLE = st.floats(-2 * math.pi, 2 * math.pi)
+NEAR_VERTICAL = st.sampled_from([math.pi / 2, -math.pi / 2]).flatmap(
+    lambda right: st.sampled_from([0.0, 1e-12, 1e-8, 1e-4]).map(lambda off: right + off)
+)
+POSE = st.tuples(*[st.floats(-2, 2)] * 3, ANGLE, st.one_of(ANGLE, NEAR_VERTICAL), ANGLE)
+JOINTS = st.tuples(*[ANGLE] * 6)
+
+
+def rotation(pose: tuple[float, ...]) -> Rotation:
+    rx, ry, rz = pose[3:]
+    return Rotation.from_matrix(
+        Rotation.from_euler("z", rz).as_matrix()
+        @ Rotation.from_euler("y", ry).as_matrix()
+        @ Rotation.from_euler("x", rx).as_matrix()
+    )
+
+
+def angle(turn: Rotation) -> float:
+    return float(np.asarray(turn.magnitude()))
+
+
+@given(POSE)
+def test_a_pose_survives_there_and_back(pose: tuple[float, ...]) -> None:
+    back = POSE_SPACE.encode(POSE_SPACE.decode(pose))
+    assert back[:3] == pose[:3]
+    assert angle(rotation(pose).inv() * rotation(back)) < 1e-6
+
+
+@given(POSE, POSE)
+def test_a_displacement_leads_to_its_end(start: tuple[float, ...], end: tuple[float, ...]) -> None:
+    a, b = POSE_SPACE.decode(start), POSE_SPACE.decode(end)
+    displacement = POSE_SPACE.difference(a, b)
+    reached = POSE_SPACE.encode(POSE_SPACE.moved(a, displacement))
+    np.testing.assert_allclose(reached[:3], end[:3], atol=1e-12)
+    assert angle(rotation(end).inv() * rotation(reached)) < 1e-6
+
+
+@given(POSE, POSE)
+def test_the_turn_is_the_shorter_one_in_the_base_frame(
+    start: tuple[float, ...], end: tuple[float, ...]
+) -> None:
+    displacement = POSE_SPACE.difference(POSE_SPACE.decode(start), POSE_SPACE.decode(end))
+    turn = rotation(end) * rotation(start).inv()
+    length = math.hypot(*displacement[3:])
+    assert length <= math.pi + 1e-9
+    assert abs(length - angle(turn)) < 1e-6
+    if angle(turn) < math.pi - 1e-3:
+        np.testing.assert_allclose(displacement[3:], turn.as_rotvec(), atol=1e-6)
+
+
+@given(JOINTS, JOINTS)
+def test_joints_are_differences_of_angles(start: tuple[float, ...], end: tuple[float, ...]) -> None:
+    displacement = JOINT_SPACE.difference(start, end)
+    np.testing.assert_allclose(displacement, np.subtract(end, start))
+    np.testing.assert_allclose(JOINT_SPACE.moved(start, displacement), end, atol=1e-12)
