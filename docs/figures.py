@@ -3,26 +3,32 @@
     python docs/figures.py            write the page
     python docs/figures.py --check    compare the whole text with what is committed
 
-A results file is one JSON object. `title`, `command` and `machine` are shown above its tables, and
-`notes` (a text or a list of texts) below them. Each other key whose value is a list of objects
-becomes a table: one row per object, one column per key of the first. Numbers are shown with three
-significant digits; the exact ones stay in the file.
+A results file holds the `machine` that it was measured on, single figures, and tables: objects
+whose values are objects of figures, one row each, or lists of such objects. Tables may be nested in
+further objects, which become headings. Numbers are shown with three significant digits; the exact
+ones stay in the file.
 """
 
 from __future__ import annotations
 
 import argparse
+import ast
 import difflib
 import json
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 HERE = Path(__file__).resolve().parent
 PAGE = HERE / "benchmarks.md"
-RESULTS = HERE.parent / "benchmarks" / "results"
+BENCHMARKS = HERE.parent / "benchmarks"
 BEGIN = "<!-- figures:begin -->"
 END = "<!-- figures:end -->"
+
+UNITS = {"us": "µs", "ms": "ms", "s": "s", "hz": "Hz", "rad": "rad", "m": "m", "percent": "%"}
 
 
 def cell(value: Any) -> str:
@@ -37,53 +43,73 @@ def cell(value: Any) -> str:
 
 
 def heading(key: str) -> str:
-    """A key as the head of a column: underscores are spaces, a unit stands in brackets."""
-    words = key.split("_")
-    units = {"us": "µs", "ms": "ms", "s": "s", "hz": "Hz", "rad": "rad", "percent": "%"}
-    if len(words) > 1 and words[-1] in units:
-        return f"{' '.join(words[:-1])} [{units[words[-1]]}]"
-    return " ".join(words)
+    """A key in words: underscores are spaces, and a unit at its end stands in brackets."""
+    first, _, last = key.rpartition("_")
+    if first and last in UNITS:
+        return f"{first.replace('_', ' ')} [{UNITS[last]}]"
+    return key.replace("_", " ")
+
+
+def rows_of(value: Any) -> list[dict[str, Any]] | None:
+    """The rows of a table, if that is what the value is."""
+    if isinstance(value, dict):
+        value = [{"": name} | row for name, row in value.items() if isinstance(row, dict)]
+    if not isinstance(value, list) or not value:
+        return None
+    if not all(isinstance(row, dict) for row in value):
+        return None
+    plain = all(not isinstance(figure, dict | list) for row in value for figure in row.values())
+    return value if plain else None
 
 
 def table(rows: list[dict[str, Any]]) -> list[str]:
     """A Markdown table; the first column is text, the others are numbers to the right."""
-    keys = list(rows[0])
-    lines = [
+    keys = list(dict.fromkeys(key for row in rows for key in row))
+    return [
         "| " + " | ".join(heading(key) for key in keys) + " |",
         "|---|" + "---:|" * (len(keys) - 1),
+        *("| " + " | ".join(cell(row.get(key, "")) for key in keys) + " |" for row in rows),
     ]
-    lines += ["| " + " | ".join(cell(row.get(key, "")) for key in keys) + " |" for row in rows]
-    return lines
 
 
-def section(path: Path) -> list[str]:
+def blocks(value: dict[str, Any], level: int) -> Iterator[str]:
+    """The single figures of an object, then its tables under their headings."""
+    single = {key: one for key, one in value.items() if not isinstance(one, dict | list)}
+    if single:
+        yield ", ".join(f"{heading(key)}: {cell(one)}" for key, one in single.items()) + "."
+    for key, one in value.items():
+        if (rows := rows_of(one)) is not None:
+            yield "#" * level + f" {key}"
+            yield "\n".join(table(rows))
+        elif isinstance(one, dict):
+            yield "#" * level + f" {key}"
+            yield from blocks(one, level + 1)
+
+
+def section(path: Path) -> Iterator[str]:
     """The text for one results file."""
     data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    lines = [f"## {data.get('title', path.stem.replace('_', ' ').capitalize())}", ""]
-    if "command" in data:
-        lines += [f"`{data['command']}`", ""]
-    if "machine" in data:
-        machine = data["machine"]
-        if isinstance(machine, dict):
-            machine = ", ".join(str(value) for value in machine.values())
-        lines += [f"Machine: {machine}.", ""]
-    for key, value in data.items():
-        if isinstance(value, list) and value and all(isinstance(row, dict) for row in value):
-            lines += [f"### {heading(key).capitalize()}", "", *table(value), ""]
-    notes = data.get("notes", [])
-    for note in [notes] if isinstance(notes, str) else notes:
-        lines += [note, ""]
-    return lines
+    machine: dict[str, Any] = data.pop("machine", {})
+    packages = machine.pop("packages", {})
+    script = BENCHMARKS / f"{path.stem}.py"
+    what = (ast.get_docstring(ast.parse(script.read_text(encoding="utf-8"))) or "").splitlines()
+    yield f"## {path.stem.replace('_', ' ').capitalize()}"
+    yield what[0] if what else ""
+    yield f"`python benchmarks/{script.name} --save`"
+    yield from blocks(data, 3)
+    known = [f"{key} {value}" for key, value in machine.items()]
+    known += [f"{name} {version}" for name, version in packages.items()]
+    if known:
+        yield f"Measured on: {', '.join(known)}."
 
 
 def page() -> str:
     """The whole text of the page, as it should be."""
-    text = PAGE.read_text(encoding="utf-8")
-    before, rest = text.split(BEGIN)
-    after = rest.split(END)[1]
-    lines = [line for path in sorted(RESULTS.glob("*.json")) for line in section(path)]
-    body = "\n".join(lines).strip()
-    return f"{before}{BEGIN}\n\n{body}\n\n{END}{after}"
+    before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
+    after = rest.partition(END)[2]
+    files = sorted((BENCHMARKS / "results").glob("*.json"))
+    body = [block for path in files for block in section(path)]
+    return "\n\n".join([before + BEGIN, *body, END + after])
 
 
 def main() -> int:
@@ -95,15 +121,10 @@ def main() -> int:
     if not check:
         PAGE.write_text(wanted, encoding="utf-8")
         return 0
-    if wanted == found:
-        return 0
     names = ("docs/benchmarks.md", "made from benchmarks/results/*.json")
-    sys.stdout.writelines(
-        difflib.unified_diff(
-            found.splitlines(keepends=True), wanted.splitlines(keepends=True), *names
-        )
-    )
-    return 1
+    old, new = found.splitlines(keepends=True), wanted.splitlines(keepends=True)
+    sys.stdout.writelines(difflib.unified_diff(old, new, *names))
+    return int(wanted != found)
 
 
 if __name__ == "__main__":

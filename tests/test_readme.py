@@ -63,6 +63,10 @@ def test_each_command_is_one_line_that_makes_its_own_environment(name: str) -> N
     assert all(words[0].startswith(".venv/bin/") for words in rest)
 
 
+def test_quick_start_has_the_same_program() -> None:
+    assert program(README) in (ROOT / "docs" / "quickstart.md").read_text(encoding="utf-8")
+
+
 def test_chinese_readme_has_the_same_program_and_commands() -> None:
     assert program(CHINESE) == program(README)
     for name in ("run", "test"):
