@@ -11,10 +11,12 @@ import os
 import platform
 import subprocess
 import sys
-from collections.abc import Iterable, Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+    from types import TracebackType
 
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE / "results"

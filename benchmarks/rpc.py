@@ -19,6 +19,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import importlib
+import importlib.util
 import shutil
 import socket
 import struct
@@ -27,6 +28,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Awaitable, Callable, Iterator
+from functools import partial
 from typing import Any
 
 import anyio.to_thread
@@ -36,7 +38,8 @@ from thriftpy2.protocol import TCyBinaryProtocolFactory
 from thriftpy2.rpc import make_client
 from thriftpy2.transport import TCyBufferedTransportFactory
 
-from aioduco._wire import codec, idl
+from aioduco._wire import idl
+from aioduco._wire.connection import Connection
 from aioduco._wire.lane import Lane
 
 HOST = "127.0.0.1"
@@ -111,11 +114,12 @@ def bare_socket(port: int, request: int, reply: int, stack: contextlib.ExitStack
 
 def thriftpy2_client(port: int, stack: contextlib.ExitStack) -> Any:
     module = thriftpy2.load(str(idl.path()), module_name="rpc_benchmark_thrift")
+    factory: Any = TCyBinaryProtocolFactory
     client = make_client(
         module.RPCRobot,
         HOST,
         port,
-        proto_factory=TCyBinaryProtocolFactory(),
+        proto_factory=factory(),
         trans_factory=TCyBufferedTransportFactory(),
     )
     stack.callback(client.close)
@@ -158,11 +162,9 @@ def apache_client(module: Any, port: int, nodelay: bool, stack: contextlib.ExitS
     return module.Client(protocols.TBinaryProtocol(transport))
 
 
-def sizes(name: str, client: Any) -> tuple[int, int]:
-    """Bytes of a call and of its answer, measured by a connection of the package."""
-    from aioduco._wire.connection import Connection  # noqa: PLC0415  # only for this
-
-    connection = Connection(HOST, client)
+def sizes(name: str, port: int) -> tuple[int, int]:
+    """Bytes of a call and of its answer."""
+    connection = Connection(HOST, port)
     connection.open()
     connection.call(name, CALLS[name], 2.0)
     figures = connection.statistics()
@@ -193,7 +195,7 @@ async def measure(
         for label, nodelay in (("Apache", False), ("Apache, NODELAY", True)):
             if apache is not None:
                 call = getattr(apache_client(apache, port, nodelay, stack), name)
-                alternatives.append(Alternative(label, lambda call=call: call(*args)))
+                alternatives.append(Alternative(label, partial(call, *args)))
         for number in range(-1, rounds):
             turn = number % len(alternatives)
             for alternative in alternatives[turn:] + alternatives[:turn]:

@@ -13,8 +13,7 @@ import socket
 import struct
 import sys
 import threading
-from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import thriftpy2
 from thriftpy2.protocol import TCyBinaryProtocol
@@ -22,6 +21,11 @@ from thriftpy2.thrift import TProcessor
 from thriftpy2.transport import TCyBufferedTransport, TSocket
 
 from aioduco._wire import idl
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+_socket: Any = TSocket
 
 
 class Handlers:
@@ -40,7 +44,7 @@ class Handlers:
             robotError=0,
         )
 
-    def get_noneblock_taskstate(self, id: int) -> int:  # noqa: A002  # the name on the wire
+    def get_noneblock_taskstate(self, *_: object) -> int:
         return 1
 
     def servoj(self, *_: object) -> int:
@@ -51,7 +55,7 @@ class Handlers:
 
 
 def answer_calls(sock: socket.socket, service: Any, handlers: Handlers) -> None:
-    transport = TCyBufferedTransport(TSocket(sock=sock))
+    transport = TCyBufferedTransport(_socket(sock=sock))
     protocol: Any = TCyBinaryProtocol
     stream = protocol(transport)
     processor = TProcessor(service, handlers)
