@@ -11,10 +11,6 @@ from aioduco.testing import eventually_async
 if TYPE_CHECKING:
     from aioduco.sim import Simulator
 
-#: joints between which the programs move; far from every singularity and limit [rad]
-LEFT = (0.4, 0.0, 1.57, 0.0, -1.57, 0.0)
-RIGHT = (-0.4, 0.1, 1.4, 0.0, -1.57, 0.2)
-
 #: tasks that move nothing, and end by themselves
 _STANDING = frozenset({"power_on", "power_off", "enable", "disable"})
 

@@ -12,7 +12,8 @@ from aioduco.errors import TaskStopped
 from aioduco.sim import Simulator
 from aioduco.testing import Resources, cancel_at_every_await, eventually_async
 
-from .arm import LEFT, RIGHT, see_it_stand, unrest
+from .arm import see_it_stand, unrest
+from .program import LEFT, RIGHT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
