@@ -46,6 +46,7 @@ class Launcher(Protocol):
         on_cancel: OnCancel | None = None,
     ) -> Task:
         """Send a command and return its task."""
+        ...
 
 
 class MotionCommand:

@@ -37,15 +37,19 @@ class Line(Protocol):
 
     def open(self, deadline: float | None = None) -> None:
         """Connect; the calling thread becomes the owner."""
+        ...
 
     def call(self, name: str, args: tuple[object, ...], timeout: float | None) -> object:
         """Call a function and wait for its answer."""
+        ...
 
     def abandon(self, reason: str = ...) -> None:
         """Wake a call that is under way, from any thread."""
+        ...
 
     def close(self) -> None:
         """Close the connection."""
+        ...
 
 
 class SignOfLife:

@@ -31,12 +31,11 @@ async def insist(step: Callable[[], Awaitable[T]]) -> tuple[T, BaseException | N
         The result, and the last cancellation that came meanwhile: the caller must raise it.
     """
     cancelled: BaseException | None = None
+    results: list[T] = []
     with anyio.CancelScope(shield=True):
-        while True:
+        while not results:
             try:
-                result = await step()
+                results.append(await step())
             except (anyio.get_cancelled_exc_class(), KeyboardInterrupt, SystemExit) as exc:
                 cancelled = exc
-            else:
-                break
-    return result, cancelled
+    return results[0], cancelled

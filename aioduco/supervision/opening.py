@@ -35,10 +35,12 @@ class Lines(Protocol):
     @property
     def lanes(self) -> tuple[Lane, ...]:
         """All lanes, the most important first."""
+        ...
 
     @property
     def poll(self) -> Lane:
         """The lane for the first question."""
+        ...
 
 
 async def open_lines(lines: Lines) -> None:

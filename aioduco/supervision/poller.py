@@ -39,15 +39,19 @@ class Watcher(Protocol):
     @property
     def stops(self) -> int:
         """How many stops have been asked for; rises before a stop is sent."""
+        ...
 
     def lost(self, task: Task) -> None:
         """A task ended with an unknown outcome: it may be running."""
+        ...
 
     def overdue(self, task: Task) -> None:
         """A task has not ended by its deadline."""
+        ...
 
     def stopped(self, task: Task, settle: Callable[[], None]) -> None:
         """A motion was stopped: `settle` is to be called when the arm stands."""
+        ...
 
 
 class Poller:

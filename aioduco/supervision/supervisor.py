@@ -170,7 +170,7 @@ class Supervisor:
             await insist(self._close_lines)
             raise
         self._opened = True
-        self._background.start(self._live(), "aioduco sign of life")
+        self._background.start(self._live(time.monotonic()), "aioduco sign of life")
         self._background.start(self.keeper.poller.run(), "aioduco poller")
 
     async def aclose(self) -> None:
@@ -209,10 +209,9 @@ class Supervisor:
         if self.heartbeat is not None:
             self.heartbeat.join(_GRACE)
 
-    async def _live(self) -> None:
-        """Show that the event loop runs."""
+    async def _live(self, due: float) -> None:
+        """Show that the event loop runs, first at `due`."""
         every = min(self.settings.loop_stall_limit / _SIGNS, _SIGN_EVERY)
-        due = time.monotonic()
         while True:
             self._life.touch(due)
             now = time.monotonic()

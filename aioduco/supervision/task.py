@@ -35,15 +35,19 @@ class Keeper(Protocol):
 
     async def stop(self) -> None:
         """Stop the arm and see it stand."""
+        ...
 
     async def pause(self) -> None:
         """Pause all tasks."""
+        ...
 
     async def resume(self) -> None:
         """Resume all tasks."""
+        ...
 
     async def forsaken(self, task: Task) -> None:
         """The await of a task was cancelled: do what its `on_cancel` says, then return."""
+        ...
 
 
 class Task:

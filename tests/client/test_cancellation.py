@@ -43,12 +43,12 @@ async def test_at_every_await_of_a_motion(
         # A motion lasts: the program waits at its last await until it is cancelled there.
         with anyio.move_on_after(0.4) as waited:
             run = await cancel_at(program, at, how=how, again=again)
+            assert run.struck
+            assert run.ended == "cancelled"
         assert not bench.moving()
         await eventually_async(lambda: not robot.tasks)
         if waited.cancelled_caught:
             break
-        assert run.struck
-        assert run.ended == "cancelled"
         sent += len(bench.received("movej2"))
     else:
         pytest.fail("the program has more awaits than were tried")

@@ -118,10 +118,16 @@ async def test_a_motion_tied_to_a_block_that_raises_is_stopped(
     robot: aioduco.Robot, bench: Bench
 ) -> None:
     bench.motion_time = 30.0
-    with pytest.raises(ZeroDivisionError):
+    tasks: list[aioduco.Task] = []
+
+    async def program() -> None:
         async with robot.motion.movej2(HOME, v=1.0, a=1.0) as task:
+            tasks.append(task)
             _ = 1 / 0
-    assert task.outcome is Outcome.STOPPED
+
+    with pytest.raises(ZeroDivisionError):
+        await program()
+    assert tasks[0].outcome is Outcome.STOPPED
     assert not bench.moving()
 
 
