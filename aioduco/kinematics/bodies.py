@@ -9,7 +9,7 @@ T_i = Rx(alpha_{i-1})·Tx(a_{i-1})·Rz(q_i + theta_i)·Tz(d_i): their z axis is 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -17,16 +17,31 @@ if TYPE_CHECKING:
     from aioduco.kinematics.arm import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["ROTOR", "Body", "bodies"]
-
-_DENSITY = 1200.0  # kg/m³: castings of aluminium with drives in them; an assumption
-_THINNEST = 0.025  # m
+__all__ = ["ROTOR", "Body", "Capsule", "bodies"]
 
 ROTOR = 0.002
 """Inertia of a drive's rotor, seen through its gear, per torque [kg m²/(N m)].
 
 An assumption: 0.4 kg m² for a drive of 200 N m, such as a rotor of 4e-5 kg m² behind 1:100.
 """
+
+_Point: TypeAlias = tuple[float, float, float]
+
+
+class Capsule(NamedTuple):
+    """A part of a link: a cylinder with round ends, in the link's frame.
+
+    Attributes:
+        start: one end of its axis [m].
+        end: the other end [m].
+        radius: m.
+        joint: whether it is the housing of a joint, rather than a tube between joints.
+    """
+
+    start: _Point
+    end: _Point
+    radius: float
+    joint: bool = False
 
 
 class Body(NamedTuple):
@@ -35,9 +50,7 @@ class Body(NamedTuple):
     Attributes:
         position: origin of its frame in that of the link before [m]. Shape (3,).
         rotation: of its frame in that of the link before, at zero. Shape (3, 3).
-        start: one end of its axis [m]. Shape (3,).
-        end: the other end [m]. Shape (3,).
-        radius: thickness [m].
+        parts: its shape; the first one gives the inertia.
         mass: kg.
         centre: centre of mass [m]. Shape (3,).
         inertia: about the centre of mass, in the link's frame [kg m²]. Shape (3, 3).
@@ -45,9 +58,7 @@ class Body(NamedTuple):
 
     position: Array
     rotation: Array
-    start: Array
-    end: Array
-    radius: float
+    parts: tuple[Capsule, ...]
     mass: float
     centre: Array
     inertia: Array
@@ -56,44 +67,79 @@ class Body(NamedTuple):
 def bodies(arm: Arm) -> tuple[Body, ...]:
     """Give the base and the six links of an arm."""
     g = arm.geometry
-    centres = np.array(arm.centres)
-    # The axis of each link in its frame; the upper arm and the forearm lie beside their joints,
-    # as far as their centres of mass do.
-    upper, fore = centres[2, 2], centres[3, 2]
-    axes = (
-        ((0.0, 0.0, 0.0), (0.0, 0.0, 0.6 * g.d1)),
-        ((0.0, 0.0, 0.0), (0.0, g.d2 + min(upper, 0.0), 0.0)),
-        ((0.0, 0.0, upper), (g.a2, 0.0, upper)),
-        ((0.0, 0.0, fore), (g.a3, 0.0, fore)),
-        ((0.0, 0.0, 0.0), (0.0, -g.d5, 0.0)),
-        ((0.0, 0.0, 0.0), (0.0, 0.5 * g.d6, 0.0)),
-        ((0.0, 0.0, -0.5 * g.d6), (0.0, 0.0, 0.0)),
-    )
     along = (0.0, 0.0, g.a2, g.a3, 0.0, 0.0)  # a_{i-1}
-    twists = (0.0, *g.alpha[:5])
-    found = [_body(np.zeros(3), np.eye(3), axes[0], arm.masses[0], centres[0])]
+    twists = (0.0, *g.alpha[:5])  # alpha_{i-1}
+    positions, rotations = [np.zeros(3)], [np.eye(3)]
     for i in range(6):
-        c, s = math.cos(twists[i]), math.sin(twists[i])
-        twist = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
-        c, s = math.cos(g.theta[i]), math.sin(g.theta[i])
-        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        position = twist @ np.array([0.0, 0.0, g.d[i]]) + np.array([along[i], 0.0, 0.0])
-        found.append(_body(position, twist @ turn, axes[i + 1], arm.masses[i + 1], centres[i + 1]))
-    return tuple(found)
+        twist = _turn(twists[i], 0)
+        positions.append(twist @ np.array([0.0, 0.0, g.d[i]]) + np.array([along[i], 0.0, 0.0]))
+        rotations.append(twist @ _turn(g.theta[i], 2))
+    return tuple(
+        Body(
+            positions[i],
+            rotations[i],
+            parts,
+            arm.masses[i],
+            np.array(arm.centres[i]),
+            _inertia(arm.masses[i], parts[0]),
+        )
+        for i, parts in enumerate(_parts(arm))
+    )
 
 
-def _body(
-    position: Array,
-    rotation: Array,
-    axis: tuple[tuple[float, ...], tuple[float, ...]],
-    mass: float,
-    centre: Array,
-) -> Body:
-    start, end = np.array(axis[0]), np.array(axis[1])
-    length = float(np.linalg.norm(end - start))
-    direction = (end - start) / length
-    radius = max(math.sqrt(mass / (_DENSITY * math.pi * length)), _THINNEST)
-    across = mass * (3 * radius**2 + length**2) / 12
-    about = mass * radius**2 / 2
-    inertia = across * np.eye(3) + (about - across) * np.outer(direction, direction)
-    return Body(position, rotation, start, end, radius, mass, centre, inertia)
+def _parts(arm: Arm) -> tuple[tuple[Capsule, ...], ...]:
+    g = arm.geometry
+    # Upper arm and forearm lie beside their joints, as far as their centres of mass do.
+    upper, fore = arm.centres[2][2], arm.centres[3][2]
+    # The wrist's housings follow from its lengths, and the others from the wrist's: as the
+    # photographs of the arms show them, roughly.
+    wrist, tube, shoulder = 0.42 * g.d5, 0.5 * g.d5, 0.7 * g.d5
+    origin = (0.0, 0.0, 0.0)
+    return (
+        (Capsule(origin, (0.0, 0.0, 0.5 * g.d1), shoulder, joint=True),),
+        (
+            Capsule(origin, (0.0, max(g.d2 + upper - shoulder, 0.0), 0.0), shoulder, joint=True),
+            Capsule((0.0, 0.0, -0.4 * g.d1), origin, 0.97 * shoulder),
+        ),
+        (
+            Capsule((0.0, 0.0, upper), (g.a2, 0.0, upper), tube),
+            Capsule(
+                (0.0, 0.0, upper - tube), (0.0, 0.0, upper + 0.2 * tube), 1.2 * tube, joint=True
+            ),
+            Capsule((g.a2, 0.0, upper), (g.a2, 0.0, upper - tube), 1.1 * tube),
+        ),
+        (
+            Capsule((0.0, 0.0, fore), (g.a3, 0.0, fore), 0.85 * tube),
+            Capsule((0.0, 0.0, fore), (0.0, 0.0, fore + tube), tube, joint=True),
+        ),
+        (
+            Capsule(origin, (0.0, -g.d5, 0.0), wrist),
+            Capsule((0.0, 0.0, 0.7 * fore), origin, wrist, joint=True),
+        ),
+        (
+            Capsule(origin, (0.0, g.d6 - wrist, 0.0), wrist),
+            Capsule((0.0, 0.0, -0.5 * wrist), (0.0, 0.0, 0.5 * wrist), 1.02 * wrist, joint=True),
+        ),
+        (Capsule((0.0, 0.0, -0.6 * wrist), (0.0, 0.0, -0.5 * wrist), 0.5 * wrist, joint=True),),
+    )
+
+
+def _turn(angle: float, axis: int) -> Array:
+    c, s = math.cos(angle), math.sin(angle)
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    matrix = np.eye(3)
+    matrix[i, i] = matrix[j, j] = c
+    matrix[i, j], matrix[j, i] = -s, s
+    return matrix
+
+
+def _inertia(mass: float, part: Capsule) -> Array:
+    axis = np.array(part.end) - np.array(part.start)
+    length = float(np.linalg.norm(axis))
+    axis /= length
+    # A cylinder as long as the capsule.
+    length += 2 * part.radius
+    across = mass * (3 * part.radius**2 + length**2) / 12
+    about = mass * part.radius**2 / 2
+    inertia: Array = across * np.eye(3) + (about - across) * np.outer(axis, axis)
+    return inertia

@@ -21,7 +21,7 @@ __all__ = ["FREQUENCY", "mjcf"]
 FREQUENCY = 2 * math.pi * 25
 """Natural frequency of the position servos with the arm at its lightest [rad/s]."""
 
-_COLOURS = ("0.25 0.27 0.3 1", "0.93 0.94 0.95 1", "0.2 0.45 0.75 1")
+_TUBE, _JOINT = "0.9 0.91 0.92 1", "0.16 0.36 0.62 1"  # colours
 
 
 def _text(values: Iterable[float]) -> str:
@@ -61,7 +61,9 @@ def mjcf(arm: Arm, timestep: float) -> str:
     )  # fmt: skip
     ET.SubElement(asset, "material", name="floor", texture="floor", texrepeat="8 8")
     world = ET.SubElement(root, "worldbody")
-    ET.SubElement(world, "light", pos="1 -1 3", dir="-0.3 0.3 -1", diffuse="0.6 0.6 0.6")
+    ET.SubElement(
+        world, "light", pos="1 -1 3", dir="-0.3 0.3 -1", diffuse="0.5 0.5 0.5", directional="true"
+    )
     # The base stands a little above the floor, so that a link may come close to its own height.
     ET.SubElement(
         world, "geom", name="floor", type="plane", size="3 3 0.1", pos="0 0 -0.01", material="floor"
@@ -109,8 +111,9 @@ def _solid(parent: ET.Element, link: Body, name: str) -> None:
         ),
     )  # fmt: skip
     # Links touch their neighbours; only the world may touch them.
-    ET.SubElement(
-        parent, "geom", name=name, type="capsule", size=f"{link.radius:.9g}",
-        fromto=_text((*link.start, *link.end)), rgba=_COLOURS[1 if name != "base" else 0],
-        contype="2", conaffinity="1", mass="0",
-    )  # fmt: skip
+    for i, part in enumerate(link.parts):
+        ET.SubElement(
+            parent, "geom", name=f"{name}_{i}", type="capsule", size=f"{part.radius:.9g}",
+            fromto=_text((*part.start, *part.end)), rgba=_JOINT if part.joint else _TUBE,
+            contype="2", conaffinity="1", mass="0",
+        )  # fmt: skip
