@@ -1,0 +1,127 @@
+"""The cable is pulled while the arm moves: for a moment, or for good."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import anyio
+import pytest
+
+import aioduco
+from aioduco.errors import HeartbeatLost, StopUnconfirmed, TaskError, TaskStopped
+from aioduco.models.enums import Outcome
+from aioduco.sim import Simulator
+from aioduco.testing import Ending, FaultProxy, eventually_async, no_leaks
+
+from .arm import idle, see_it_stand, unrest
+from .program import LEFT, RIGHT
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+#: s
+HEARTBEAT = 0.4
+BRAKING = 0.6
+
+
+@pytest.fixture
+def sim() -> Iterator[Simulator]:
+    # as fast as the wall: heartbeats are
+    with no_leaks(), Simulator(speed=1.0) as sim:
+        yield sim
+
+
+@pytest.fixture
+def proxy(sim: Simulator) -> Iterator[FaultProxy]:
+    with FaultProxy(sim.host, sim.port) as proxy:
+        yield proxy
+
+
+def connect(proxy: FaultProxy) -> aioduco.Robot:
+    return aioduco.connect(
+        proxy.host,
+        proxy.port,
+        call_timeout=0.3,
+        connect_timeout=0.3,
+        heartbeat=HEARTBEAT,
+        stop_timeout=1.0,
+        standstill_timeout=1.0,
+    )
+
+
+def freeze(proxy: FaultProxy) -> None:
+    """Nothing passes, and nobody is told."""
+    proxy.freeze()
+
+
+def cut(proxy: FaultProxy) -> None:
+    """The connections end, and there are no new ones."""
+    proxy.refuse()
+    proxy.cut(Ending.RESET)
+
+
+@pytest.mark.parametrize("pull", [freeze, cut])
+async def test_for_good(
+    sim: Simulator, proxy: FaultProxy, pull: Callable[[FaultProxy], None]
+) -> None:
+    async def program() -> None:
+        async with connect(proxy) as robot:
+            await robot.bring_up()
+            task = await robot.motion.movej2(LEFT, v=0.2, a=4.0).start()
+            await eventually_async(lambda: sim.moving)
+            pull(proxy)
+            began = sim.time
+            # what the heartbeat is for
+            await eventually_async(lambda: idle(sim) and not sim.moving, what=lambda: unrest(sim))
+            assert sim.time - began < HEARTBEAT + BRAKING
+            with pytest.raises(TaskError):
+                await task
+            with pytest.raises(HeartbeatLost):
+                await robot.motion.movej2(RIGHT, v=0.2, a=4.0)
+            with pytest.raises(StopUnconfirmed):
+                await robot.stop()
+
+    with pytest.raises(StopUnconfirmed):
+        await program()
+    proxy.clear()
+    await see_it_stand(sim, "the cable was plugged in again")
+    assert {call.request.body for call in proxy.calls("movej2")} == {
+        proxy.calls("movej2")[0].request.body
+    }
+
+
+@pytest.mark.parametrize("pull", [freeze, cut])
+async def test_for_a_moment(
+    sim: Simulator, proxy: FaultProxy, pull: Callable[[FaultProxy], None]
+) -> None:
+    """Shorter than the heartbeat time: the arm goes on, and the program with it."""
+    async with connect(proxy) as robot:
+        await robot.bring_up()
+        task = await robot.motion.movej2(LEFT, v=0.4, a=4.0).start()
+        await eventually_async(lambda: sim.moving)
+        pull(proxy)
+        await anyio.sleep_until(anyio.current_time() + HEARTBEAT / 8)
+        proxy.clear()
+        assert await task is Outcome.FINISHED
+        await robot.motion.movej2(RIGHT, v=2.0, a=8.0)
+    await see_it_stand(sim, "the program")
+
+
+@pytest.mark.parametrize("pull", [freeze, cut])
+async def test_for_longer_than_the_heartbeat(
+    sim: Simulator, proxy: FaultProxy, pull: Callable[[FaultProxy], None]
+) -> None:
+    """The controller has stopped the arm; the program learns so, and may go on."""
+    async with connect(proxy) as robot:
+        await robot.bring_up()
+        task = await robot.motion.movej2(LEFT, v=0.2, a=4.0).start()
+        await eventually_async(lambda: sim.moving)
+        pull(proxy)
+        await eventually_async(lambda: idle(sim) and not sim.moving, what=lambda: unrest(sim))
+        proxy.clear()
+        with pytest.raises(TaskStopped):
+            await task
+        await robot.rearm_heartbeat()
+        await robot.bring_up()
+        assert await robot.motion.movej2(RIGHT, v=2.0, a=8.0) is Outcome.FINISHED
+    await see_it_stand(sim, "the program")
