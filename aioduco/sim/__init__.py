@@ -1,11 +1,9 @@
-"""A simulated controller that speaks the arm's wire, with the arm in MuJoCo behind it.
-
-`Simulator` is loaded when it is first asked for: its planner and its tasks are used without MuJoCo.
-"""
+"""A simulated controller that speaks the arm's wire, with the arm in MuJoCo behind it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import importlib
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from aioduco.sim.process import SimulatorProcess
@@ -13,14 +11,18 @@ if TYPE_CHECKING:
 
 __all__ = ["Simulator", "SimulatorProcess"]
 
+_HOMES = {"Simulator": "aioduco.sim.simulator", "SimulatorProcess": "aioduco.sim.process"}
 
-def __getattr__(name: str) -> object:
-    if name == "Simulator":
-        from aioduco.sim.simulator import Simulator  # noqa: PLC0415 - it brings MuJoCo
 
-        return Simulator
-    if name == "SimulatorProcess":
-        from aioduco.sim.process import SimulatorProcess  # noqa: PLC0415
-
-        return SimulatorProcess
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+def __getattr__(name: str) -> Any:
+    """Import what needs MuJoCo when it is asked for: planner and task table do without."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    try:
+        return getattr(importlib.import_module(_HOMES[name]), name)
+    except ModuleNotFoundError as exc:
+        if exc.name is not None and exc.name.split(".")[0] in ("mujoco", "ruckig"):
+            raise ModuleNotFoundError(
+                f"the simulator needs {exc.name}: pip install 'aioduco[sim]'", name=exc.name
+            ) from exc
+        raise

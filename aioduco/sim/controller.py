@@ -45,8 +45,6 @@ _REST = 0.02
 _PATIENCE = 0.5
 #: distance of a joint from its set-point that trips the position deviation stop [rad]
 _DEVIATION = 0.2
-#: from the end of the shutdown task to the end of the network, for its answer to leave [s]
-_LAST_ANSWERS = 0.2
 _POWERED = (RobotState.DISABLE, RobotState.ENABLE)
 _ZEROS = np.zeros(6)
 _ZEROS.flags.writeable = False
@@ -130,7 +128,6 @@ class Controller:
         self._at_rest = True
         self._commanded_rest = 0.0
         self._last_motion = -math.inf
-        self._halt_at: float | None = None
         self._errors: deque[str] = deque(maxlen=20)
         self._speed = 100
 
@@ -177,10 +174,7 @@ class Controller:
     def busy(self) -> bool:
         """Whether something is under way that needs every cycle."""
         return (
-            self._motion.phase not in (Phase.IDLE, Phase.PAUSED)
-            or self._power.busy
-            or self._halt_at is not None
-            or self.moving
+            self._motion.phase not in (Phase.IDLE, Phase.PAUSED) or self._power.busy or self.moving
         )
 
     def view(self) -> View:
@@ -305,10 +299,6 @@ class Controller:
         """Take back the warning; the safety stop stays."""
         self._collision_axis = 0
 
-    def beat(self, time: int) -> None:
-        """rpc_heartbeat with a time in milliseconds."""
-        self.heartbeat.beat(self._sensed.now, time)
-
     # -- the cycle ---------------------------------------------------------------------------
 
     def tick(self, sensed: Sensed) -> Drive:
@@ -320,8 +310,6 @@ class Controller:
         before = self._power.state
         if self._fault is SafetyState.STOP1 and not self.moving and before in _POWERED:
             self._cut("power cut after the stop")
-        if self._halt_at is not None and sensed.time >= self._halt_at:
-            self.halted = True
         safe = self._fault is None and not self._emergency_stop
         for event, name in self._power.tick(sensed.time, safe=safe, standing=not self.moving):
             if event == "begun":
@@ -357,8 +345,7 @@ class Controller:
     def _power_ended(self, name: str) -> None:
         if name in ("power_off", "shutdown", "restart"):
             self._clear_fault()
-            if name == "shutdown":
-                self._halt_at = self._sensed.time + _LAST_ANSWERS
+            self.halted = name == "shutdown"
 
     def _power_went(self, before: RobotState, now: RobotState) -> None:
         if now is RobotState.ENABLE and before is not RobotState.ENABLE:

@@ -92,6 +92,7 @@ class Frames:
         self._tool = self._tools[DEFAULT]
         self._wobj = self._wobjs[DEFAULT]
         self._offset: Pose | None = None
+        self._in_use = self._wobj
 
     def tool(self, name: str = "") -> Tool:
         """A tool; the one in use when the name is empty.
@@ -115,10 +116,7 @@ class Frames:
             raise UnknownName(
                 f"there is no work object {name!r}; there are: {', '.join(self._wobjs)}"
             )
-        found = self._wobjs[name] if name else self._wobj
-        if self._offset is None:
-            return found
-        return WorkObject.at(found.pose @ self._offset, found.name)
+        return self._moved(self._wobjs[name]) if name else self._in_use
 
     def set_tool(self, tool: Tool) -> None:
         """Define a tool, and use it."""
@@ -127,10 +125,17 @@ class Frames:
     def set_wobj(self, name: str, pose: Pose) -> None:
         """Define a work object, and use it."""
         self._wobjs[name] = self._wobj = WorkObject.at(pose, name)
+        self._in_use = self._moved(self._wobj)
 
     def set_wobj_offset(self, offset: Pose | None) -> None:
         """Move the frame of every work object by an offset in it; None for no offset."""
         self._offset = offset
+        self._in_use = self._moved(self._wobj)
+
+    def _moved(self, wobj: WorkObject) -> WorkObject:
+        if self._offset is None:
+            return wobj
+        return WorkObject.at(wobj.pose @ self._offset, wobj.name)
 
 
 def _frozen(matrix: Matrix) -> Matrix:

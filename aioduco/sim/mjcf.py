@@ -21,6 +21,9 @@ __all__ = ["FREQUENCY", "mjcf"]
 FREQUENCY = 2 * math.pi * 25
 """Natural frequency of the position servos with the arm at its lightest [rad/s]."""
 
+# MuJoCo's friction gives way a little: by default a braked arm would sink by 1°/s, so by 1 nrad/s.
+_FIRM = "0.9999 0.9999 0.001 0.5 2"
+
 _TUBE, _JOINT = "0.9 0.91 0.92 1", "0.16 0.36 0.62 1"  # colours
 
 
@@ -78,11 +81,10 @@ def mjcf(arm: Arm, timestep: float) -> str:
             quat=_text(quaternion_from_matrix(link.rotation)),
         )  # fmt: skip
         effort = arm.effort[i - 1]
-        # MuJoCo's friction gives way a little; by default a braked arm would sink 1°/s.
         ET.SubElement(
             parent, "joint", name=f"joint{i}", type="hinge", axis="0 0 1",
             range=_text((arm.lower[i - 1], arm.upper[i - 1])), armature=f"{ROTOR * effort:.9g}",
-            solimpfriction="0.9999 0.9999 0.001 0.5 2",
+            solreffriction=f"{2 * timestep:.9g} 1", solimpfriction=_FIRM,
         )  # fmt: skip
         _solid(parent, link, f"link{i}")
         # Gains that a drive of this size can hold at this frequency, its rotor being the least

@@ -45,18 +45,22 @@ class Plant(Protocol):
     @property
     def q(self) -> Vector:
         """Joints [rad]. Shape (6,)."""
+        ...
 
     @property
     def qd(self) -> Vector:
         """Joint speeds [rad/s]. Shape (6,)."""
+        ...
 
     @property
     def qdd(self) -> Vector:
         """Joint accelerations [rad/s²]. Shape (6,)."""
+        ...
 
     @property
     def torque(self) -> Vector:
         """Joint torques [N m]. Shape (6,)."""
+        ...
 
     def step(self, setpoint: SetPoint) -> None:
         """Go on by one cycle."""
@@ -184,7 +188,7 @@ class Runtime:
         return state
 
     def wait_until(self, predicate: Callable[[], bool], timeout: float) -> bool:
-        """Wait until something holds, asked after every cycle.
+        """Wait until something holds, asked at most once per cycle.
 
         Args:
             predicate: what to wait for.

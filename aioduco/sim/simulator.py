@@ -232,7 +232,10 @@ class Simulator:
         return self._running().statistics()
 
     def wait_until(self, predicate: Callable[[], bool], timeout: float = 10.0) -> None:
-        """Wait until something holds, asked after every cycle.
+        """Wait until something holds.
+
+        It is asked in the calling thread, at most once per cycle: when the simulation goes faster
+        than that thread, it sees only some of the cycles.
 
         Args:
             predicate: what to wait for, such as `lambda: not sim.moving`.
@@ -296,7 +299,7 @@ class Simulator:
     def _network(self, up: bool | None) -> None:
         """The controller's network came up (True), went down for a restart, or for good (None)."""
         if self._server is not None:
-            self._server.refuse(not up)
+            self._server.refuse(not up, last_answers=up is None)
         if up is None:
             self._halted.set()
             self._on_shutdown()

@@ -10,11 +10,15 @@ import numpy as np
 from aioduco.sim.mjcf import mjcf
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.mover import SetPoint
 
 __all__ = ["World"]
+
+_NOTHING = 1e-6  # mass that stands for none [kg]
 
 
 class World:
@@ -65,6 +69,28 @@ class World:
             feed -= (0.5 * self._timestep) * (self._damping - self._timestep) * setpoint.qdd
             data.ctrl[:] = feed
         mujoco.mj_step(self.model, data)
+
+    def load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        """Mount a load at the flange, and tell the servos about it.
+
+        Args:
+            mass: of the load, a point without inertia of its own [kg]; zero takes it off.
+            centre: its centre of mass in the frame of the flange [m].
+        """
+        body = self.model.body("flange")
+        body.mass[:] = max(mass, _NOTHING)
+        body.ipos[:] = centre
+        # What follows from the masses is computed on a copy, since it is left at the zero pose.
+        mujoco.mj_setConst(self.model, mujoco.MjData(self.model))
+        mujoco.mj_forward(self.model, self.data)
+
+    def push(self, wrench: Sequence[float]) -> None:
+        """Push at the flange from now on.
+
+        Args:
+            wrench: force [N], then torque [N m], in the base frame, at the flange; zeros to end.
+        """
+        self.data.xfrc_applied[self.model.body("flange").id] = wrench
 
     def brake(self, on: bool) -> None:
         """Let the joint brakes fall and cut the drives' power, or the reverse.

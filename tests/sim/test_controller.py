@@ -85,10 +85,13 @@ def test_disable_stops_what_moves_before_the_brakes_fall(ready: Bench) -> None:
     assert ready.drive.brake
 
 
-def test_shutdown_halts_after_its_task_has_ended(ready: Bench) -> None:
-    assert ready.ended(ready.controller.change_power("shutdown")) == 4
-    assert not ready.controller.halted
-    ready.until(lambda: ready.controller.halted)
+def test_shutdown_halts_without_power(ready: Bench) -> None:
+    id_ = ready.controller.change_power("shutdown")
+    ready.tick(10)
+    halted = [ready.controller.halted]
+    assert ready.ended(id_) == 4
+    halted.append(ready.controller.halted)
+    assert halted == [False, True]
     assert ready.state[0] == 4
 
 
@@ -412,9 +415,9 @@ def test_enabling_starts_where_the_brakes_hold_the_arm(ready: Bench) -> None:
 
 def test_a_lost_heartbeat_stops_everything_and_the_next_program_may_move(ready: Bench) -> None:
     id_ = ready.controller.move("movej2", leg(1.0, 4000))
-    ready.controller.beat(200)
+    ready.controller.heartbeat.beat(ready.time, 200)
     ready.tick(150)
-    ready.controller.beat(200)
+    ready.controller.heartbeat.beat(ready.time, 200)
     ready.tick(190)
     assert state(ready, id_) is TaskState.RUNNING
     assert ready.ended(id_) == 3
@@ -424,7 +427,7 @@ def test_a_lost_heartbeat_stops_everything_and_the_next_program_may_move(ready: 
 
 
 def test_a_heartbeat_that_ends_while_nothing_moves_is_no_error(ready: Bench) -> None:
-    ready.controller.beat(200)
+    ready.controller.heartbeat.beat(ready.time, 200)
     ready.tick(1000)
     assert not ready.controller.heartbeat.armed
     assert ready.controller.view().errors == ()

@@ -103,7 +103,7 @@ class Commands(RuleBasedStateMachine):
 
     @rule(time=st.integers(200, 500))
     def beat(self, time: int) -> None:
-        self.controller.beat(time)
+        self.controller.heartbeat.beat(self.bench.time, time)
 
     @rule(cycles=st.integers(1, 300))
     def run(self, cycles: int) -> None:

@@ -20,7 +20,7 @@ from aioduco.sim.server import Server
 from .raw import RawClient
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
 
 def _no(name: str, _args: tuple[Any, ...]) -> NoReturn:
@@ -36,8 +36,17 @@ class Echo(rpc.RpcClient):
         self.entered = threading.Event()
         self.released = threading.Event()
 
-    def movej2(self, *args: Any) -> int:
-        self.calls.append(args)
+    def movej2(
+        self,
+        joints_list: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        block: bool,
+        op: rpc.Op,
+        def_acc: bool,
+    ) -> int:
+        self.calls.append((joints_list, v, a, r, block, op, def_acc))
         return 4
 
     def get_robot_state(self) -> list[int]:

@@ -55,7 +55,15 @@ def test_a_line_ends_at_its_pose_and_an_unreachable_one_moves_nothing(
     assert sim.joints.almost_equal(there, 1e-4)
 
 
-def test_an_arc_passes_its_point(sim: Simulator, robot: Program) -> None:
+def test_an_arc_passes_its_point(connect: Callable[..., Program]) -> None:
+    # Not as fast as possible: the thread that looks on shall get to see the arm often.
+    with Simulator(speed=10.0) as sim:
+        robot = connect(sim)
+        robot.bring_up()
+        follow_an_arc(sim, robot)
+
+
+def follow_an_arc(sim: Simulator, robot: Program) -> None:
     start = Pose.of(robot.get_tcp_pose())
     middle, end = start.shifted(x=0.05, y=0.05), start.shifted(x=0.1)
     nearest = math.inf

@@ -73,12 +73,3 @@ class Section:
             except Rejected as exc:
                 id_ = controller.reject(name, exc.state, str(exc))
         return int(self._runtime.wait(id_)) if block else id_
-
-    def _setting(self, name: str, change: Callable[[], None]) -> int:
-        """Change a setting; the state in which that task ended."""
-
-        def command(controller: Controller) -> int:
-            change()
-            return controller.finish(name)
-
-        return self._task(name, True, command)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from time import monotonic
+
 from aioduco.sim.handlers.base import Section
 
 
@@ -51,4 +53,4 @@ class SystemHandlers(Section):
     def rpc_heartbeat(self, time: int) -> None:
         """A sign of life; the next is due within `time` milliseconds."""
         with self._runtime.command() as controller:
-            controller.beat(time)
+            controller.heartbeat.beat(monotonic(), time)

@@ -31,8 +31,8 @@ class Processor:
     def __init__(self, handler: rpc.Handler) -> None:
         self._handler = handler
         self._functions = idl.functions()
-        self._in = TCyMemoryBuffer()
-        self._out = TCyMemoryBuffer()
+        self._in: Any = TCyMemoryBuffer()
+        self._out: Any = TCyMemoryBuffer()
         self._reader = _protocol(self._in, strict_decode=True)
         self._writer = _protocol(self._out)
 

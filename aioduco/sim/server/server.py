@@ -10,6 +10,7 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
+from aioduco._wire import idl
 from aioduco.sim.server.message import Inbox, Malformed
 from aioduco.sim.server.processor import Processor
 
@@ -71,6 +72,7 @@ class Server:
         Raises:
             OSError: The address cannot be listened on, for instance because the port is taken.
         """
+        idl.functions()  # parsed before the first client waits for it
         family = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)[0][0]
         self._listener = socket.create_server((self.host, self.port), family=family, backlog=512)
         self._listener.setblocking(False)
@@ -85,20 +87,28 @@ class Server:
         )
         self._acceptor.start()
 
-    def refuse(self, refusing: bool) -> None:
+    def refuse(self, refusing: bool, *, last_answers: bool = False) -> None:
         """While true, drop every connection: those that are open and those that come.
 
         This is how a controller looks that is starting: the address answers, nobody serves.
+
+        Args:
+            refusing: whether to.
+            last_answers: let calls that are being answered have their answer before.
         """
         self._refusing = refusing
         if refusing:
-            self.drop()
+            self._shut(socket.SHUT_RD if last_answers else socket.SHUT_RDWR)
 
     def drop(self) -> int:
         """Cut every open connection, as a pulled cable would; how many there were."""
+        return self._shut(socket.SHUT_RDWR)
+
+    def _shut(self, how: int) -> int:
         with self._lock:
             for connection in self._connections:
-                _shut(connection)
+                with contextlib.suppress(OSError):  # the peer was faster
+                    connection.shutdown(how)
             return len(self._connections)
 
     def close(self, timeout: float = 10.0) -> None:
@@ -182,7 +192,8 @@ class Server:
             connection.setblocking(True)
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-            while data := connection.recv(_RECEIVE):
+            # Asked besides the shutdown: Linux delivers what arrives after a SHUT_RD.
+            while not self._refusing and (data := connection.recv(_RECEIVE)):
                 inbox.feed(data)
                 while (message := inbox.take()) is not None:
                     if answer := processor.answer(message):
@@ -198,8 +209,3 @@ class Server:
             with self._lock:
                 del self._connections[connection]
                 connection.close()
-
-
-def _shut(connection: socket.socket) -> None:
-    with contextlib.suppress(OSError):  # the peer was faster
-        connection.shutdown(socket.SHUT_RDWR)
