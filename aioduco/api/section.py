@@ -30,7 +30,7 @@ from aioduco.supervision.task import task_error
 if TYPE_CHECKING:
     from aioduco.supervision.supervisor import Supervisor
 
-__all__ = ["Section", "done", "succeeded"]
+__all__ = ["Section", "accepted", "done", "succeeded"]
 
 Call: TypeAlias = Callable[[AsyncRpc], Coroutine[Any, Any, int]]
 
@@ -113,6 +113,21 @@ def done(function: str, answer: int) -> None:
     life.observe(state)
     outcome = life.outcome or Outcome.UNKNOWN
     raise task_error(function, None, outcome)
+
+
+def accepted(function: str, answer: int) -> int:
+    """Check the id of a task that nobody follows, and return it.
+
+    Args:
+        function: the function of the wire.
+        answer: what it returned.
+
+    Raises:
+        Refused: it is no id.
+    """
+    if answer < 0:
+        raise Refused(function, answer, "it does not take these arguments in its present state")
+    return answer
 
 
 def succeeded(function: str, answer: int) -> None:

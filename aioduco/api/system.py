@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.api import ranges
-from aioduco.api.section import Section, done
+from aioduco.api.section import Section, accepted, done
 
 if TYPE_CHECKING:
     from aioduco.models.enums import OperationMode
@@ -78,21 +78,23 @@ class System(Section):
         """Switch the controller off (机器人关机). Every connection ends soon after.
 
         Raises:
+            Refused: the controller does not do it now.
             OutcomeUnknown: the connection ended before the answer came.
 
         Manual section 1.3.2.
         """
-        await self._rpc.shutdown(False)
+        accepted("shutdown", await self._rpc.shutdown(False))
 
     async def restart(self) -> None:
         """Start the controller anew (机器人重启). Every connection ends soon after.
 
         Raises:
+            Refused: the controller does not do it now.
             OutcomeUnknown: the connection ended before the answer came.
 
         Manual section 1.3.2.
         """
-        await self._rpc.restart(False)
+        accepted("restart", await self._rpc.restart(False))
 
     async def switch_mode(self, mode: OperationMode | int) -> None:
         """Switch between manual and automatic mode (手自动模式切换).

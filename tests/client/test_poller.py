@@ -130,6 +130,24 @@ async def test_a_controller_that_is_gone_leaves_no_await_behind(
             await robot.aclose()
 
 
+async def test_a_controller_that_stops_answering_leaves_no_await_behind(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(poller, "LOST_AFTER", 0.3)
+    bench.motion_time = 30.0
+    with FaultProxy(bench.host, bench.port) as proxy:
+        robot = aioduco.connect(proxy.host, proxy.port, stop_timeout=0.3, call_timeout=0.3)
+        await robot.open()
+        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        proxy.freeze()
+        with anyio.fail_after(20), pytest.raises(aioduco.TaskUnknown):
+            await task
+        with anyio.fail_after(20), pytest.raises(aioduco.CallTimeout):
+            await robot.state.robotmoving()
+        with anyio.fail_after(20), pytest.raises(aioduco.StopUnconfirmed):
+            await robot.aclose()
+
+
 async def test_closing_ends_every_task(bench: Bench) -> None:
     bench.motion_time = 30.0
     outcomes: list[Outcome] = []
