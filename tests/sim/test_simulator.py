@@ -114,6 +114,18 @@ def test_percent_speeds_of_the_older_functions(sim: Simulator, robot: Program) -
     assert robot.movej_pose(goal, 10.0, 50.0, 0.0, [], "", "", True, Op(), False) == 4
 
 
+def test_the_controller_chooses_an_acceleration_when_told_to(
+    sim: Simulator, robot: Program
+) -> None:
+    def duration(goal: float, *, chosen: bool) -> float:
+        begin = sim.time
+        joints = [goal, *READY[1:]]
+        assert robot.movej2(joints, 2.0, 0.5, 0.0, True, Op(), chosen) == TaskState.FINISHED
+        return sim.time - begin
+
+    assert duration(0.5, chosen=True) < 0.6 * duration(0.0, chosen=False)
+
+
 # -- tasks ---------------------------------------------------------------------------------------
 
 
