@@ -1,0 +1,84 @@
+"""The fixtures that the package brings to pytest."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+
+from aioduco.errors import OutcomeUnknown
+from aioduco.models.enums import Outcome, RobotState
+from aioduco.testing import Cut, FaultProxy, Place
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from aioduco import Robot
+    from aioduco.sim import Simulator
+
+HOME = [0.2, 0.1, 1.4, 0.0, -1.5, 0.0]
+
+
+async def test_a_robot_that_is_ready(duco_robot: Robot, duco_simulator: Simulator) -> None:
+    assert duco_simulator.view.robot is RobotState.ENABLE
+    assert await duco_robot.motion.movej2(HOME, v=1.0, a=2.0) is Outcome.FINISHED
+    assert duco_simulator.joints.array == pytest.approx(HOME, abs=1e-3)
+
+
+async def test_a_robot_behind_a_proxy(duco_robot: Robot, duco_proxy: FaultProxy) -> None:
+    assert duco_robot.port == duco_proxy.port
+    duco_proxy.on("movej2", Cut(Place.BEFORE_REPLY))
+    with pytest.raises(OutcomeUnknown):
+        await duco_robot.motion.movej2(HOME, v=1.0, a=2.0)
+    assert len(duco_proxy.calls("movej2")) == 1
+
+
+class TestAnotherArm:
+    @pytest.fixture
+    def duco_simulator_options(self) -> dict[str, object]:
+        return {"model": "gcr20_1100", "speed": 7.0}
+
+    def test_can_be_asked_for(self, duco_simulator: Simulator) -> None:
+        assert duco_simulator.arm.name == "gcr20_1100"
+        assert duco_simulator.speed == 7.0
+
+
+OUTSIDE = """
+import sys
+
+import pytest
+
+
+def test_nothing_is_loaded():
+    assert not {"mujoco", "thriftpy2", "aioduco.sim", "aioduco.testing"} & set(sys.modules)
+
+
+{mark}
+async def test_the_fixture_is_found(duco_robot):
+    assert (await duco_robot.state.get_robot_state()).robot.name == "ENABLE"
+"""
+
+
+@pytest.mark.parametrize(
+    ("options", "mark"),
+    [
+        (["-o", "asyncio_mode=strict"], "@pytest.mark.asyncio"),
+        (["-o", "asyncio_mode=auto"], ""),
+    ],
+    ids=["strict", "auto"],
+)
+def test_outside_of_this_project(tmp_path: Path, options: list[str], mark: str) -> None:
+    (tmp_path / "test_outside.py").write_text(OUTSIDE.replace("{mark}", mark))
+    options += ["-o", "asyncio_default_fixture_loop_scope=function", "-p", "no:cacheprovider"]
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", *options, str(tmp_path)],
+        check=False,
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "2 passed" in done.stdout
