@@ -67,10 +67,31 @@ class Call:
         raise NotImplementedError
 
 
+class Home:
+    """The event loop on which a lane is used.
+
+    Kept, since asking asyncio for the running loop costs a system call in Python 3.11. A lane
+    may go on to another loop when its own has ended.
+    """
+
+    __slots__ = ("_loop",)
+
+    def __init__(self) -> None:
+        self._loop: asyncio.AbstractEventLoop | None = None
+
+    def loop(self) -> asyncio.AbstractEventLoop:
+        """The loop that runs; only on its own thread."""
+        loop = self._loop
+        if loop is None or not loop.is_running():
+            loop = self._loop = asyncio.get_running_loop()
+        return loop
+
+
 class AwaitedCall(Call):
-    """A call that a task of the running event loop awaits.
+    """A call that a task of the event loop awaits.
 
     Args:
+        home: where to find the loop.
         finished: called on the loop when the thread is done with the call.
     """
 
@@ -78,13 +99,14 @@ class AwaitedCall(Call):
 
     def __init__(
         self,
+        home: Home,
         function: Function | None,
         arguments: bytes,
         deadline: float | None,
         finished: Callable[[AwaitedCall], None],
     ) -> None:
         super().__init__(function, arguments, deadline)
-        self.loop = asyncio.get_running_loop()
+        self.loop = home.loop()
         self._future: asyncio.Future[Any] = self.loop.create_future()
         self._finished = finished
         #: whether its deadline has been seen to pass once

@@ -11,7 +11,7 @@ import anyio
 from anyio.lowlevel import checkpoint_if_cancelled
 
 from aioduco._wire import codec, idl
-from aioduco._wire.handoff import AwaitedCall, BlockingCall, Deadlines, Farewell, doorbell
+from aioduco._wire.handoff import AwaitedCall, BlockingCall, Deadlines, Farewell, Home, doorbell
 from aioduco._wire.pool import Pool
 from aioduco._wire.rpc import AsyncRpc
 from aioduco._wire.semantics import Kind, kind
@@ -113,6 +113,7 @@ class Lane:
         self._functions = idl.functions()
         self._connections = Source(name, host, port, connect_timeout, trace)
         self._pool: Pool[Worker, AwaitedCall] = Pool(size, self._connections.worker)
+        self._home = Home()
         self._deadlines = Deadlines(self._expired)
         self._leaving: list[Worker] = []
         self._ring: Callable[[], None] = _nobody
@@ -165,7 +166,7 @@ class Lane:
         self._ring = doorbell(self._dispatch)
         deadline = time.monotonic() + self._connections.connect_timeout
         try:
-            await self._carry_out(AwaitedCall(None, b"", deadline, self._finished))
+            await self._carry_out(AwaitedCall(self._home, None, b"", deadline, self._finished))
         except BaseException as exc:
             await self.aclose()
             if isinstance(exc, TimeoutError):
@@ -242,7 +243,7 @@ class Lane:
         begin = time.monotonic()
         deadline = None if seconds is None else begin + seconds
         self._calls += 1
-        call = AwaitedCall(function, encoded, deadline, self._finished)
+        call = AwaitedCall(self._home, function, encoded, deadline, self._finished)
         if self._trace is None:
             return await self._carry_out(call)
         value: Any = None

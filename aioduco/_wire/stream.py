@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import select
 import socket
 import struct
 import time
@@ -38,10 +39,12 @@ class Stream:
     One thread at a time; `shutdown` may be called from any.
     """
 
-    __slots__ = ("_limit", "_socket")
+    __slots__ = ("_limit", "_poll", "_socket")
 
     def __init__(self, family: int, type_: int, protocol: int) -> None:
         self._socket = socket.socket(family, type_, protocol)
+        self._poll = select.poll()
+        self._poll.register(self._socket, select.POLLIN)
         #: the system's limit in seconds; None: none, as on a new socket
         self._limit: float | None = None
 
@@ -75,10 +78,9 @@ class Stream:
         Raises:
             Ended: the other side closed the connection.
         """
-        try:
-            found = self._socket.recv(64, socket.MSG_PEEK | socket.MSG_DONTWAIT)
-        except BlockingIOError:
+        if not self._poll.poll(0):
             return b""
+        found = self._socket.recv(64, socket.MSG_PEEK)
         if not found:
             raise Ended
         return found
