@@ -21,7 +21,7 @@ __all__ = ["FREQUENCY", "mjcf"]
 FREQUENCY = 2 * math.pi * 25
 """Natural frequency of the position servos with the arm at its lightest [rad/s]."""
 
-# MuJoCo's friction gives way a little: by default a braked arm would sink by 1°/s, so by 1 nrad/s.
+# MuJoCo's friction gives way a little under load: this is as firm as it gets.
 _FIRM = "0.9999 0.9999 0.001 0.5 2"
 
 _TUBE, _JOINT = "0.9 0.91 0.92 1", "0.16 0.36 0.62 1"  # colours

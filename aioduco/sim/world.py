@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["World"]
 
+_BRAKE = 0.5  # torque of a brake, of its drive's; an assumption
 _NOTHING = 1e-6  # mass that stands for none [kg]
 
 
@@ -42,6 +43,7 @@ class World:
         self._damping = -self.model.actuator_biasprm[:, 2] / self._stiffness
         self._timestep = timestep
         self._effort = np.array(arm.effort)
+        self._hold = _BRAKE * self._effort
         self._feed = np.empty(6)
         self._flange = self.model.site("flange").id
         self._braked = False
@@ -57,7 +59,10 @@ class World:
     def step(self, setpoint: SetPoint) -> None:
         """Go on by one time step, towards a set-point for its end."""
         data = self.data
-        if not self._braked:
+        if self._braked:
+            # The brakes carry the weight, as far as they reach: MuJoCo's friction would creep.
+            np.clip(data.qfrc_bias, -self._hold, self._hold, out=data.qfrc_applied)
+        else:
             # Mass matrix and forces are those of the last step's beginning: a millisecond old.
             feed = self._feed
             mujoco.mj_mulM(self.model, data, feed, setpoint.qdd)
@@ -99,7 +104,8 @@ class World:
         """
         self._braked = on
         self.model.opt.disableactuator = 1 if on else 0
-        self.model.dof_frictionloss[:] = 1.5 * self._effort if on else 0.0
+        self.model.dof_frictionloss[:] = self._hold if on else 0.0
+        self.data.qfrc_applied[:] = 0.0
 
     @property
     def braked(self) -> bool:
@@ -128,8 +134,13 @@ class World:
 
     @property
     def torque(self) -> Array:
-        """Torques of the drives [N m]. Shape (6,)."""
-        return np.array(self.data.qfrc_actuator)
+        """Torques of the drives in the last step [N m]. Shape (6,)."""
+        # MuJoCo gives them for the speed that the step began with, but integrates them with the
+        # damping at the speed that it ended with, unless the drive is at its limit.
+        torque = np.array(self.data.actuator_force)
+        free = np.abs(torque) < self._effort
+        change = self._stiffness * self._damping * self._timestep * self.data.qacc
+        return np.where(free & (not self._braked), torque - change, torque)
 
     @property
     def wrench(self) -> Array:
@@ -138,6 +149,8 @@ class World:
 
     def flange(self) -> Array:
         """Give the pose of the flange in the base frame. Shape (4, 4)."""
+        # A step leaves the frames where they were at its beginning.
+        mujoco.mj_kinematics(self.model, self.data)
         pose = np.eye(4)
         pose[:3, :3] = self.data.site_xmat[self._flange].reshape(3, 3)
         pose[:3, 3] = self.data.site_xpos[self._flange]

@@ -1,0 +1,282 @@
+"""The arm in MuJoCo: it follows its set-points, obeys mechanics, and stands when braked."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+import pytest
+
+from aioduco.kinematics import Arm, arm, models
+from aioduco.kinematics.bodies import ROTOR, bodies
+from aioduco.models.pose import Pose
+from aioduco.sim.planner.mover import Mover, SetPoint
+from aioduco.sim.planner.segments import arc_move, joint_move, line_move
+from aioduco.sim.world import World
+
+if TYPE_CHECKING:
+    from aioduco.models.rotation import Array
+
+HOME = np.radians([0, 0, 90, 0, -90, 0])
+FIVE = arm("gcr5_910")
+GRAVITY = 9.81
+
+
+@pytest.fixture(params=[arm(model) for model in models()], ids=lambda each: each.name)
+def any_arm(request: pytest.FixtureRequest) -> Arm:
+    assert isinstance(request.param, Arm)
+    return request.param
+
+
+def follow(world: World, mover: Mover) -> tuple[Array, Array]:
+    """Run to rest. Set-points and joints [rad]. Shape (n, 6) each."""
+    wanted, reached = [], []
+    while mover.moving:
+        setpoint = mover.tick().setpoint
+        world.step(setpoint)
+        wanted.append(setpoint.q)
+        reached.append(world.q)
+    return np.array(wanted), np.array(reached)
+
+
+def stand(world: World, cycles: int = 400) -> None:
+    setpoint = SetPoint.at_rest(world.q)
+    for _ in range(cycles):
+        world.step(setpoint)
+
+
+def energy(model_arm: Arm, q: Array, qd: Array) -> tuple[float, float]:
+    """Kinetic and potential energy from the links' masses [J], without MuJoCo."""
+    frame = np.eye(4)
+    omega, velocity = np.zeros(3), np.zeros(3)
+    kinetic, potential = 0.5 * ROTOR * float(np.array(model_arm.effort) @ qd**2), 0.0
+    for i, body in enumerate(bodies(model_arm)):
+        before = frame[:3, 3]
+        step = np.eye(4)
+        step[:3, :3], step[:3, 3] = body.rotation, body.position
+        if i:
+            c, s = np.cos(q[i - 1]), np.sin(q[i - 1])
+            turn = np.eye(4)
+            turn[:2, :2] = [[c, -s], [s, c]]
+            step = step @ turn
+        frame = frame @ step
+        velocity = velocity + np.cross(omega, frame[:3, 3] - before)
+        if i:
+            omega = omega + frame[:3, 2] * qd[i - 1]
+        arm_of_mass = frame[:3, :3] @ body.centre
+        of_mass = velocity + np.cross(omega, arm_of_mass)
+        spin = frame[:3, :3].T @ omega
+        kinetic += 0.5 * body.mass * float(of_mass @ of_mass)
+        kinetic += 0.5 * float(spin @ body.inertia @ spin)
+        potential += body.mass * GRAVITY * float(frame[2, 3] + arm_of_mass[2])
+    return kinetic, potential
+
+
+def test_joints_follow_at_full_speed_and_acceleration(any_arm: Arm) -> None:
+    world, mover = World(any_arm, q=HOME), Mover(any_arm, HOME)
+    v, a = max(any_arm.velocity), max(any_arm.acceleration)
+    there = HOME + np.array([1.5, 0.3, -0.4, 1.0, 2.0, 3.0])
+    back = HOME + np.array([-1.5, -0.4, 0.2, 0.5, -1.0, 0.0])
+    mover.append(1, lambda q: joint_move(any_arm, q, there, v, a, 0.1))
+    mover.append(2, lambda q: joint_move(any_arm, q, back, v, a))
+    wanted, reached = follow(world, mover)
+    assert np.abs(reached - wanted).max() < 2e-3
+    assert np.abs(reached[-1] - wanted[-1]).max() < 1e-4
+    assert world.time == pytest.approx(0.001 * len(wanted))
+
+
+@pytest.mark.parametrize("model", ["gcr3_618", "gcr5_910", "gcr25_1800"])
+def test_lines_and_arcs_stay_within_a_millimetre(model: str) -> None:
+    any_arm = arm(model)
+    size = any_arm.reach / FIVE.reach
+    world, mover = World(any_arm, q=HOME), Mover(any_arm, HOME)
+    start = any_arm.fkine(HOME)
+
+    def at(x: float, y: float, z: float) -> Array:
+        pose = start.copy()
+        pose[:3, 3] += np.array([x, y, z]) * size
+        return pose
+
+    mover.append(1, lambda q: line_move(any_arm, q, at(0.0, 0.25, -0.1), 1.0, 5.0))
+    _, reached = follow(world, mover)
+    points = any_arm.fkine(reached)[:, :3, 3] - start[:3, 3]
+    direction = np.array([0.0, 0.25, -0.1]) / np.hypot(0.25, 0.1)
+    assert np.linalg.norm(points - np.outer(points @ direction, direction), axis=1).max() < 1e-3
+    mover.append(2, lambda q: line_move(any_arm, q, start, 1.0, 5.0))
+    follow(world, mover)
+    mover.append(
+        3,
+        lambda q: arc_move(any_arm, q, at(0.1, 0.1, 0.0), at(0.0, 0.2, 0.0), 1.0, 5.0, mode=1),
+    )
+    _, reached = follow(world, mover)
+    spokes = any_arm.fkine(reached)[:, :3, 3] - at(0.0, 0.1, 0.0)[:3, 3]
+    assert np.abs(np.linalg.norm(spokes, axis=1) - 0.1 * size).max() < 1e-3
+
+
+def test_work_of_the_drives_is_the_gain_of_energy(any_arm: Arm) -> None:
+    world, mover = World(any_arm, q=HOME), Mover(any_arm, HOME)
+    goal = HOME + np.array([1.0, -0.5, 0.6, 0.5, 1.0, 1.0])
+    mover.append(1, lambda q: joint_move(any_arm, q, goal, 1.5, 5.0))
+    stand(world)
+    work, began = 0.0, sum(energy(any_arm, world.q, world.qd))
+    most = 0.0
+    while mover.moving:
+        before = world.qd
+        world.step(mover.tick().setpoint)
+        # Torques are those of the step that led here.
+        work += float(world.torque @ (0.5e-3 * (world.qd + before)))
+        kinetic, potential = energy(any_arm, world.q, world.qd)
+        most = max(most, kinetic)
+        assert work == pytest.approx(kinetic + potential - began, abs=0.02 * most + 0.05)
+    assert most > 1.0
+
+
+def test_torques_at_rest_carry_the_weight(any_arm: Arm) -> None:
+    q = np.array([0.3, 0.9, 0.7, -0.4, 1.0, 0.2])
+    world = World(any_arm, q=q)
+    stand(world)
+    step = 1e-6
+    carried = [
+        (energy(any_arm, q + step * axis, np.zeros(6))[1]
+        - energy(any_arm, q - step * axis, np.zeros(6))[1]) / (2 * step)
+        for axis in np.eye(6)
+    ]  # fmt: skip
+    np.testing.assert_allclose(world.torque, carried, atol=1e-3)
+
+
+def test_accelerations_of_the_arms_are_what_their_torques_allow(any_arm: Arm) -> None:
+    world = World(any_arm)
+    effort = np.array(any_arm.effort)
+    for q in np.random.default_rng(4).uniform(-np.pi, np.pi, (200, 6)):
+        world.data.qpos[:] = q
+        mujoco.mj_forward(world.model, world.data)
+        own = np.empty(6)
+        for joint, axis in enumerate(np.eye(6)):
+            product = np.empty(6)
+            mujoco.mj_mulM(world.model, world.data, product, axis)
+            own[joint] = product[joint]
+        room = (effort - np.abs(world.data.qfrc_bias)) / own
+        assert (np.array(any_arm.acceleration) <= 0.75 * room).all()
+
+
+def test_the_flange_is_where_the_kinematics_put_it() -> None:
+    world = World(FIVE, q=HOME)
+    np.testing.assert_allclose(world.flange(), FIVE.fkine(HOME), atol=1e-12)
+    mover = Mover(FIVE, HOME)
+    mover.append(1, lambda q: joint_move(FIVE, q, HOME + 0.3, 1.0, 2.0))
+    for _ in range(200):
+        world.step(mover.tick().setpoint)
+        np.testing.assert_allclose(world.flange(), FIVE.fkine(world.q), atol=1e-12)
+
+
+def test_brakes_hold_the_arm_without_power(any_arm: Arm) -> None:
+    q = np.array([0.3, 0.9, 0.7, -0.4, 1.0, 0.2])
+    world = World(any_arm, q=q)
+    world.brake(True)
+    assert world.braked
+    elsewhere = SetPoint.at_rest(HOME)
+    for _ in range(5000):
+        world.step(elsewhere)
+    assert np.abs(world.q - q).max() < 1e-6
+    np.testing.assert_array_equal(world.torque, np.zeros(6))
+    world.brake(False)
+    stand(world)
+    assert np.abs(world.q - q).max() < 1e-5
+
+
+def test_brakes_stop_a_moving_arm() -> None:
+    world, mover = World(FIVE, q=HOME), Mover(FIVE, HOME)
+    mover.append(1, lambda q: joint_move(FIVE, q, HOME + 1.0, 2.0, 10.0))
+    while np.abs(world.qd).max() < 1.9:
+        world.step(mover.tick().setpoint)
+    at = world.q
+    world.brake(True)
+    standing = 0
+    while np.abs(world.qd).max() > 1e-4:
+        world.step(mover.setpoint)
+        standing += 1
+        assert standing < 500
+    # 2 rad/s against half of the torques.
+    assert 0.001 < np.abs(world.q - at).max() < 0.2
+    stood = world.q
+    for _ in range(1000):
+        world.step(mover.setpoint)
+    np.testing.assert_allclose(world.q, stood, atol=1e-6)
+
+
+def test_a_load_is_felt_at_the_flange_and_carried_by_the_joints() -> None:
+    q = np.array([0.3, 0.5, 1.2, -0.1, -1.2, 0.4])
+    world = World(FIVE, q=q)
+    stand(world)
+    empty = world.torque
+    np.testing.assert_allclose(world.wrench, np.zeros(6), atol=1e-4)
+    world.load(2.0, (0.01, 0.02, 0.1))
+    stand(world)
+    turn = FIVE.fkine(q)[:3, :3]
+    weight = np.array([0.0, 0.0, -2.0 * GRAVITY])
+    torque = np.cross(turn @ [0.01, 0.02, 0.1], weight)
+    np.testing.assert_allclose(turn @ world.wrench[:3], weight, atol=1e-3)
+    np.testing.assert_allclose(turn @ world.wrench[3:], torque, atol=1e-3)
+    lifted = -FIVE.jacobian(q).T @ np.concatenate([weight, torque])
+    np.testing.assert_allclose(world.torque - empty, lifted, atol=1e-3)
+    assert np.abs(world.q - q).max() < 1e-5
+    world.load(0.0)
+    stand(world)
+    np.testing.assert_allclose(world.torque, empty, atol=1e-3)
+
+
+def test_a_push_at_the_flange_is_felt_and_resisted() -> None:
+    q = np.array([0.3, 0.5, 1.2, -0.1, -1.2, 0.4])
+    world = World(FIVE, q=q)
+    stand(world)
+    idle = world.torque
+    push = np.array([20.0, -10.0, 5.0, 0.5, 1.0, -0.5])
+    world.push(push.tolist())
+    hold = SetPoint.at_rest(q)
+    for _ in range(1000):
+        world.step(hold)
+    turn = world.flange()[:3, :3]
+    np.testing.assert_allclose(turn @ world.wrench[:3], push[:3], atol=0.05)
+    np.testing.assert_allclose(turn @ world.wrench[3:], push[3:], atol=0.05)
+    resisted = -FIVE.jacobian(world.q).T @ push
+    np.testing.assert_allclose(world.torque - idle, resisted, atol=0.3)
+    assert 1e-6 < np.abs(world.q - q).max() < 5e-3
+    world.push([0.0] * 6)
+    for _ in range(1000):
+        world.step(hold)
+    assert np.abs(world.q - q).max() < 1e-6
+
+
+def test_the_floor_stops_the_arm() -> None:
+    start = FIVE.ikine(Pose(0.5, 0.1, 0.2, np.pi, 0, 0), HOME)
+    world, mover = World(FIVE, q=start), Mover(FIVE, start)
+    below = FIVE.fkine(start)
+    below[2, 3] = -0.1
+    mover.append(1, lambda q: line_move(FIVE, q, below, 0.1, 0.5))
+    follow(world, mover)
+    stand(world, 1)
+    # It touches with its round end, and gives way in the servos instead.
+    assert world.flange()[2, 3] > -0.05
+    assert world.data.ncon > 0
+    assert (np.abs(world.torque) <= np.array(FIVE.effort) * (1 + 1e-9)).all()
+
+
+def test_torques_end_at_the_limits_of_the_drives() -> None:
+    world = World(FIVE, q=HOME)
+    jump = SetPoint.at_rest(HOME + 1.0)
+    for _ in range(50):
+        world.step(jump)
+        assert (np.abs(world.torque) <= np.array(FIVE.effort) * (1 + 1e-9)).all()
+    assert np.abs(world.qd).max() > 0.1
+
+
+def test_reset_stands_elsewhere_at_once() -> None:
+    world = World(FIVE, q=HOME)
+    world.push([5.0] * 6)
+    stand(world, 10)
+    world.reset(np.zeros(6))
+    assert world.time == 0.0
+    np.testing.assert_array_equal(world.q, np.zeros(6))
+    np.testing.assert_array_equal(world.qd, np.zeros(6))
+    np.testing.assert_allclose(world.flange(), FIVE.fkine(np.zeros(6)), atol=1e-12)
