@@ -12,24 +12,19 @@ import struct
 from dataclasses import dataclass
 from typing import Final
 
+from aioduco._wire.framing import Malformed, StructScanner
+
 __all__ = ["Kind", "Message", "MessageError", "MessageParser", "application_error"]
 
 _VERSION: Final = 0x80010000
 _VERSION_MASK: Final = 0xFFFF0000
 
-#: longest name of a function and deepest nesting of a body that are taken for sense
+#: longest name of a function that is taken for one
 _NAME_LIMIT: Final = 256
-_DEPTH_LIMIT: Final = 128
 
-_STOP: Final = 0
+#: types in the body of an application error
 _STRING: Final = 11
-_STRUCT: Final = 12
-_MAP: Final = 13
-_SET: Final = 14
-_LIST: Final = 15
-#: bytes of a bool, byte, double, i16, i32, i64
-_FIXED: Final = {2: 1, 3: 1, 4: 8, 6: 2, 8: 4, 10: 8}
-_TYPES: Final = frozenset({*_FIXED, _STRING, _STRUCT, _MAP, _SET, _LIST})
+_I32: Final = 8
 
 
 class MessageError(ValueError):
@@ -83,18 +78,10 @@ def application_error(call: Message, code: int, text: str) -> Message:
         The message of kind EXCEPTION.
     """
     said = text.encode()
-    body = struct.pack("!bhI", _STRING, 1, len(said)) + said + struct.pack("!bhib", 8, 2, code, 0)
+    body = (
+        struct.pack("!bhI", _STRING, 1, len(said)) + said + struct.pack("!bhib", _I32, 2, code, 0)
+    )
     return Message(Kind.EXCEPTION, call.name, call.seqid, body)
-
-
-class _Run:
-    """Elements of a container that are still to come; a map's keys and values take turns."""
-
-    __slots__ = ("left", "types")
-
-    def __init__(self, types: tuple[int, ...], left: int) -> None:
-        self.types = types
-        self.left = left
 
 
 class MessageParser:
@@ -104,19 +91,11 @@ class MessageParser:
     of no more use: nothing in the stream says where the next message would begin.
     """
 
-    def __init__(self, limit: int = 16 << 20) -> None:
-        """Make a parser.
-
-        Args:
-            limit: most bytes that one message may have.
-        """
-        self._limit = limit
+    def __init__(self) -> None:
         self._bytes = bytearray()
-        self._at = 0
-        self._body = 0
         self._head: tuple[Kind, str, int] | None = None
-        #: what is open in the body, innermost last: the type of a value, or a container's rest
-        self._open: list[int | _Run] = []
+        self._body = 0
+        self._scanner = StructScanner({}, 0)
         self._wrong: MessageError | None = None
 
     @property
@@ -153,119 +132,40 @@ class MessageParser:
         return found
 
     def _message(self) -> Message | None:
-        if self._head is None and not self._header():
+        if self._head is None:
+            self._head = self._header()
+        if self._head is None:
             return None
-        if not self._skip():
-            if len(self._bytes) > self._limit:
-                raise MessageError(f"a message of more than {self._limit} bytes")
+        try:
+            whole = self._scanner.whole(self._bytes)
+        except Malformed as exc:
+            raise MessageError(str(exc)) from exc
+        end = self._scanner.position
+        if not whole or end > len(self._bytes):
             return None
-        assert self._head is not None
-        message = Message(*self._head, bytes(self._bytes[self._body : self._at]))
-        del self._bytes[: self._at]
-        self._at = 0
+        message = Message(*self._head, bytes(self._bytes[self._body : end]))
+        del self._bytes[:end]
         self._head = None
         return message
 
-    def _header(self) -> bool:
+    def _header(self) -> tuple[Kind, str, int] | None:
         if len(self._bytes) < 4:
-            return False
+            return None
         (version,) = struct.unpack_from("!I", self._bytes)
         if version & _VERSION_MASK != _VERSION or version & 0xFF not in _KINDS:
             raise MessageError(f"a message cannot begin with {version:#010x}")
         if len(self._bytes) < 8:
-            return False
+            return None
         (length,) = struct.unpack_from("!I", self._bytes, 4)
         if not 0 < length <= _NAME_LIMIT:
             raise MessageError(f"a function's name cannot have {length} bytes")
-        if len(self._bytes) < length + 12:
-            return False
+        self._body = length + 12
+        if len(self._bytes) < self._body:
+            return None
         try:
             name = self._bytes[8 : 8 + length].decode()
         except UnicodeDecodeError as exc:
             raise MessageError("a function's name is not UTF-8") from exc
         (seqid,) = struct.unpack_from("!i", self._bytes, 8 + length)
-        self._head = (Kind(version & 0xFF), name, seqid)
-        self._at = self._body = length + 12
-        self._open = [_STRUCT]
-        return True
-
-    def _skip(self) -> bool:
-        """Go on through the body; whether its end is reached.
-
-        Invariant: `_at` is where the innermost open thing goes on. It may lie beyond the bytes
-        that have come, when it was moved over a string or an array.
-        """
-        while self._open:
-            inner = self._open[-1]
-            if isinstance(inner, _Run):
-                if inner.left == 0:
-                    self._open.pop()
-                    continue
-                inner.left -= 1
-                self._open.append(inner.types[inner.left % len(inner.types)])
-                continue
-            if not self._value(inner):
-                return False
-        return self._at <= len(self._bytes)
-
-    def _value(self, kind: int) -> bool:
-        """Go past a value of this type, or open what is in it; whether there were bytes to."""
-        if kind in _FIXED:
-            self._leave(_FIXED[kind])
-            return True
-        if kind == _STRUCT:
-            return self._field()
-        if kind != _STRING:
-            return self._container(head=6 if kind == _MAP else 5)
-        if not self._there(4):
-            return False
-        self._leave(4 + self._count(self._at))
-        return True
-
-    def _field(self) -> bool:
-        if not self._there(1):
-            return False
-        kind = self._bytes[self._at]
-        if kind == _STOP:
-            self._leave(1)
-            return True
-        if not self._there(3):
-            return False
-        self._at += 3
-        self._enter(kind, (kind,))
-        return True
-
-    def _container(self, head: int) -> bool:
-        if not self._there(head):
-            return False
-        types = tuple(self._bytes[self._at : self._at + head - 4])
-        left = self._count(self._at + head - 4) * len(types)
-        if all(inner in _FIXED for inner in types):
-            self._leave(head + left * sum(_FIXED[inner] for inner in types) // len(types))
-        else:
-            self._leave(head)
-            # left counts down, so a map's key comes when it is odd
-            self._enter(_Run(types[::-1], left), types if left else ())
-        return True
-
-    def _there(self, size: int) -> bool:
-        return len(self._bytes) - self._at >= size
-
-    def _leave(self, size: int) -> None:
-        self._open.pop()
-        self._at += size
-        if self._at > self._limit:
-            raise MessageError(f"a message of more than {self._limit} bytes")
-
-    def _enter(self, inner: int | _Run, types: tuple[int, ...]) -> None:
-        if not _TYPES.issuperset(types):
-            raise MessageError(f"no value can be of a type of {types}")
-        if len(self._open) >= _DEPTH_LIMIT:
-            raise MessageError(f"a body nested more than {_DEPTH_LIMIT} deep")
-        self._open.append(inner)
-
-    def _count(self, at: int) -> int:
-        (count,) = struct.unpack_from("!i", self._bytes, at)
-        if not 0 <= count <= self._limit:
-            raise MessageError(f"a length cannot be {count}")
-        return int(count)
+        self._scanner = StructScanner({}, self._body)
+        return (Kind(version & 0xFF), name, seqid)

@@ -136,7 +136,7 @@ def test_gets_past_maps_of_values_of_no_fixed_size(value: dict[str, list[str]]) 
 def test_any_bytes_give_messages_or_an_error_and_nothing_else(noise: bytes) -> None:
     header = Message(Kind.CALL, "f", 1, b"").encode()
     for stream in (noise, header + noise):
-        parser = MessageParser(limit=1000)
+        parser = MessageParser()
         found: list[Message] = []
         try:
             for at in range(len(stream)):
@@ -168,25 +168,17 @@ def test_whole_messages_before_a_wrong_one_are_given_first() -> None:
         (b"\x80\x01\x00\x01\xff\xff\xff\xff", "name cannot have"),
         (b"\x80\x01\x00\x01\x00\x00\x00\x00", "name cannot have"),
         (b"\x80\x01\x00\x01\x00\x00\x00\x01\xff\x00\x00\x00\x01", "not UTF-8"),
-        (replace(GOOD, body=b"\x05\x00\x01").encode(), "no value can be of a type"),
-        (replace(GOOD, body=b"\x0b\x00\x01\xff\xff\xff\xff").encode(), "length cannot be -1"),
-        (replace(GOOD, body=b"\x0b\x00\x01\x7f\xff\xff\xff").encode(), "length cannot be"),
+        (replace(GOOD, body=b"\x05\x00\x01").encode(), "no type 5"),
+        (replace(GOOD, body=b"\x0b\x00\x01\xff\xff\xff\xff").encode(), "length of -1"),
+        (replace(GOOD, body=b"\x0b\x00\x01\x7f\xff\xff\xff").encode(), "length of"),
         (replace(GOOD, body=b"\x0f\x00\x01\x04\x00\x20\x00\x00").encode(), "more than"),
-        (replace(GOOD, body=b"\x0f\x00\x01\x01\x00\x00\x00\x01").encode(), "no value can be"),
-        (replace(GOOD, body=b"\x0c\x00\x01" * 200).encode(), "nested more than"),
+        (replace(GOOD, body=b"\x0f\x00\x01\x01\x00\x00\x00\x01\x00").encode(), "no type 1"),
+        (replace(GOOD, body=b"\x0c\x00\x01" * 200).encode(), "in one another"),
     ],
 )
 def test_says_what_is_wrong(stream: bytes, reason: str) -> None:
     with pytest.raises(MessageError, match=reason):
         MessageParser().feed(stream)
-
-
-def test_a_message_that_never_ends_is_refused() -> None:
-    parser = MessageParser(limit=100)
-    flag = b"\x02\x00\x01\x01"
-    assert parser.feed(GOOD.encode()[:-1] + 16 * flag) == []
-    with pytest.raises(MessageError, match="more than 100 bytes"):
-        parser.feed(4 * flag)
 
 
 def test_an_application_error_is_what_thriftpy2_reads() -> None:

@@ -45,6 +45,7 @@ class TestAnotherArm:
         assert duco_simulator.speed == 7.0
 
 
+SCOPE = ["-o", "asyncio_default_fixture_loop_scope=function"]
 OUTSIDE = """
 import sys
 
@@ -53,6 +54,11 @@ import pytest
 
 def test_nothing_is_loaded():
     assert not {"mujoco", "thriftpy2", "aioduco.sim", "aioduco.testing"} & set(sys.modules)
+
+
+@pytest.fixture
+def anyio_backend():
+    return "asyncio"
 
 
 {mark}
@@ -64,16 +70,16 @@ async def test_the_fixture_is_found(duco_robot):
 @pytest.mark.parametrize(
     ("options", "mark"),
     [
-        (["-o", "asyncio_mode=strict"], "@pytest.mark.asyncio"),
-        (["-o", "asyncio_mode=auto"], ""),
+        (["-o", "asyncio_mode=strict", *SCOPE], "@pytest.mark.asyncio"),
+        (["-o", "asyncio_mode=auto", *SCOPE], ""),
+        (["-p", "no:asyncio"], "@pytest.mark.anyio"),
     ],
-    ids=["strict", "auto"],
+    ids=["strict", "auto", "anyio"],
 )
 def test_outside_of_this_project(tmp_path: Path, options: list[str], mark: str) -> None:
     (tmp_path / "test_outside.py").write_text(OUTSIDE.replace("{mark}", mark))
-    options += ["-o", "asyncio_default_fixture_loop_scope=function", "-p", "no:cacheprovider"]
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", *options, str(tmp_path)],
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *options, str(tmp_path)],
         check=False,
         cwd=tmp_path,
         capture_output=True,
