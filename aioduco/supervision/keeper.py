@@ -88,7 +88,7 @@ class Keeper:
         _, cancelled = await insist(self.halt)
         if cancelled is not None:
             raise cancelled
-        await self._settled(*self.poller.tasks)
+        await self._settled()
 
     async def halt_late(self) -> None:
         """Stop a motion of which it is not known when it reaches the controller, if ever."""
@@ -117,7 +117,8 @@ class Keeper:
             else:
                 return
         await insist(self.halt)
-        await insist(lambda: self._settled(task))
+        # The stop ended all of them, so none is left behind half known.
+        await insist(self._settled)
 
     async def pause(self) -> None:
         """Pause all tasks, and see the arm stand."""
@@ -164,9 +165,9 @@ class Keeper:
             )
         return task.result()
 
-    async def _settled(self, *tasks: Task) -> None:
+    async def _settled(self) -> None:
         with anyio.move_on_after(_SETTLE):
-            for task in tasks:
+            for task in self.poller.tasks:
                 if task.motion:
                     await task.wait()
 
