@@ -35,7 +35,7 @@ class ConnectionStatistics(NamedTuple):
         calls: calls that were begun.
         answered: calls whose answer came, application errors included.
         bytes_sent: bytes handed to the system.
-        bytes_received: bytes that came.
+        bytes_received: bytes of whole answers.
     """
 
     calls: int
@@ -55,7 +55,8 @@ class Connection:
     Args:
         host: name or address of the controller.
         port: its TCP port.
-        connect_timeout: most seconds that `open` takes, over all addresses of the host.
+        connect_timeout: most seconds that `open` takes, over all addresses of the host. Only the
+            resolution of a name takes as long as the system lets it.
     """
 
     def __init__(self, host: str, port: int, *, connect_timeout: float = 3.0) -> None:
@@ -223,8 +224,7 @@ class Connection:
         with self._guard:
             if not self._life.complete():
                 # abandoned while the last bytes came: the caller has been told otherwise
-                lost = self._failure(function, Ended())
-                raise lost
+                raise self._failure(function, Ended())
         self._answered += 1
         if len(data) > reply.length:
             # this answer is true, but whose are the bytes behind it?
@@ -245,7 +245,7 @@ class Connection:
         sent = stream.send(data, deadline)
         self._life.sent()
         while sent < len(data):
-            sent += stream.send(data[sent:], deadline)
+            sent += stream.send(memoryview(data)[sent:], deadline)
         self._bytes_sent += sent
 
     def _receive(

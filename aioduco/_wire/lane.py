@@ -376,7 +376,11 @@ class Lane:
         else:
             return self._alone(function, encoded, deadline)
         call = BlockingCall(function, encoded, deadline, self._ring)
-        worker.submit(call)
+        try:
+            worker.submit(call)
+        except RuntimeError:
+            # the system has no more threads
+            return self._alone(function, encoded, deadline)
         if kind(function.name) is Kind.STOP:
             return self._insist(call, function)
         try:

@@ -85,7 +85,7 @@ class Stream:
             raise Ended
         return found
 
-    def send(self, data: bytes, deadline: float | None) -> int:
+    def send(self, data: bytes | memoryview, deadline: float | None) -> int:
         """Hand bytes to the system; how many it took, at least one.
 
         Raises:
