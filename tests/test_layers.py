@@ -34,9 +34,10 @@ MAY_IMPORT: dict[str, set[str]] = {
     # the simulator is the other side: it knows the wire and the arms, and nothing of the client
     "sim": BASE | {"models", "kinematics", "_wire"},
     "testing": BASE | {"models", "_wire", "sim"},
-    "recording": CLIENT | {"robot"},
-    "pytest_plugin": CLIENT | {"robot", "sim", "testing"},
-    "cli": CLIENT | {"robot", "sim", "recording"},
+    # what follows uses the package as a program does
+    "recording": CLIENT | {"robot", "__init__"},
+    "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "testing"},
+    "cli": CLIENT | {"robot", "__init__", "sim", "recording"},
 }
 
 #: by library, the files that may import it, each with all that is under it
