@@ -42,6 +42,7 @@ class World:
         self._stiffness = self.model.actuator_gainprm[:, 0].copy()
         self._damping = -self.model.actuator_biasprm[:, 2] / self._stiffness
         self._timestep = timestep
+        self._change = self._stiffness * self._damping * timestep
         self._effort = np.array(arm.effort)
         self._hold = _BRAKE * self._effort
         self._feed = np.empty(6)
@@ -138,9 +139,9 @@ class World:
         # MuJoCo gives them for the speed that the step began with, but integrates them with the
         # damping at the speed that it ended with, unless the drive is at its limit.
         torque = np.array(self.data.actuator_force)
-        free = np.abs(torque) < self._effort
-        change = self._stiffness * self._damping * self._timestep * self.data.qacc
-        return np.where(free & (not self._braked), torque - change, torque)
+        if not self._braked:
+            torque -= self._change * self.data.qacc * (np.abs(torque) < self._effort)
+        return torque
 
     @property
     def wrench(self) -> Array:

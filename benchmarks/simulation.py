@@ -1,0 +1,126 @@
+"""The simulated arm: what a cycle costs, how fast simulated time can run, how well joints follow.
+
+    python benchmarks/simulation.py [--quick] [--save]
+
+Each model makes the same joint moves and lines at its full speed and acceleration, once through
+the planner and MuJoCo together. The inverse kinematics of many poses is compared with EAIK, which
+solves them one by one.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from _common import arguments, percentile, print_table, write_results
+
+from aioduco.kinematics import Arm, arm, models
+from aioduco.kinematics.inverse import closed_form
+from aioduco.sim.planner.mover import Mover
+from aioduco.sim.planner.segments import joint_move, line_move
+from aioduco.sim.world import World
+
+if TYPE_CHECKING:
+    from aioduco.models.rotation import Array
+
+CYCLE = 0.001
+HOME = np.radians([0.0, 0.0, 90.0, 0.0, -90.0, 0.0])
+WAY = np.array([1.5, 0.3, -0.4, 1.0, 2.0, 3.0])
+
+
+def program(any_arm: Arm, mover: Mover) -> list[float]:
+    """Queue joint moves and lines, blended. Seconds that each took to plan."""
+    v, a = max(any_arm.velocity), max(any_arm.acceleration)
+    shift = np.array([0.0, 0.25, -0.1]) * any_arm.reach
+
+    def target(q: Array) -> Array:
+        pose = any_arm.fkine(q)
+        pose[:3, 3] += shift
+        return pose
+
+    plans = (
+        lambda q: joint_move(any_arm, q, HOME + WAY, v, a, 0.1),
+        lambda q: joint_move(any_arm, q, HOME - 0.5 * WAY, v, a),
+        lambda q: joint_move(any_arm, q, HOME, v, a),
+        lambda q: line_move(any_arm, q, target(q), 1.0, 5.0, 0.05),
+        lambda q: line_move(any_arm, q, any_arm.fkine(HOME), 1.0, 5.0),
+    )
+    seconds = []
+    for key, plan in enumerate(plans):
+        began = time.perf_counter()
+        mover.append(key, plan)
+        seconds.append(time.perf_counter() - began)
+    return seconds
+
+
+def cycles(any_arm: Arm, repeats: int) -> dict[str, Any]:
+    """Run the program; costs of ticks and steps, and how the joints follow."""
+    ticks: list[float] = []
+    steps: list[float] = []
+    plans: list[float] = []
+    worst = end = 0.0
+    for _ in range(repeats):
+        world, mover = World(any_arm, CYCLE, HOME), Mover(any_arm, HOME, CYCLE)
+        plans += program(any_arm, mover)
+        while mover.moving:
+            began = time.perf_counter()
+            setpoint = mover.tick().setpoint
+            ticked = time.perf_counter()
+            world.step(setpoint)
+            steps.append(time.perf_counter() - ticked)
+            ticks.append(ticked - began)
+            worst = max(worst, float(np.abs(world.q - setpoint.q).max()))
+        end = max(end, float(np.abs(world.q - mover.setpoint.q).max()))
+    both = sorted(a + b for a, b in zip(ticks, steps, strict=True))
+    return {
+        "tick_us": round(percentile(sorted(ticks), 50) * 1e6, 2),
+        "step_us": round(percentile(sorted(steps), 50) * 1e6, 2),
+        "both_us": round(percentile(both, 50) * 1e6, 2),
+        "p99_us": round(percentile(both, 99) * 1e6, 2),
+        "x_real_time": round(len(both) * CYCLE / sum(both), 1),
+        "plan_ms": round(max(plans) * 1e3, 2),
+        "worst_urad": round(worst * 1e6, 1),
+        "end_urad": round(end * 1e6, 2),
+        "cycles": len(both),
+    }
+
+
+def inverse(poses: int) -> dict[str, float]:
+    """Microseconds for all solutions of a pose."""
+    from eaik.IK_DH import DhRobot  # noqa: PLC0415  # optional
+
+    five = arm("gcr5_910")
+    g = five.geometry
+    flange = five.fkine(np.random.default_rng(0).uniform(-3, 3, (poses, 6)))
+    robot = DhRobot(np.array(g.alpha), np.array(g.a), np.array(g.d))
+
+    def microseconds(work: Any) -> float:
+        began = time.perf_counter()
+        work()
+        return round((time.perf_counter() - began) / poses * 1e6, 2)
+
+    return {
+        "EAIK, pose by pose": microseconds(lambda: [robot.IK(pose) for pose in flange]),
+        "closed form, all at once": microseconds(lambda: closed_form(g, flange)),
+        "closed form, pose by pose": microseconds(lambda: [closed_form(g, p) for p in flange]),
+        "Arm.ikine, pose by pose": microseconds(lambda: [five.ikine(p, HOME) for p in flange]),
+    }
+
+
+def main() -> None:
+    options = arguments(__doc__, "simulation")
+    chosen = ("gcr3_618", "gcr5_910", "gcr25_1800") if options.quick else models()
+    results = {model: cycles(arm(model), 1 if options.quick else 3) for model in chosen}
+    columns = list(next(iter(results.values())))
+    rows = [[model, *result.values()] for model, result in results.items()]
+    print_table("Cycles of 1 ms", ["model", *columns], rows)
+    solved = inverse(500 if options.quick else 5000)
+    print_table("Inverse kinematics, µs a pose", ["", "µs"], [list(row) for row in solved.items()])
+    if options.save:
+        path = write_results("simulation", {"cycles": results, "inverse_us": solved})
+        print(f"written: {path}")
+
+
+if __name__ == "__main__":
+    main()
