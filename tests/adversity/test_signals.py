@@ -1,0 +1,72 @@
+"""A stop from a signal handler, in the middle of anything that the program does."""
+
+from __future__ import annotations
+
+import random
+import signal
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import anyio
+
+from aioduco._wire.lane import Lane
+from aioduco.testing import FaultProxy, RecordingServer, no_leaks
+
+from .calls import ANSWERS, METHODS, Book, Call, Lag, make
+from .test_lane_chaos import opened
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from types import FrameType
+
+STOPS = 400
+
+
+@contextmanager
+def interrupting(handler: Callable[[int, FrameType | None], None], every: float) -> Iterator[None]:
+    """While the block runs, the handler interrupts the main thread wherever it is."""
+    before = signal.signal(signal.SIGALRM, handler)
+    signal.setitimer(signal.ITIMER_REAL, every, every)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
+async def test_a_stop_from_a_signal_handler_is_answered_wherever_it_interrupts(seed: int) -> None:
+    async with (
+        no_leaks(),
+        RecordingServer(ANSWERS) as server,
+        FaultProxy(server.host, server.port) as proxy,
+        opened(Lane("call", proxy.host, proxy.port, size=3)) as pool,
+        opened(Lane("control", proxy.host, proxy.port)) as control,
+    ):
+        rng = random.Random(seed)
+        lag = Lag()
+        stops = Book(rng)
+        books = [Book(rng) for _ in range(4)]
+
+        def stop(signum: int, frame: FrameType | None) -> None:
+            # on the pool, and while the same lane is in the middle of something, too
+            lane = rng.choice([pool, control])
+            stops.follow_blocking(Call(0, "stop", (True,), 0), lane.call_from_thread, 2.0)
+
+        async def caller(book: Book) -> None:
+            while sum(stops.outcomes.values()) < STOPS:
+                lane = rng.choice([pool, pool, control])
+                cancel_after = rng.uniform(0.0, 0.002) if rng.random() < 0.3 else None
+                await book.follow(make(rng.choice(METHODS)), lane.call, 2.0, cancel_after)
+
+        async with anyio.create_task_group() as group:
+            group.start_soon(lag.watch)
+            with interrupting(stop, every=0.0023):
+                async with anyio.create_task_group() as callers:
+                    for book in books:
+                        callers.start_soon(caller, book)
+            group.cancel_scope.cancel()
+        await pool.aclose()
+        await control.aclose()
+        assert stops.outcomes == {"answered": sum(stops.outcomes.values())}
+        for book in (stops, *books):
+            book.check(server, lag)
