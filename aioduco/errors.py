@@ -43,6 +43,7 @@ __all__ = [
     "TaskParameterMismatch",
     "TaskStopped",
     "TaskUnknown",
+    "TrackPoolFull",
     "UnknownFunction",
     "Unreachable",
 ]
@@ -163,6 +164,16 @@ class Refused(DucoError):
         self.function = function
         self.code = code
         super().__init__(f"the controller refused {function} (answer {code}): {reason}")
+
+
+class TrackPoolFull(Refused):
+    """The track pool has no room for the points: none of them was put in.
+
+    Wait until the arm has taken some (`getQueueSize`), or empty it (`trackClearQueue`).
+    """
+
+    def __init__(self, function: str, code: int) -> None:
+        super().__init__(function, code, "the track pool, of 1000 points, has no room for them")
 
 
 class RobotStateError(DucoError):

@@ -23,7 +23,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.errors import Refused
 from aioduco.models.enums import Outcome, TaskState
-from aioduco.supervision.command import Command, MotionCommand
+from aioduco.supervision.command import Command, HeldMotion, MotionCommand
+from aioduco.supervision.held import Held
 from aioduco.supervision.lifecycle import TaskLifecycle
 from aioduco.supervision.task import task_error
 
@@ -56,6 +57,7 @@ class Section:
         call: Call,
         r: float = 0.0,
         *,
+        superseded: bool = False,
         estimate: Callable[[Sequence[float]], float] | None = None,
     ) -> MotionCommand:
         """A motion as a value.
@@ -63,11 +65,57 @@ class Section:
         Args:
             call: makes the call of the wire, with block false.
             r: blend radius [m].
+            superseded: whether the next motion may take over from it before its end.
             estimate: how many seconds it takes from given joints on, if that can be told.
         """
         name, args = noted(call)
-        command = Command(name, args, blends=r > 0.0, estimate=estimate)
+        command = Command(name, args, blends=superseded or r > 0.0, estimate=estimate)
         return MotionCommand(self._supervisor.launcher, command)
+
+    def _held(
+        self,
+        call: Call,
+        ending: str,
+        *,
+        time: float | None = None,
+        timed_here: bool = False,
+        until_told: bool = False,
+    ) -> HeldMotion:
+        """A motion that goes on until something ends it, as a value.
+
+        Args:
+            call: makes the call of the wire, with block false.
+            ending: the function of the wire that ends it.
+            time: seconds after which it ends; None if it does not.
+            timed_here: whether this program sees to that.
+            until_told: whether it goes on even if the arm stands.
+        """
+        name, args = noted(call)
+        held = Held(ending, None if time is None else float(time), timed_here, until_told)
+        command = Command(name, args, blends=not until_told, held=held)
+        return HeldMotion(self._supervisor.launcher, command)
+
+    async def _end(self, ending: str) -> None:
+        """End what goes on, by a function of the wire that answers with the id of a task."""
+        self._supervisor.check_open(ending)
+        await self._supervisor.keeper.end(ending)
+
+    async def _conduct(self, call: Call) -> None:
+        """Carry out a motion whose function has no `block`, and see its end.
+
+        Args:
+            call: makes the call of the wire.
+        """
+        name, args = noted(call)
+        supervisor = self._supervisor
+        supervisor.check_open(name)
+        command = Command(name, args)
+        answer = await supervisor.launcher.conduct(command, supervisor.calls, None)
+        if answer > max(TaskState):
+            # No end state of a task: its id, then. It is followed as if it had been asked for.
+            await supervisor.launcher.adopt(command, answer)
+        else:
+            done(name, answer)
 
     async def _perform(self, call: Call, timeout: float) -> None:
         """Carry out a function that becomes a task and moves nothing, and see its end.

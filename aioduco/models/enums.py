@@ -10,6 +10,7 @@ from __future__ import annotations
 from enum import Enum, IntEnum
 
 __all__ = [
+    "FileKind",
     "OperationMode",
     "Outcome",
     "ProgramState",
@@ -67,6 +68,13 @@ class OperationMode(_WireEnum):
     MANUAL = 0
     AUTO = 1
     REMOTE = 2
+
+
+class FileKind(_WireEnum):
+    """What a name in a list of files stands for (文件类型, manual 1.3.4)."""
+
+    FOLDER = 0
+    FILE = 1
 
 
 class SafetyState(_WireEnum):

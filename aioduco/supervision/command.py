@@ -11,9 +11,10 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from aioduco.models.enums import Outcome
+    from aioduco.supervision.held import Held
     from aioduco.supervision.task import OnCancel, Task
 
-__all__ = ["Command", "MotionCommand"]
+__all__ = ["Command", "HeldMotion", "MotionCommand"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +25,8 @@ class Command:
         name: the function of the wire.
         args: its arguments, checked and converted, with block false.
         motion: whether it moves the arm.
-        blends: whether it asks to be blended into the motion after it.
+        blends: whether it asks to be blended into the motion after it, or to be taken over by it.
+        held: how it comes to its end, if it goes on until something ends it.
         estimate: how many seconds it takes from given joints on; None if that cannot be told.
     """
 
@@ -32,6 +34,7 @@ class Command:
     args: tuple[Any, ...]
     motion: bool = True
     blends: bool = False
+    held: Held | None = None
     estimate: Callable[[Sequence[float]], float] | None = None
 
 
@@ -133,6 +136,34 @@ class MotionCommand:
         assert task is not None
         if exc is None:
             await task
+        elif not task.done:
+            await task.forsake()
+
+
+class HeldMotion(MotionCommand):
+    """A motion that goes on: at a velocity, a jog, hand guiding. It is best tied to a block.
+
+    - `async with motion as task:` ends it when the block is left, and returns when the arm stands.
+    - `await motion` waits until its time is over, or until it was told to end from elsewhere.
+    - `task = await motion.start()` returns as soon as the controller has accepted it;
+      `await task.end()` ends it.
+
+    Its end is when the arm stands. If it goes on for two seconds after its time, the arm is
+    stopped.
+    """
+
+    __slots__ = ()
+
+    async def __aexit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        task, self._open = self._open, None
+        assert task is not None
+        if exc is None:
+            await task.end()
         elif not task.done:
             await task.forsake()
 

@@ -183,6 +183,21 @@ class Control:
             raise _unconfirmed(f"nothing was heard of the arm for {timeout:g} s", error) from error
         raise _unconfirmed(f"the arm still moves after {timeout:g} s", None)
 
+    async def leave(self, name: str, args: tuple[bool, ...], timeout: float) -> None:
+        """Call once a function that ends a mode.
+
+        Args:
+            name: the function of the wire.
+            args: its arguments.
+            timeout: seconds for its answer.
+
+        Raises:
+            DucoError: it was not carried out, or it is not known.
+        """
+        answer: int = await self._others.call(name, args, timeout)
+        if answer < 0:
+            raise Refused(name, answer, "no reason is given")
+
     async def send(self, name: str) -> int:
         """Send pause, resume or abort once. Returns the id of the task that it became.
 

@@ -3,6 +3,7 @@
 Guarantees:
 - Cancelling the await of a motion returns only when the arm stands, or raises `StopUnconfirmed`.
 - A motion that nobody can follow any more, or that is overdue, is stopped.
+- What goes on until it is told to end is told so when its time is over, and along with a stop.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from aioduco.supervision.poller import Poller
 from aioduco.supervision.task import Task
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable
 
     from aioduco._wire.lane import Lane
     from aioduco.models.enums import Outcome
@@ -37,6 +38,8 @@ _LATE = 0.3
 _SETTLE = 1.0
 #: seconds for a pause or a resume to be carried out
 _PAUSE_LIMIT = 10.0
+#: seconds for a mode to be left after a stop
+_LEAVE_LIMIT = 0.5
 
 
 class Keeper:
@@ -51,6 +54,9 @@ class Keeper:
     Attributes:
         poller: follows the tasks.
         loose: whether a motion may be running that is not followed. A stop ends that.
+        modes: modes that the controller is in because of this program, in which the arm gives
+            way or follows: the function that ends each, and its arguments.
+        unfollowed: motions on their way that are answered only at their ends.
     """
 
     def __init__(
@@ -62,6 +68,8 @@ class Keeper:
         self._settings = settings
         self.poller = Poller(poll, self)
         self.loose = False
+        self.modes: dict[str, tuple[bool, ...]] = {}
+        self.unfollowed = 0
 
     @property
     def stops(self) -> int:
@@ -71,7 +79,9 @@ class Keeper:
     @property
     def moving(self) -> bool:
         """Whether anything that this program started may be moving the arm."""
-        return self.loose or any(task.motion for task in self.poller.tasks)
+        if self.loose or self.modes or self.unfollowed:
+            return True
+        return any(task.motion for task in self.poller.tasks)
 
     async def halt(self) -> None:
         """Stop the arm and see it stand.
@@ -80,12 +90,26 @@ class Keeper:
             StopUnconfirmed: it is not known that it stands.
         """
         settings = self._settings
+        if self.modes:
+            try:
+                await self._control.stop(settings.stop_timeout)
+            finally:
+                await self._leave_modes()
         await self._control.rest(settings.stop_timeout, settings.standstill_timeout)
         self.loose = False
 
+    async def _leave_modes(self) -> None:
+        """Leave the modes in which the arm gives way or follows: a stop may not."""
+        modes, self.modes = self.modes, {}
+        for name, args in modes.items():
+            try:
+                await self._control.leave(name, args, _LEAVE_LIMIT)
+            except DucoError as exc:
+                _log.warning("%s after a stop was not carried out: %s", name, exc)
+
     async def stop(self) -> None:
         """As `halt`, to its end even if cancelled, until the motions are seen to have ended."""
-        _, cancelled = await insist(self.halt)
+        _, cancelled = await insist(self.halt_late if self.unfollowed else self.halt)
         if cancelled is not None:
             raise cancelled
         await self._settled()
@@ -120,8 +144,36 @@ class Keeper:
         # The stop ended all of them, so none is left behind half known.
         await insist(self._settled)
 
+    async def end(self, name: str, step: Callable[[], Awaitable[None]] | None = None) -> None:
+        """Have what goes on ended by its own function, and see the arm stand.
+
+        If this program's motion, or its mode, cannot be ended so, or if this is cancelled, the
+        arm is stopped.
+
+        Args:
+            name: the function of the wire.
+            step: calls it; None if it answers with the id of a task.
+        """
+        if name == "stop":
+            step = self.halt
+        held = [task for task in self.poller.tasks if task.held and task.held.ending == name]
+        for task in held:
+            task.life.end_sent()
+        concerned = bool(held) or name in self.modes
+        try:
+            await (step() if step is not None else self._controlled(name))
+            self.modes.pop(name, None)
+            await self._control.standstill(self._settings.standstill_timeout)
+        except BaseException:
+            if concerned:
+                await insist(self.halt)
+            raise
+        await self._settled(*held)
+
     async def pause(self) -> None:
         """Pause all tasks, and see the arm stand."""
+        # A motion whose task has ended stands as if it were over, and moves on when resumed.
+        self.loose = self.loose or any(task.life.goes_on for task in self.poller.tasks)
         await self._controlled("pause")
         await self._control.standstill(self._settings.standstill_timeout)
 
@@ -184,8 +236,12 @@ class Keeper:
         if task.motion:
             self._background.start(self._stop_overdue(task), "aioduco stop of an overdue task")
 
+    def due(self, task: Task) -> None:
+        """The time of a motion that this program has to end is over."""
+        self._background.start(self._end_due(task), "aioduco end of a motion")
+
     def stopped(self, task: Task, settle: Callable[[], None]) -> None:
-        """A motion was stopped, by whomever: `settle` is called when the arm stands."""
+        """A motion was stopped, by whomever, or ended: `settle` is called when the arm stands."""
         self._background.start(self._settle_standing(task, settle), "aioduco standstill")
 
     async def _settle_standing(self, task: Task, settle: Callable[[], None]) -> None:
@@ -203,6 +259,20 @@ class Keeper:
         except StopUnconfirmed as exc:
             task.fault = exc
             _log.critical("%r was lost sight of: %s", task, exc)
+
+    async def _end_due(self, task: Task) -> None:
+        assert task.held is not None
+        try:
+            await self.end(task.held.ending)
+        except DucoError as exc:
+            # The arm was stopped instead, or that failed too.
+            if isinstance(exc, StopUnconfirmed):
+                task.fault = exc
+            _log.log(
+                logging.CRITICAL if task.fault else logging.WARNING,
+                "%r was not ended by %s: %s",
+                *(task, task.held.ending, exc),
+            )
 
     async def _stop_overdue(self, task: Task) -> None:
         try:

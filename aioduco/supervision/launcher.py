@@ -122,6 +122,8 @@ class Launcher:
             before = self._last if command.motion else None
             if before is not None:
                 before.life.successor_sent()
+            if command.held is not None and command.held.until_told:
+                self._keeper.modes[command.held.ending] = (False,)
             sending = _Sending()
             self._background.start(self._send(command, sending), f"aioduco {command.name}")
             _, cancelled = await insist(sending.done.wait)
@@ -148,9 +150,56 @@ class Launcher:
         if command.motion and isinstance(error, OutcomeUnknown):
             _, again = await insist(self._keeper.halt_late)
             cancelled = cancelled or again
+        elif command.held is not None:
+            self._keeper.modes.pop(command.held.ending, None)
         if before is not None:
             before.life.successor_refused()
         raise cancelled or error
+
+    async def conduct(
+        self,
+        command: Command,
+        lane: Lane,
+        timeout: float | None,
+        *,
+        mode: tuple[str, tuple[bool, ...]] | None = None,
+    ) -> int:
+        """Send a motion that is answered only when it has ended, or a mode in which the arm moves.
+
+        Cancelling this stops the arm. So does the loss of the answer.
+
+        Args:
+            command: what is sent.
+            lane: where: it is taken until the answer comes.
+            timeout: seconds for the answer; None for as long as it takes.
+            mode: the function that ends the mode, and its arguments.
+
+        Returns:
+            The answer.
+        """
+        self._admit(command)
+        keeper = self._keeper
+        keeper.unfollowed += 1
+        if mode is not None:
+            keeper.modes[mode[0]] = mode[1]
+        try:
+            answer: int = await lane.call(command.name, command.args, timeout)
+        except BaseException as exc:
+            known = isinstance(exc, DucoError) and not isinstance(exc, OutcomeUnknown)
+            if known and mode is not None:
+                keeper.modes.pop(mode[0], None)
+            if not known and not self.closed:
+                await insist(keeper.halt_late)
+            raise
+        finally:
+            keeper.unfollowed -= 1
+        return answer
+
+    def adopt(self, command: Command, task_id: int) -> Task:
+        """Follow a task that the controller has answered with, though it was not asked to."""
+        sending = _Sending()
+        sending.answer, sending.at = task_id, time.monotonic()
+        return self._accept(command, sending, self._keeper.stops, None, None)
 
     async def _hand_over(self, task: Task, cancelled: BaseException | None) -> None:
         """Give the task to the caller, unless the caller was cancelled meanwhile."""
@@ -197,16 +246,23 @@ class Launcher:
         deadline: float | None,
         on_cancel: OnCancel | None,
     ) -> Task:
+        if not command.motion:
+            on_cancel = "detach"
+        elif command.held is not None and (on_cancel or self._settings.on_cancel) == "pause":
+            on_cancel = "stop"  # what was paused would go on, with nobody to end it
+        if deadline is None and command.held is not None:
+            deadline = command.held.limit
         task = Task(
             self._keeper,
             command.name,
             sending.answer,
-            TaskLifecycle(blends=command.blends),
+            TaskLifecycle(blends=command.blends, held=command.held),
             accepted_at=sending.at,
             stops_before=stops,
             motion=command.motion,
-            on_cancel=(on_cancel or self._settings.on_cancel) if command.motion else "detach",
+            on_cancel=on_cancel or self._settings.on_cancel,
             deadline=None if deadline is None else sending.at + deadline,
+            held=command.held,
             estimate=command.estimate,
         )
         self.accepted += 1

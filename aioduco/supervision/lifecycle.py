@@ -10,6 +10,9 @@ Rules:
   stop was sent in the meantime. In doubt it is an interruption, which is an error.
 - While the next motion is on its way to the controller, state 5 is not judged: whether that
   motion was accepted decides.
+- The end of the task of a motion that goes on (`Held`) is not the end of the motion. It has
+  finished when it was told to end, or when the arm stands and its time is over; it was
+  interrupted if the arm stands before that, and blended if another motion took over.
 - A state that the manual does not list, or a task that ran and is idle again (the controller
   was restarted), has no known outcome.
 """
@@ -17,8 +20,12 @@ Rules:
 from __future__ import annotations
 
 from enum import Enum, auto
+from typing import TYPE_CHECKING
 
 from aioduco.models.enums import Outcome, TaskState
+
+if TYPE_CHECKING:
+    from aioduco.supervision.held import Held
 
 #: Observations of "idle" in a row, after the task has run, until it counts as lost. One alone
 #: may be the controller changing over from one state to the next.
@@ -50,18 +57,34 @@ class TaskLifecycle:
         started: whether it was seen in any state other than idle.
         successor: what is known of the motion after this one.
         stop_seen: whether a stop was sent while the task lived.
+        end_seen: whether the function that ends it was sent while the task lived.
+        goes_on: whether the controller has ended its task, but the motion goes on.
     """
 
-    __slots__ = ("_blends", "_idle_again", "outcome", "started", "state", "stop_seen", "successor")
+    __slots__ = (
+        "_blends",
+        "_held",
+        "_idle_again",
+        "end_seen",
+        "goes_on",
+        "outcome",
+        "started",
+        "state",
+        "stop_seen",
+        "successor",
+    )
 
-    def __init__(self, *, blends: bool = False) -> None:
+    def __init__(self, *, blends: bool = False, held: Held | None = None) -> None:
         self._blends = blends
+        self._held = held
         self._idle_again = 0
         self.state = TaskState.IDLE
         self.outcome: Outcome | None = None
         self.started = False
         self.successor = Successor.NONE
         self.stop_seen = False
+        self.end_seen = False
+        self.goes_on = False
 
     def __repr__(self) -> str:
         end = self.outcome.value if self.outcome else "live"
@@ -79,7 +102,7 @@ class TaskLifecycle:
 
     def observe(self, state: TaskState) -> bool:
         """Take in a state that the controller reported. Returns whether anything changed."""
-        if self.ended or self.undecided:
+        if self.ended or self.undecided or self.goes_on:
             return False
         if state is TaskState.IDLE and self.started:
             self._idle_again += 1
@@ -93,6 +116,11 @@ class TaskLifecycle:
         self.started = self.started or state is not TaskState.IDLE
         if state is TaskState.INTERRUPT:
             self._judge()
+        elif state is TaskState.FINISHED and self._held is not None:
+            self.goes_on = True
+            self._judge()
+        elif state is TaskState.STOPPED and self.end_seen and not self.stop_seen:
+            self.outcome = Outcome.FINISHED
         elif state.ended:
             self.outcome = _OUTCOMES[state]
         elif not state.known:
@@ -118,9 +146,26 @@ class TaskLifecycle:
 
     def stop_sent(self) -> None:
         """A stop is about to be sent to the controller."""
+        if self._held is not None and self._held.ending == "stop" and self.end_seen:
+            return  # that stop is what ends it
         if not self.ended:
             self.stop_seen = True
             self._judge()
+
+    def end_sent(self) -> None:
+        """The function that ends this motion is about to be sent to the controller."""
+        if not self.ended:
+            self.end_seen = True
+            self._judge()
+
+    def stood(self, *, in_time: bool) -> None:
+        """The arm stands, and has stood for a while.
+
+        Args:
+            in_time: whether the motion's time is over.
+        """
+        if self.goes_on and not self.ended and not (self._held and self._held.until_told):
+            self.outcome = Outcome.FINISHED if in_time else Outcome.INTERRUPTED
 
     def lose(self) -> None:
         """The task was lost sight of."""
@@ -128,9 +173,19 @@ class TaskLifecycle:
             self.outcome = Outcome.UNKNOWN
 
     def _judge(self) -> None:
+        if self.goes_on:
+            if self.stop_seen:
+                self.outcome = Outcome.STOPPED
+            elif self.end_seen:
+                self.outcome = Outcome.FINISHED
+            elif self._blends and self.successor is Successor.ACCEPTED:
+                self.outcome = Outcome.BLENDED
+            return
         if self.state is not TaskState.INTERRUPT:
             return
-        if not self._blends or self.stop_seen or self.successor is Successor.NONE:
+        if self.end_seen and not self.stop_seen:
+            self.outcome = Outcome.FINISHED
+        elif not self._blends or self.stop_seen or self.successor is Successor.NONE:
             self.outcome = Outcome.INTERRUPTED
         elif self.successor is Successor.ACCEPTED:
             self.outcome = Outcome.BLENDED

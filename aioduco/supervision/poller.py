@@ -16,6 +16,7 @@ import anyio
 
 from aioduco.errors import ControllerError, DucoError
 from aioduco.models.enums import Outcome, TaskState
+from aioduco.supervision.held import STOOD
 from aioduco.supervision.schedule import SLOW, Roster, interval
 
 if TYPE_CHECKING:
@@ -49,8 +50,12 @@ class Watcher(Protocol):
         """A task has not ended by its deadline."""
         ...
 
+    def due(self, task: Task) -> None:
+        """The time of a motion that this program has to end is over."""
+        ...
+
     def stopped(self, task: Task, settle: Callable[[], None]) -> None:
-        """A motion was stopped: `settle` is to be called when the arm stands."""
+        """A motion was stopped, or ended: `settle` is to be called when the arm stands."""
         ...
 
 
@@ -113,7 +118,9 @@ class Poller:
             await self._expect(task)
         answered = True
         self._note_stop(task)
-        if not task.life.undecided:
+        if task.life.goes_on:
+            answered = await self._ask_whether_it_stands(task)
+        elif not task.life.undecided:
             self.polls += 1
             try:
                 value: int = await self._lane.call("get_noneblock_taskstate", (task.id,), ASK_LIMIT)
@@ -134,6 +141,9 @@ class Poller:
         if task.deadline is not None and now > task.deadline and not task.overdue:
             task.overdue = True
             self._watcher.overdue(task)
+        elif task.held and task.held.timed_here and self._in_time(task) and not task.life.end_seen:
+            task.life.end_sent()
+            self._watcher.due(task)
         remaining = None if task.expected_end is None else task.expected_end - now
         every = interval(now - task.accepted_at, remaining) if answered else SLOW
         self._roster.asked(task, now, every)
@@ -141,6 +151,29 @@ class Poller:
     def _note_stop(self, task: Task) -> None:
         if self._watcher.stops != task.stops_before:
             task.life.stop_sent()
+
+    async def _ask_whether_it_stands(self, task: Task) -> bool:
+        """The controller ended the task of a motion that goes on. Returns whether it answered."""
+        self.polls += 1
+        try:
+            moving: bool = await self._lane.call("robotmoving", (), ASK_LIMIT)
+        except DucoError:
+            return False
+        self._seen[task] = now = time.monotonic()
+        self._note_stop(task)
+        if moving:
+            task.stood_since = None
+        elif task.stood_since is None:
+            task.stood_since = now
+        elif now - task.stood_since >= STOOD:
+            task.life.stood(in_time=self._in_time(task))
+        return True
+
+    def _in_time(self, task: Task) -> bool:
+        """Whether the time of a motion that goes on is over."""
+        if task.held is None or task.held.time is None:
+            return False
+        return time.monotonic() - task.accepted_at >= task.held.time
 
     async def _expect(self, task: Task) -> None:
         """Once, right after acceptance: when will it end, from where the arm is now?"""
@@ -175,7 +208,8 @@ class Poller:
             except DucoError:
                 # The outcome is known, and must not wait for what only explains it.
                 errors = []
-        if task.motion and task.life.outcome is Outcome.STOPPED:
+        told = task.life.end_seen and task.life.outcome is Outcome.FINISHED
+        if task.motion and (told or task.life.outcome is Outcome.STOPPED):
             self._watcher.stopped(task, lambda: self._settle(task, (), now))
             return
         self._settle(task, errors, now)

@@ -22,6 +22,7 @@ from aioduco.models.enums import Outcome, TaskState
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Generator, Sequence
 
+    from aioduco.supervision.held import Held
     from aioduco.supervision.lifecycle import TaskLifecycle
 
 __all__ = ["OnCancel", "Task", "task_error"]
@@ -43,6 +44,10 @@ class Keeper(Protocol):
 
     async def resume(self) -> None:
         """Resume all tasks."""
+        ...
+
+    async def end(self, name: str) -> None:
+        """Have what goes on ended by the function `name` of the wire, and see the arm stand."""
         ...
 
     async def forsaken(self, task: Task) -> None:
@@ -81,6 +86,7 @@ class Task:
         motion: bool,
         on_cancel: OnCancel,
         deadline: float | None = None,
+        held: Held | None = None,
         estimate: Callable[[Sequence[float]], float] | None = None,
     ) -> None:
         self._keeper = keeper
@@ -95,6 +101,10 @@ class Task:
         self.deadline = deadline
         #: how many stops had been asked for when it was sent
         self.stops_before = stops_before
+        #: how it comes to its end, if it goes on until something ends it
+        self.held = held
+        #: since when the arm was seen to stand while it should go on; None if it moves
+        self.stood_since: float | None = None
         #: how long it takes from these joints on, if that can be told
         self.estimate = estimate
         #: when its end is expected; None if unknown
@@ -147,8 +157,10 @@ class Task:
         outcome = self.outcome
         if outcome is None:
             raise TaskError(self.name, self.id, "has not ended yet: await it")
-        if outcome.success:
+        if outcome.success and self.fault is None:
             return outcome
+        if outcome.success:
+            outcome = Outcome.UNKNOWN  # it was told to end, but the arm was not seen to stand
         if self.overdue and outcome is Outcome.STOPPED:
             raise TaskOverdue(
                 self.name, self.id, "did not end by its deadline: the arm was stopped"
@@ -202,6 +214,26 @@ class Task:
         if not self.done:
             await self._keeper.stop()
         return await self.wait()
+
+    async def end(self) -> Outcome:
+        """End a motion that goes on by the function made for that, and wait until the arm stands.
+
+        Other tasks go on. A motion that comes to an end by itself is cancelled. What cannot be
+        ended is stopped.
+
+        Returns:
+            The outcome of this task.
+
+        Raises:
+            TaskError: it had ended otherwise than by finishing, or could only be stopped.
+            StopUnconfirmed: it is not known that the arm stands.
+        """
+        if not self.done:
+            if self.held is None:
+                return await self.cancel()
+            await self._keeper.end(self.held.ending)
+            await self.wait()
+        return self.result()
 
     async def pause(self) -> None:
         """Pause the arm, all its tasks included."""

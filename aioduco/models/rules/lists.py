@@ -159,6 +159,14 @@ class Points(Rule):
         self, name: str, value: Iterable[VectorLike] | NDArray[np.floating[Any]]
     ) -> list[list[float]]:
         """Check `value` and return it as a list of lists of floats."""
+        element = self.element
+        points = self.listed(name, value)
+        return [element(f"{name}[{i}]", point) for i, point in enumerate(points)]
+
+    def listed(
+        self, name: str, value: Iterable[VectorLike] | NDArray[np.floating[Any]]
+    ) -> list[Any]:
+        """Check the number of points, and return them as they were given."""
         points: list[Any]
         if isinstance(value, (str, bytes, bytearray, Mapping, Set)):
             raise ParameterError(name, value, self.expected)
@@ -168,8 +176,7 @@ class Points(Rule):
             raise ParameterError(name, value, self.expected) from exc
         if not self.low <= len(points) <= self.high:
             raise ParameterError(name, f"{len(points)} points", self.expected)
-        element = self.element
-        return [element(f"{name}[{i}]", point) for i, point in enumerate(points)]
+        return points
 
 
 class Integers(Rule):

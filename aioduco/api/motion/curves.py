@@ -1,0 +1,295 @@
+"""Motions of the tool along arcs, circles, splines and spirals."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.points import points_with_outputs
+from aioduco.api.section import Section
+from aioduco.errors import ParameterError
+from aioduco.models.op import wire_op
+from aioduco.models.pose import Pose
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from aioduco.models.op import Op, PointOp
+    from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.supervision.command import MotionCommand
+
+__all__ = ["Curves"]
+
+
+class Curves(Section):
+    """Motions of the tool along curves."""
+
+    __slots__ = ()
+
+    def movec(
+        self,
+        via: PoseLike,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        mode: int = 0,
+        q_near: JointsLike | None = None,
+        tool: str = "",
+        wobj: str = "",
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool to a pose along an arc (圆弧运动).
+
+        Args:
+            via: a pose on the arc (p1): x, y, z [m], rx, ry, rz [rad].
+            pose: where to (p2): the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            mode: the orientation: 0 goes over to the end's, 1 stays as at the start, 2 stays
+                fixed to the arc's tangent.
+            q_near: joint angles near the target, to check its branch [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        p1, p2 = ranges.POSE("via", via), ranges.POSE("pose", pose)
+        v_ = ranges.LINE_SPEED("v", v)
+        a_ = ranges.LINE_ACCELERATION("a", a)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        mode_ = ranges.ARC_MODE("mode", mode)
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.movec(
+                p1, p2, v_, a_, r_, mode_, near, tool_, wobj_, False, op_, def_acc_
+            ),
+            r_,
+        )
+
+    def move_circle(
+        self,
+        p1: PoseLike,
+        p2: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        mode: int = 1,
+        q_near: JointsLike | None = None,
+        tool: str = "",
+        wobj: str = "",
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool along a whole circle (圆周运动), from where it is through two poses.
+
+        Args:
+            p1: the first pose on the circle: x, y, z [m], rx, ry, rz [rad].
+            p2: the second pose on the circle; the order start, p1, p2 gives the direction.
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            mode: the orientation: 1 stays as at the start, 2 stays fixed to the circle's tangent.
+            q_near: joint angles near the target, to check its branch [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        p1_, p2_ = ranges.POSE("p1", p1), ranges.POSE("p2", p2)
+        v_ = ranges.LINE_SPEED("v", v)
+        a_ = ranges.LINE_ACCELERATION("a", a)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        mode_ = ranges.CIRCLE_MODE("mode", mode)
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.move_circle(
+                p1_, p2_, v_, a_, r_, mode_, near, tool_, wobj_, False, op_, def_acc_
+            ),
+            r_,
+        )
+
+    def spline(
+        self,
+        poses: Iterable[PoseLike],
+        v: float,
+        a: float,
+        *,
+        tool: str = "",
+        wobj: str = "",
+        op: Op | None = None,
+        r: float = 0.0,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool along a spline through poses (样条运动).
+
+        Of two splines in a row, the second must not begin with the pose with which the first
+        ends.
+
+        Args:
+            poses: 2 to 50 poses of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+                Shape (n, 6).
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        points = ranges.SPLINE_POINTS("poses", poses)
+        v_ = ranges.LINE_SPEED("v", v)
+        a_ = ranges.LINE_ACCELERATION("a", a)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.spline(points, v_, a_, tool_, wobj_, False, op_, r_, def_acc_), r_
+        )
+
+    def spline_op(
+        self,
+        points: Iterable[PointOp],
+        v: float,
+        a: float,
+        *,
+        tool: str = "",
+        wobj: str = "",
+        op: Op | None = None,
+        r: float = 0.0,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool along a spline, and set outputs at its points (样条运动, 触发点位 OP).
+
+        Of two splines in a row, the second must not begin with the pose with which the first
+        ends.
+
+        Args:
+            points: 2 to 50 poses of the tool in the work object, each with what is set there.
+            v: speed of the tool, 0.00001 to 5 [m/s].
+            a: acceleration of the tool, from 0.00001 [m/s²].
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way of the whole spline.
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        given = points_with_outputs("points", points, ranges.SPLINE_COUNT, Pose)
+        points_ = [point.wire(f"points[{number}]") for number, point in enumerate(given)]
+        v_ = ranges.FINE_SPEED("v", v)
+        a_ = ranges.FINE_ACCELERATION("a", a)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.spline_op(points_, v_, a_, tool_, wobj_, False, op_, r_, def_acc_), r_
+        )
+
+    def move_spiral(
+        self,
+        center: PoseLike,
+        pose: PoseLike | None,
+        rev: float,
+        length: float,
+        radius: float,
+        mode: int,
+        v: float,
+        a: float,
+        *,
+        q_near: JointsLike | None = None,
+        tool: str = "",
+        wobj: str = "",
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool along a spiral (螺旋运动), given by parameters or by its end.
+
+        Args:
+            center: pose of the spiral's centre (p1): x, y, z [m], rx, ry, rz [rad].
+            pose: where to (p2): x, y, z [m], rx, ry, rz [rad]; None in mode 0, which ignores it.
+            rev: turns in all, negative for clockwise.
+            length: way along the axis (len) [m], its sign by the right hand; mode 1 ignores it.
+            radius: radius at the end (rad, once red in the manual), from 0 [m]; mode 1 ignores
+                it.
+            mode: 0 by parameters, 1 by the end.
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range, or mode 1 has no end.
+
+        Manual section 1.3.5.
+        """
+        p1 = ranges.POSE("center", center)
+        mode_ = ranges.SPIRAL_MODE("mode", mode)
+        if pose is None and mode_ == 1:
+            raise ParameterError("pose", pose, "a pose in mode 1: the spiral's end")
+        # In mode 0 the controller takes no notice of it, but reads six numbers.
+        p2 = p1 if pose is None else ranges.POSE("pose", pose)
+        rev_ = ranges.SPIRAL_TURNS("rev", rev)
+        length_ = ranges.SPIRAL_LENGTH("length", length)
+        radius_ = ranges.SPIRAL_RADIUS("radius", radius)
+        v_ = ranges.LINE_SPEED("v", v)
+        a_ = ranges.LINE_ACCELERATION("a", a)
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.move_spiral(
+                *(p1, p2, rev_, length_, radius_, mode_, v_, a_),
+                *(near, tool_, wobj_, False, op_, def_acc_),
+            )
+        )

@@ -1,0 +1,84 @@
+"""Jogging: one joint or one Cartesian direction, for as long as it is held."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.section import Section
+from aioduco.errors import ParameterError
+from aioduco.models.jog import Jog, JogDirections
+
+if TYPE_CHECKING:
+    from aioduco.supervision.command import MotionCommand
+
+__all__ = ["Jogging"]
+
+#: how long a jog without a step goes on unless the program says otherwise [s]
+JOG_TIME = 1.0
+_ENDING = "stop_manual_move"
+
+
+class Jogging(Section):
+    """Jogging (点动): steps, and motions that go on until they are told to end."""
+
+    __slots__ = ()
+
+    def move_jog(
+        self,
+        jog: Jog,
+        *,
+        time: float | None = JOG_TIME,
+        directions: JogDirections = JogDirections.MANUAL_3_8,
+    ) -> MotionCommand:
+        """Jog one joint or one Cartesian direction (点动).
+
+            await robot.motion.move_jog(Jog.joint(1, 1, vel=10, step=0.01))
+            async with robot.motion.move_jog(Jog.cartesian("z", -1, vel=5), time=10.0):
+                await released()                # leaving the block ends the jog
+
+        A step ends by itself. Without a step the controller goes on until it is told to end: this
+        program tells it when the block is left, at the latest after `time`. Cancelling its await,
+        or an error inside its block, stops the arm.
+
+        Args:
+            jog: what is jogged, made by `Jog.joint` or `Jog.cartesian`.
+            time: seconds after which this program ends a jog without a step, from 0.001; None to
+                go on until the block is left or `stop_manual_move` is called. The wire has no
+                such time: only the heartbeat stops the arm of a program that hangs.
+            directions: what the controller understands as the two directions: the manuals
+                contradict each other. Try it with a small step at a low speed.
+
+        Returns:
+            The motion, not sent yet. Without a step, its end is when the arm stands.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        if not isinstance(jog, Jog):
+            raise ParameterError("jog", jog, "a Jog: Jog.joint(...) or Jog.cartesian(...)")
+        if not isinstance(directions, JogDirections):
+            raise ParameterError("directions", directions, "a member of JogDirections")
+        ranges.RUN_TIME("time", time)
+        param = jog.wire(directions)
+        if jog.step is not None:
+            return self._motion(lambda rpc: rpc.move_jog(param, False))
+        return self._held(
+            lambda rpc: rpc.move_jog(param, False), _ENDING, time=time, timed_here=True
+        )
+
+    async def stop_manual_move(self) -> None:
+        """End a jog (结束点动), and wait until the arm stands.
+
+        If a jog of this program is running and cannot be ended so, or if this is cancelled, the
+        arm is stopped as by `Robot.stop`.
+
+        Raises:
+            TaskError: the controller did not end it.
+            StopUnconfirmed: it is not known that the arm stands.
+
+        Manual section 1.3.5.
+        """
+        await self._end(_ENDING)

@@ -1,0 +1,209 @@
+"""Motions of the joints to a target: all joints begin and end together."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.section import Section
+from aioduco.models.op import wire_op
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from aioduco.models.op import Op
+    from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.supervision.command import MotionCommand
+
+__all__ = ["JointMotions"]
+
+
+class JointMotions(Section):
+    """Motions of the joints, at speeds in rad/s or in percent."""
+
+    __slots__ = ()
+
+    def movej2(
+        self,
+        joints: JointsLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move to joint angles, all joints together (关节运动).
+
+        Args:
+            joints: where to, six angles in [-2π, 2π] [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        q = ranges.JOINTS("joints", joints)
+        v_ = ranges.JOINT_SPEED("v", v)
+        a_ = ranges.JOINT_ACCELERATION("a", a)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        op_ = wire_op("op", op, joint_motion=True)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.movej2(q, v_, a_, r_, False, op_, def_acc_),
+            r_,
+            estimate=None if def_acc_ else _joint_move_time(q, v_, a_),
+        )
+
+    def movej_pose2(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = "",
+        wobj: str = "",
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool to a pose, all joints together, not along a line (关节运动到位姿).
+
+        Args:
+            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        p = ranges.POSE("pose", pose)
+        v_ = ranges.JOINT_SPEED("v", v)
+        a_ = ranges.JOINT_ACCELERATION("a", a)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op, joint_motion=True)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.movej_pose2(p, v_, a_, r_, near, tool_, wobj_, False, op_, def_acc_),
+            r_,
+        )
+
+    def movej(
+        self,
+        joints: JointsLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move to joint angles at a speed in percent (关节运动). `movej2` takes it in rad/s.
+
+        Args:
+            joints: where to, six angles in [-2π, 2π] [rad].
+            v: highest joint speed in percent of what the arm can do, above 0, up to 100.
+            a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
+        """
+        q = ranges.JOINTS("joints", joints)
+        v_, a_ = ranges.PERCENT("v", v), ranges.PERCENT("a", a)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        op_ = wire_op("op", op, joint_motion=True)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(lambda rpc: rpc.movej(q, v_, a_, r_, False, op_, def_acc_), r_)
+
+    def movej_pose(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = "",
+        wobj: str = "",
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool to a pose by the joints at a speed in percent (关节运动到位姿).
+
+        `movej_pose2` takes the speed in rad/s.
+
+        Args:
+            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest joint speed in percent of what the arm can do, above 0, up to 100.
+            a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
+        """
+        p = ranges.POSE("pose", pose)
+        v_, a_ = ranges.PERCENT("v", v), ranges.PERCENT("a", a)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op, joint_motion=True)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.movej_pose(p, v_, a_, r_, near, tool_, wobj_, False, op_, def_acc_),
+            r_,
+        )
+
+
+def _joint_move_time(
+    target: Sequence[float], v: float, a: float
+) -> Callable[[Sequence[float]], float]:
+    """How long a joint move takes from given joints on: speed up, go on, slow down."""
+
+    def seconds(start: Sequence[float]) -> float:
+        way = max(abs(end - begin) for begin, end in zip(start, target, strict=False))
+        if way >= v * v / a:
+            return way / v + v / a
+        return 2.0 * math.sqrt(way / a)
+
+    return seconds

@@ -1,0 +1,250 @@
+"""Motions of the tool along a line, to a pose or by an offset."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.section import Section
+from aioduco.models.op import wire_op
+
+if TYPE_CHECKING:
+    from aioduco.models.op import Op
+    from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.supervision.command import MotionCommand
+
+__all__ = ["Lines"]
+
+
+class Lines(Section):
+    """Motions of the tool along a line."""
+
+    __slots__ = ()
+
+    def movel(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = "",
+        wobj: str = "",
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool to a pose along a line (直线运动). The manual prints its name as move1.
+
+        Args:
+            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles near the target, to check its branch [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        p = ranges.POSE("pose", pose)
+        v_ = ranges.LINE_SPEED("v", v)
+        a_ = ranges.LINE_ACCELERATION("a", a)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.movel(p, v_, a_, r_, near, tool_, wobj_, False, op_, def_acc_), r_
+        )
+
+    def tcp_move(
+        self,
+        offset: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        tool: str = "",
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool by an offset in its own frame, along a line (沿工具坐标系直线移动).
+
+        Args:
+            offset: by how much: x, y, z [m], rx, ry, rz [rad], in the frame of the tool.
+            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
+                proportion.
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            tool: name of the tool; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        p = ranges.POSE("offset", offset)
+        v_ = ranges.LINE_SPEED("v", v)
+        a_ = ranges.LINE_ACCELERATION("a", a)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        tool_ = ranges.FRAME("tool", tool)
+        op_ = wire_op("op", op)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.tcp_move(p, v_, a_, r_, tool_, False, op_, def_acc_), r_
+        )
+
+    def tcp_move_2p(
+        self,
+        p1: PoseLike,
+        p2: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        tool: str = "",
+        wobj: str = "",
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool along a line by what lies between two poses, in the tool's frame.
+
+        沿工具坐标系直线移动两点之差: the target is the present pose · p1⁻¹ · p2.
+
+        Args:
+            p1: the pose from which the offset is taken; x, y, z [m], rx, ry, rz [rad].
+            p2: the pose to which the offset is taken; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
+                proportion.
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        p1_, p2_ = ranges.POSE("p1", p1), ranges.POSE("p2", p2)
+        v_ = ranges.LINE_SPEED("v", v)
+        a_ = ranges.LINE_ACCELERATION("a", a)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.tcp_move_2p(p1_, p2_, v_, a_, r_, tool_, wobj_, False, op_, def_acc_),
+            r_,
+        )
+
+    def wobj_move(
+        self,
+        offset: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        wobj: str = "",
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool by an offset in the work object's frame (沿工件坐标系直线移动), in a line.
+
+        Args:
+            offset: by how much: x, y, z [m], rx, ry, rz [rad], in the frame of the work object.
+            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
+                proportion.
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        p = ranges.POSE("offset", offset)
+        v_ = ranges.LINE_SPEED("v", v)
+        a_ = ranges.LINE_ACCELERATION("a", a)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        wobj_ = ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.wobj_move(p, v_, a_, r_, wobj_, False, op_, def_acc_), r_
+        )
+
+    def wobj_move_2p(
+        self,
+        p1: PoseLike,
+        p2: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        tool: str = "",
+        wobj: str = "",
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool along a line by what lies between two poses, in the work object's frame.
+
+        沿工件坐标系直线移动两点之差: the offset from p1 to p2 as it is in the work object's frame.
+
+        Args:
+            p1: the pose from which the offset is taken; x, y, z [m], rx, ry, rz [rad].
+            p2: the pose to which the offset is taken; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
+                proportion.
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            tool: name of the tool that the two poses are of; empty for the one in use.
+            wobj: name of the work object that they are in; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        p1_, p2_ = ranges.POSE("p1", p1), ranges.POSE("p2", p2)
+        v_ = ranges.LINE_SPEED("v", v)
+        a_ = ranges.LINE_ACCELERATION("a", a)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.wobj_move_2p(p1_, p2_, v_, a_, r_, tool_, wobj_, False, op_, def_acc_),
+            r_,
+        )

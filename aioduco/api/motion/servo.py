@@ -1,0 +1,216 @@
+"""Set-points of the servo functions, one at a time.
+
+For set-points at a rate there are streams, with a schedule and a connection of their own: these
+functions wait for the answer to each one.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.section import Section
+
+if TYPE_CHECKING:
+    from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.supervision.command import MotionCommand
+
+__all__ = ["Servo"]
+
+#: the vendor's own; the manual gives the first two
+_KP, _KD, _SMOOTH_VEL, _SMOOTH_ACC = 200.0, 25.0, 10.0, 1.0
+
+
+class Servo(Section):
+    """Set-points that the arm goes to by its own planning, each taking over from the last.
+
+    A set-point of another kind waits until the arm is at the last one of the present kind. One
+    that was taken over from counts as blended.
+    """
+
+    __slots__ = ()
+
+    def servoj(
+        self,
+        joints: JointsLike,
+        v: float,
+        a: float,
+        *,
+        kp: float = _KP,
+        kd: float = _KD,
+        smooth_vel: float = _SMOOTH_VEL,
+        smooth_acc: float = _SMOOTH_ACC,
+    ) -> MotionCommand:
+        """Go to joint angles, each joint for itself (关节伺服运动), from whatever motion it is in.
+
+        Args:
+            joints: where to, six angles in [-2π, 2π] [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            kp: proportional gain, from 0; 200 is recommended.
+            kd: derivative gain, from 0; 25 is recommended.
+            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        q = ranges.JOINTS("joints", joints)
+        v_ = ranges.JOINT_SPEED("v", v)
+        a_ = ranges.JOINT_ACCELERATION("a", a)
+        tuning = _tuning(kp, kd, smooth_vel, smooth_acc)
+        return self._motion(lambda rpc: rpc.servoj(q, v_, a_, False, *tuning), superseded=True)
+
+    def servoj_pose(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        q_near: JointsLike | None = None,
+        tool: str = "",
+        wobj: str = "",
+        kp: float = _KP,
+        kd: float = _KD,
+        smooth_vel: float = _SMOOTH_VEL,
+        smooth_acc: float = _SMOOTH_ACC,
+    ) -> MotionCommand:
+        """Go to a pose of the tool, each joint for itself (关节伺服运动到位姿).
+
+        Args:
+            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            kp: proportional gain, from 0; 200 is recommended.
+            kd: derivative gain, from 0; 25 is recommended.
+            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        p = ranges.POSE("pose", pose)
+        v_ = ranges.JOINT_SPEED("v", v)
+        a_ = ranges.JOINT_ACCELERATION("a", a)
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        tuning = _tuning(kp, kd, smooth_vel, smooth_acc)
+        return self._motion(
+            lambda rpc: rpc.servoj_pose(p, v_, a_, near, tool_, wobj_, False, *tuning),
+            superseded=True,
+        )
+
+    def servo_tcp(
+        self,
+        offset: PoseLike,
+        v: float,
+        a: float,
+        *,
+        tool: str = "",
+        kp: float = _KP,
+        kd: float = _KD,
+        smooth_vel: float = _SMOOTH_VEL,
+        smooth_acc: float = _SMOOTH_ACC,
+    ) -> MotionCommand:
+        """Go on from the present target by an offset of the tool (工具增量伺服运动).
+
+        Args:
+            offset: by how much (pose_offset): x, y, z [m], rx, ry, rz [rad], from the target
+                that the arm has at the moment.
+            v: highest speed, 0.01·π/180 to 1.25·π: of the joints by manual 3.8 [rad/s], of the
+                tool by manual 4.3 [m/s].
+            a: highest acceleration, from 0.01·π/180 [rad/s² or m/s²].
+            tool: name of the tool; empty for the one in use.
+            kp: proportional gain, from 0; 200 is recommended.
+            kd: derivative gain, from 0; 25 is recommended.
+            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+
+        Returns:
+            The motion, not sent yet. Used again, it goes on by the offset once more.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        p = ranges.POSE("offset", offset)
+        v_ = ranges.SERVO_SPEED("v", v)
+        a_ = ranges.SERVO_ACCELERATION("a", a)
+        tool_ = ranges.FRAME("tool", tool)
+        tuning = _tuning(kp, kd, smooth_vel, smooth_acc)
+        return self._motion(
+            lambda rpc: rpc.servo_tcp(p, v_, a_, tool_, False, *tuning), superseded=True
+        )
+
+    def servol(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        q_near: JointsLike | None = None,
+        tool: str = "",
+        wobj: str = "",
+        kp: float = _KP,
+        kd: float = _KD,
+        smooth_vel: float = _SMOOTH_VEL,
+        smooth_acc: float = _SMOOTH_ACC,
+    ) -> MotionCommand:
+        """Go to a pose of the tool, each Cartesian direction for itself (笛卡尔伺服运动).
+
+        Args:
+            pose: where to (pose_list): the tool in the work object; x, y, z [m], rx, ry, rz
+                [rad].
+            v: highest speed, 0.01·π/180 to 1.25·π: of the joints by manual 3.8 [rad/s], of the
+                tool by manual 4.3 [m/s].
+            a: highest acceleration, from 0.01·π/180 [rad/s² or m/s²].
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            kp: proportional gain, from 0; 200 is recommended.
+            kd: derivative gain, from 0; 25 is recommended.
+            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        p = ranges.POSE("pose", pose)
+        v_ = ranges.SERVO_SPEED("v", v)
+        a_ = ranges.SERVO_ACCELERATION("a", a)
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        tuning = _tuning(kp, kd, smooth_vel, smooth_acc)
+        return self._motion(
+            lambda rpc: rpc.servol(p, v_, a_, near, tool_, wobj_, False, *tuning), superseded=True
+        )
+
+
+def _tuning(
+    kp: float, kd: float, smooth_vel: float, smooth_acc: float
+) -> tuple[float, float, float, float]:
+    return (
+        ranges.SERVO_KP("kp", kp),
+        ranges.SERVO_KD("kd", kd),
+        ranges.SERVO_SMOOTH_VELOCITY("smooth_vel", smooth_vel),
+        ranges.SERVO_SMOOTH_ACCELERATION("smooth_acc", smooth_acc),
+    )

@@ -1,0 +1,111 @@
+"""Hand guiding, and the replay of tracks that were recorded."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.section import Section, done
+
+if TYPE_CHECKING:
+    from aioduco.models.jog import JogFrame
+    from aioduco.models.rules import FlagsLike, WholesLike
+    from aioduco.supervision.command import HeldMotion
+
+__all__ = ["Teaching"]
+
+_ENDING = "end_teach_mode"
+
+
+class Teaching(Section):
+    """Hand guiding (牵引示教), and the replay of tracks."""
+
+    __slots__ = ()
+
+    def teach_mode(self) -> HeldMotion:
+        """Let the arm be guided by hand (进入牵引示教模式), until it is told to end.
+
+            async with robot.motion.teach_mode():
+                await taught()                  # leaving the block ends hand guiding
+
+        Set tool and load right before: an arm that carries another weight than it knows of sinks
+        or rises by itself. Cancelling its await, or an error inside its block, stops the arm and
+        ends hand guiding; so does leaving the robot.
+
+        Returns:
+            The motion, not sent yet. It ends by `end_teach_mode` or by leaving its block.
+
+        Manual section 1.3.5.
+        """
+        return self._held(lambda rpc: rpc.teach_mode(False), _ENDING, until_told=True)
+
+    async def end_teach_mode(self) -> None:
+        """End hand guiding (退出牵引示教模式), and wait until the arm stands.
+
+        If this program's hand guiding cannot be ended so, or if this is cancelled, the arm is
+        stopped as by `Robot.stop`.
+
+        Raises:
+            TaskError: the controller did not end it.
+            StopUnconfirmed: it is not known that the arm stands.
+
+        Manual section 1.3.5.
+        """
+        await self._end(_ENDING)
+
+    async def set_hand_teach_parameter(
+        self,
+        space: int,
+        joint_scale: WholesLike,
+        cart_scale: WholesLike,
+        coord_type: JogFrame | int,
+        direction: FlagsLike,
+    ) -> None:
+        """Set how the arm gives way to a hand (设置牵引参数).
+
+        Args:
+            space: 0 the joints give way, 1 the Cartesian directions.
+            joint_scale: compliance of the six joints, whole numbers from 0. Shape (6,).
+            cart_scale: compliance along and about x, y, z, whole numbers from 0. Shape (6,).
+            coord_type: whose directions they are: a `JogFrame`, 0 world, 1 base, 2 tool, 3 work
+                object.
+            direction: for each of the six whether it gives way. Shape (6,).
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.5.
+        """
+        answer = await self._rpc.set_hand_teach_parameter(
+            ranges.TEACH_SPACE("space", space),
+            ranges.TEACH_SCALE("joint_scale", joint_scale),
+            ranges.TEACH_SCALE("cart_scale", cart_scale),
+            ranges.FRAME_TYPE("coord_type", coord_type),
+            ranges.TEACH_DIRECTIONS("direction", direction),
+        )
+        done("set_hand_teach_parameter", answer)
+
+    async def replay(self, name: str, v: int, mode: int) -> None:
+        """Run a track that was recorded (轨迹复现), and wait until it has ended.
+
+        The wire has no way to start it and go on, so there is no task to follow. Cancelling this
+        stops the arm.
+
+        Args:
+            name: name of the track.
+            v: speed in percent of the set speed, a whole number from 1 to 100.
+            mode: 0 in joint space, 1 in Cartesian space.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: the track was not run to its end.
+            OutcomeUnknown: it was sent, but not answered; the arm was stopped.
+            StopUnconfirmed: it is not known that the arm stands.
+
+        Manual section 1.3.5.
+        """
+        name_ = ranges.LONG_NAME("name", name)
+        v_ = ranges.REPLAY_SPEED("v", v)
+        mode_ = ranges.REPLAY_MODE("mode", mode)
+        await self._conduct(lambda rpc: rpc.replay(name_, v_, mode_))

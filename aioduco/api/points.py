@@ -1,0 +1,46 @@
+"""Lists of points with outputs: those of a spline and of the track pool."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.errors import ParameterError
+from aioduco.models.op import PointOp
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from aioduco.models.pose import Joints, Pose
+    from aioduco.models.rules import Integer
+
+__all__ = ["points_with_outputs"]
+
+
+def points_with_outputs(
+    name: str, points: Iterable[PointOp], count: Integer, *kinds: type[Joints] | type[Pose]
+) -> list[PointOp]:
+    """Check points that carry outputs.
+
+    Args:
+        name: the parameter's name, for errors.
+        points: the points.
+        count: how many there may be.
+        kinds: what the points may be; all must be of one kind.
+
+    Raises:
+        ParameterError: something in it is no such point, or their number is out of range.
+    """
+    expected = f"{count.low} to {count.high} points, each a PointOp"
+    try:
+        given = list(points)
+    except TypeError as exc:
+        raise ParameterError(name, points, expected) from exc
+    if not count.low <= len(given) <= count.high:
+        raise ParameterError(name, f"{len(given)} points", expected)
+    for number, point in enumerate(given):
+        if not isinstance(point, PointOp) or type(point.pos) not in kinds:
+            words = " or a ".join(kind.__name__ for kind in kinds)
+            raise ParameterError(f"{name}[{number}]", point, f"a PointOp with a {words}")
+        if type(point.pos) is not type(given[0].pos):
+            raise ParameterError(f"{name}[{number}]", point, "of the same kind as the first one")
+    return given

@@ -1,0 +1,210 @@
+"""The track pool (轨迹池, manual 1.3.12)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from aioduco.api import ranges
+from aioduco.api.points import points_with_outputs
+from aioduco.api.section import Section, done
+from aioduco.errors import RobotStateError, TrackPoolFull
+from aioduco.models.pose import Joints, Pose
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
+
+    from aioduco.models.op import PointOp
+    from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.supervision.command import MotionCommand
+    from aioduco.supervision.supervisor import Supervisor
+
+__all__ = ["Track"]
+
+_Kind: TypeAlias = type[Joints] | type[Pose]
+_RULES = {Joints: ranges.TRACK_JOINTS, Pose: ranges.TRACK_POSES, None: ranges.TRACK_POINTS}
+
+
+class Track(Section):
+    """The track pool (轨迹池, manual 1.3.12): up to 1000 points, first in, first out.
+
+        await robot.track.trackClearQueue()
+        await robot.track.trackEnqueue([Joints(*q) for q in path])
+        await robot.track.trackJointMotion(1.0, 2.0)
+
+    Points are six numbers each; whether they are joints or poses is the business of the motion
+    that follows them. This program remembers which of the two it put into the pool, and refuses
+    a motion that would take one for the other.
+
+    To keep the pool filled while the arm follows it, use a stream. The manual asks for at least
+    10 points: when there is none left, the arm slows down and stands. Points that come after
+    that may set it moving again.
+    """
+
+    __slots__ = ("_followed", "_kind")
+
+    def __init__(self, supervisor: Supervisor) -> None:
+        super().__init__(supervisor)
+        #: what this program put into the pool since it last saw it empty; None if that is open
+        self._kind: _Kind | None = None
+        #: whether this program had the arm follow the pool: it may go on with points that come
+        self._followed = False
+
+    async def trackEnqueue(  # noqa: N802  # the name on the wire
+        self, points: Iterable[JointsLike | PoseLike] | NDArray[Any]
+    ) -> None:
+        """Put points into the pool (轨迹点入池).
+
+        Args:
+            points: 1 to 1000 points: all `Joints` [rad], or all `Pose` [m, rad], or six numbers
+                each, for which nothing tells one from the other. Shape (n, 6).
+
+        Raises:
+            ParameterError: a point is out of range; nothing was sent.
+            RobotStateError: the pool holds points of the other kind; nothing was sent.
+            TrackPoolFull: there is no room for them; none of them is in the pool.
+            TaskError: they were not put in.
+            OutcomeUnknown: the answer was lost: empty the pool before you put in more.
+
+        Manual section 1.3.12.
+        """
+        given = ranges.TRACK_POINTS.listed("points", points)
+        kind = _kind(given)
+        points_ = _RULES[kind or self._kind]("points", given)
+        self._puts(kind)
+        _taken("trackEnqueue", await self._rpc.trackEnqueue(points_, True))
+
+    async def trackEnqueueOp(self, points: Iterable[PointOp]) -> None:  # noqa: N802  # as above
+        """Put points into the pool, each with outputs that are set there (带 Op 的轨迹点入池).
+
+        Args:
+            points: 1 to 1000 points, all of them with `Joints`, or all with a `Pose`.
+
+        Raises:
+            ParameterError: a point is out of range; nothing was sent.
+            RobotStateError: the pool holds points of the other kind; nothing was sent.
+            TrackPoolFull: there is no room for them; none of them is in the pool.
+            TaskError: they were not put in.
+            OutcomeUnknown: the answer was lost: empty the pool before you put in more.
+
+        Manual section 1.3.12.
+        """
+        given = points_with_outputs("points", points, ranges.TRACK_COUNT, Joints, Pose)
+        points_ = [point.wire(f"points[{number}]") for number, point in enumerate(given)]
+        self._puts(type(given[0].pos))
+        _taken("trackEnqueueOp", await self._rpc.trackEnqueueOp(points_, True))
+
+    async def trackClearQueue(self) -> None:  # noqa: N802  # as above
+        """Empty the pool (清空轨迹池).
+
+        Raises:
+            TaskError: it was not emptied.
+
+        Manual section 1.3.12.
+        """
+        done("trackClearQueue", await self._rpc.trackClearQueue())
+        self._kind = None
+
+    async def getQueueSize(self) -> int:  # noqa: N802  # as above
+        """Read how many points of the pool are still to come (轨迹池大小).
+
+        Manual section 1.3.12.
+        """
+        size = await self._rpc.getQueueSize()
+        if size == 0:
+            self._kind = None
+        return size
+
+    def trackJointMotion(self, speed: float, acc: float) -> MotionCommand:  # noqa: N802  # as above
+        """Follow the points of the pool as joint angles (关节轨迹池跟随), until none is left.
+
+        Args:
+            speed: highest speed of the leading joint, 0.01·π/180 to 1.25·π [rad/s].
+            acc: its highest acceleration, 0.01·π/180 to 12.5·π [rad/s²].
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+            RobotStateError: what this program put into the pool are poses.
+
+        Manual section 1.3.12.
+        """
+        speed_ = ranges.TRACK_JOINT_SPEED("speed", speed)
+        acc_ = ranges.TRACK_JOINT_ACCELERATION("acc", acc)
+        self._follows("trackJointMotion", Joints)
+        return self._motion(lambda rpc: rpc.trackJointMotion(speed_, acc_, False))
+
+    def trackCartMotion(  # noqa: N802  # as above
+        self,
+        speed: float,
+        acc: float,
+        *,
+        wobj: str = "",
+        tool: str = "",
+        radius: float = 0.005,
+    ) -> MotionCommand:
+        """Follow the points of the pool as poses (笛卡尔轨迹池跟随), until none is left.
+
+        Args:
+            speed: highest speed of the tool, 0.00001 to 5 [m/s].
+            acc: its highest acceleration, from 0.00001 [m/s²].
+            wobj: name of the work object; empty for the one in use.
+            tool: name of the tool; empty for the one in use.
+            radius: blend radius at the points, from 0 [m]; not in the manual, 0.005 is the
+                vendor's own.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+            RobotStateError: what this program put into the pool are joint angles.
+
+        Manual section 1.3.12.
+        """
+        speed_ = ranges.TRACK_SPEED("speed", speed)
+        acc_ = ranges.TRACK_ACCELERATION("acc", acc)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        radius_ = ranges.TRACK_RADIUS("radius", radius)
+        self._follows("trackCartMotion", Pose)
+        return self._motion(
+            lambda rpc: rpc.trackCartMotion(speed_, acc_, False, tool_, wobj_, radius_)
+        )
+
+    def _puts(self, kind: _Kind | None) -> None:
+        """Points are about to be put into the pool."""
+        if kind is not None and self._kind not in {kind, None}:
+            raise RobotStateError(
+                f"points of type {kind.__name__} were not sent: this program has put points of "
+                f"type {self._kind.__name__} into the pool; call trackClearQueue first"
+            )
+        if self._followed:
+            # The arm may follow them by itself, with no task that tells of it.
+            self._supervisor.keeper.loose = True
+        self._kind = kind or self._kind
+
+    def _follows(self, function: str, kind: _Kind) -> None:
+        """The arm is about to follow the pool."""
+        if self._kind not in {kind, None}:
+            raise RobotStateError(
+                f"{function} was not made: this program has put points of type "
+                f"{self._kind.__name__} into the pool, and it would take them for {kind.__name__}"
+            )
+        self._followed = True
+
+
+def _kind(points: Sequence[object]) -> _Kind | None:
+    """What points say that they are; None if they are plain numbers."""
+    for kind in (Joints, Pose):
+        if any(isinstance(point, kind) for point in points):
+            return kind
+    return None
+
+
+def _taken(function: str, answer: int) -> None:
+    if answer == -1:
+        raise TrackPoolFull(function, answer)
+    done(function, answer)
