@@ -46,6 +46,7 @@ class Host:
         self._woken = anyio.Event()
         self._gone = False
         self.block = Block.make(config, shared=not thread)
+        self._outcome: tuple[Reason, str] | None = None
 
     @property
     def pid(self) -> int | None:
@@ -65,6 +66,8 @@ class Host:
     @property
     def reason(self) -> Reason:
         """Why it ends; `LANE_DIED` if the lane went without a word."""
+        if self._outcome is not None:
+            return self._outcome[0]
         if self._gone and self.block.status[Status.STATE] != State.ENDED:
             return Reason.LANE_DIED
         return Reason(self.block.status[Status.REASON])
@@ -77,6 +80,8 @@ class Host:
     @property
     def text(self) -> str:
         """Why it ended, in words."""
+        if self._outcome is not None:
+            return self._outcome[1]
         if self.reason is Reason.LANE_DIED and self._process is not None:
             code = self._process.poll()
             if code is not None and code < 0:
@@ -89,6 +94,8 @@ class Host:
 
         A command never takes back a stronger one.
         """
+        if self._outcome is not None:
+            return
         words = self.block.control
         words[Control.COMMAND] = max(command, words[Control.COMMAND])
 
@@ -145,6 +152,11 @@ class Host:
                 await _exited(self._process)
         self._gone = True
         self._wake()
+
+    def release(self) -> None:
+        """Let go of the shared block, once the lane is gone; what it said last stays."""
+        self._outcome = self.reason, self.text
+        self.block.close()
 
     def kill(self) -> None:
         """End a lane's process that does not end by itself."""

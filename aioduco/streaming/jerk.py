@@ -44,6 +44,7 @@ class JerkLimiter:
         import ruckig  # noqa: PLC0415
 
         self._modes: Any = ruckig.ControlInterface
+        self._error: type[Exception] = ruckig.RuckigError
         self._generator = ruckig.Ruckig(6, period)
         self._input = ruckig.InputParameter(6)
         self._output = ruckig.OutputParameter(6)
@@ -119,8 +120,18 @@ class JerkLimiter:
         return self.config
 
     def _one_tick(self) -> None:
-        self._generator.reset()
-        self._generator.update(self._input, self._output)
+        """Go the first tick of a new plan.
+
+        For a few states in a million ruckig finds no way to a place (its error -110). Then this
+        tick matches the target's speed instead, within the same limits; the next one finds one.
+        """
+        try:
+            self._generator.reset()
+            self._generator.update(self._input, self._output)
+        except self._error:
+            self._input.control_interface = self._modes.Velocity
+            self._generator.reset()
+            self._generator.update(self._input, self._output)
         self._acceleration = tuple(self._output.new_acceleration)
 
 

@@ -36,7 +36,7 @@ class StreamStatistics(NamedTuple):
         ticks: ticks of the lane.
         sent: set-points sent to the controller.
         missed: ticks that were skipped, since the lane or the controller was not ready in time.
-        starved: ticks in which a set-point of the program was due and none was there.
+        starved: ticks in which the arm moved, and no set-point was there though one was due.
         limited: ticks in which the limits kept the arm from its target.
         overwritten: set-points that newer ones replaced before they were taken.
         drained: times at which the controller's queue was found empty.

@@ -146,6 +146,11 @@ class Ring:
         self._words[_TAIL] = head
         return dropped
 
+    def close(self) -> None:
+        """Let go of the memory; nothing else may be called after that."""
+        self._words.release()
+        self._buffer.release()
+
     def _slot_at(self, number: int) -> SetPoint | None:
         start = (number % self._capacity) * self._slot
         copy = bytes(self._buffer[start : start + self._slot])

@@ -196,3 +196,14 @@ class Block:
         if self.descriptor >= 0:
             os.close(self.descriptor)
             self.descriptor = -1
+
+    def close(self) -> None:
+        """Let go of the memory, and of what the system holds open for it."""
+        self.close_descriptor()
+        for histogram in self.histograms.values():
+            histogram.close()
+        self.ring.close()
+        self.report.close()
+        for view in (self.control, self.status, self._text, self._view):
+            view.release()
+        self._memory.close()

@@ -99,7 +99,7 @@ class Source:
     Attributes:
         state: the state.
         reason: why it ends; NONE before.
-        starved: ticks in which a set-point was due and none was there.
+        starved: ticks in which the arm moved, a set-point was due and none was there.
     """
 
     def __init__(
@@ -192,13 +192,12 @@ class Source:
         elif self._closing and follower.ready:
             self._finish(follower)
         else:
-            self._wait()
+            self._wait(follower)
 
     def _aim(self, follower: Follows, point: SetPoint) -> None:
-        target = self._space.decode(point.values)
+        target = point.values if self._rates else self._space.decode(point.values)
         if self.state is State.WAITING:
-            gap = self._space.difference(follower.config, target)
-            if not self._rates and not self._near(gap):
+            if not self._rates and not self._near(follower.config, target):
                 self.end(Reason.TOO_FAR)
                 return
         elif self._fixed is None:
@@ -210,7 +209,8 @@ class Source:
         duration = self._interval if self._paced else self._interval * _LATE
         follower.aim(target, self._interval, duration)
 
-    def _near(self, gap: Displacement) -> bool:
+    def _near(self, actual: Config, target: Config) -> bool:
+        gap = self._space.difference(actual, target)
         lengths = (sum(g * g for g in gap[group]) ** 0.5 for group in self._space.groups)
         return all(length <= most for length, most in zip(lengths, self._reach, strict=True))
 
@@ -221,14 +221,14 @@ class Source:
         elif follower.at_rest:
             self.end(Reason.CLOSED)
 
-    def _wait(self) -> None:
-        """A tick without a set-point of its own."""
+    def _wait(self, follower: Follows) -> None:
+        """A tick without a set-point of its own; it matters only while the arm moves."""
         self._idle += 1
         idle = self._idle * self._period
         due = self._interval if self._paced else self._interval * _DUE
         if idle < due * _ROUNDING:
             return
-        self.starved += 1
+        self.starved += not follower.at_rest
         self.state = State.HOLDING
         if idle > self._hold:
             self.brake(Reason.STARVED)

@@ -98,6 +98,9 @@ class PoseSpace:
 
     def difference(self, start: Config, end: Config) -> Displacement:
         """What leads from `start` to `end`; the rotation is the shorter one."""
+        if start == end:
+            # exactly nothing, so that a stream knows that it is at rest
+            return (0.0,) * 6
         x, y, z, qw, qx, qy, qz = start
         u, v, w, *quaternion = end
         turn = _product(quaternion, (qw, -qx, -qy, -qz))

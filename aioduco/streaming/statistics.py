@@ -70,6 +70,10 @@ class Histogram:
         words[_TOTAL] += value
         words[_MAX] = max(words[_MAX], value)
 
+    def close(self) -> None:
+        """Let go of the memory; nothing else may be called after that."""
+        self._words.release()
+
     def merge(self, other: Histogram) -> None:
         """Add the values of another histogram to this one."""
         mine, theirs = self._words, other._words

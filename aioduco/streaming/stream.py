@@ -103,9 +103,9 @@ class Stream:
     @property
     def commanded(self) -> tuple[float, ...] | None:
         """The last set-point that the lane sent; None before the first, and up to 10 ms old."""
-        point = None if self._host is None else self._host.block.report.newest()
-        if point is not None:
-            self._commanded = point.values
+        if self._host is not None and self._final is None:
+            point = self._host.block.report.newest()
+            self._commanded = self._commanded if point is None else point.values
         return self._commanded
 
     def statistics(self) -> StreamStatistics:
@@ -202,9 +202,12 @@ class Stream:
                 with anyio.move_on_after(1.0):
                     await host.until_gone()
         self._tasks = None
-        self._final = StreamStatistics.of(host)
         if not host.gone and self._minding is not None:
             self._minding.cancel()
+        if host.gone:
+            _ = self.commanded
+            self._final = StreamStatistics.of(host)
+            host.release()
         await tasks.__aexit__(None, None, None)
 
     def _patience(self) -> float:
@@ -228,7 +231,7 @@ class Stream:
 
     def _raise(self, host: Host) -> None:
         """Raise what the end of the stream means, unless it was closed."""
-        error = failure(self._name, host.reason, host.text, StreamStatistics.of(host))
+        error = failure(self._name, host.reason, host.text, self.statistics())
         if error is not None:
             raise error
 
@@ -281,7 +284,11 @@ class Stream:
             SetPointTooFar: two neighbours are too far from one another; nothing was sent.
             StreamError: the stream has ended; says why.
         """
-        await self._feed(await self._sampled(trajectory, times), self._feeding.capacity)
+        points = await self._sampled(trajectory, times)
+        if not self._config["rates"]:
+            # The arm stands at the last point for a tick, so the end is no lack of set-points.
+            points.append(points[-1])
+        await self._feed(points, self._feeding.capacity)
         await self._alive().until_level(0)
         self._alive()
 
@@ -336,20 +343,22 @@ class Stream:
                 ring.overwrite(values, time.monotonic_ns(), extra)
             else:
                 while ring.level >= ahead or not ring.put(values, time.monotonic_ns(), extra):
+                    await self._begin(host)
                     await host.until_level(max(1, ahead * 3 // 4))
                     self._alive()
             self._last = values
-            if not self._begun and number == 1:
-                await self._begin(host)
             if number % _AT_ONCE == 0:
                 await anyio.lowlevel.checkpoint()
                 self._alive()
+        await self._begin(host)
         await anyio.lowlevel.checkpoint()
 
     async def _begin(self, host: Host) -> None:
-        await host.until_begun()
-        self._alive()
-        self._begun = True
+        """Wait, once, until the lane has compared the first set-point with where the arm is."""
+        if not self._begun:
+            await host.until_begun()
+            self._alive()
+            self._begun = True
 
     def _check_step(self, values: tuple[float, ...], before: Any = None) -> None:
         """See that a set-point is not too far from the one before."""

@@ -1,0 +1,125 @@
+"""A controller that answers from a script, and streams that lead to it."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from aioduco.streaming.servo import Servo
+from aioduco.streaming.settings import Endpoint
+from aioduco.testing import RecordingServer, eventually
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+HERE = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
+
+
+@dataclass
+class Controller:
+    """What a script answers, and what it needs to know for it."""
+
+    server: RecordingServer
+    stops: list[str] = field(default_factory=list)
+
+    @property
+    def endpoint(self) -> Endpoint:
+        async def stop() -> None:
+            self.stops.append("stop")
+
+        return Endpoint(self.server.host, self.server.port, stop)
+
+    @staticmethod
+    def nowhere() -> Endpoint:
+        """For streams that are made but never opened."""
+        return Endpoint("127.0.0.1", 1)
+
+    @property
+    def servo(self) -> Servo:
+        return Servo(self.endpoint)
+
+    def points(self, name: str = "servoj") -> list[list[float]]:
+        """The set-points that came, in order."""
+        return [call.args[0] for call in self.server.received(name)]
+
+    def names(self) -> list[str]:
+        """The functions that were called, each once for every run of calls of it."""
+        found: list[str] = []
+        for call in self.server.received():
+            if not found or found[-1] != call.method:
+                found.append(call.method)
+        return found
+
+
+@pytest.fixture
+def controller() -> Iterator[Controller]:
+    answers: dict[str, Any] = {
+        "get_actual_joints_position": HERE,
+        "get_tcp_pose_coord": [0.5, 0.1, 0.4, 3.0, 0.0, 1.0],
+        "get_robot_state": [6, 2, 5, 1],
+        "get_noneblock_taskstate": 1,
+        "stop": 4,
+        "speed_stop": 1002,
+        **dict.fromkeys(("servoj", "servoj_pose", "servo_tcp", "servol"), 1001),
+        **dict.fromkeys(("speedj", "speedl"), 1001),
+    }
+    with RecordingServer(answers) as server:
+        # Its accepting thread opens files of its own, which must not look like a stream's.
+        with socket.create_connection((server.host, server.port)):
+            eventually(lambda: server.connections == 1)
+        eventually(lambda: server.connections == 0)
+        yield Controller(server)
+
+
+class Cycles:
+    """A queue from which a controller takes a point each cycle, by its own clock.
+
+    What it would have taken is reckoned when it is asked, so that no thread of the test has to
+    keep the time.
+    """
+
+    def __init__(self, cycle: float) -> None:
+        self._cycle = cycle
+        self._lock = threading.Lock()
+        self._began: float | None = None
+        self._taken = 0
+        self.points: list[Any] = []
+        self.starved = 0
+
+    def start(self, *_: Any) -> int:
+        with self._lock:
+            self._began = time.monotonic()
+            return 4
+
+    def end(self) -> int:
+        with self._lock:
+            self._advance()
+            self._began = None
+            return 4
+
+    def clear(self) -> int:
+        return 4
+
+    def enqueue(self, points: list[Any], _block: bool) -> int:
+        with self._lock:
+            self._advance()
+            self.points += points
+            return 4
+
+    def size(self) -> int:
+        with self._lock:
+            self._advance()
+            return len(self.points) - self._taken
+
+    def _advance(self) -> None:
+        if self._began is None:
+            return
+        due = int((time.monotonic() - self._began) / self._cycle) - self.starved
+        missing = max(0, due - len(self.points))
+        self.starved += missing
+        self._taken = due - missing

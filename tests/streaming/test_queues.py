@@ -1,0 +1,364 @@
+"""The realtime queue and the track pool: kept filled, and ended in order."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from typing import Any
+
+import anyio
+import numpy as np
+import pytest
+
+from aioduco._wire.rpc import PointOp, RealTimeControlData
+from aioduco.errors import (
+    FirstPointTooFar,
+    ParameterError,
+    StreamRefused,
+    StreamStarved,
+    StreamStopped,
+)
+from aioduco.models.op import Op, output
+from aioduco.streaming.realtime import CYCLE, Realtime
+from aioduco.streaming.settings import LaneOptions
+from aioduco.streaming.source import Reason, State
+from aioduco.streaming.track import Track
+from aioduco.testing import eventually_async, no_leaks
+
+from .conftest import HERE, Controller, Cycles
+
+PROCESS, THREAD = LaneOptions(lane="process"), LaneOptions(lane="thread")
+lanes = pytest.mark.parametrize("options", [PROCESS, THREAD], ids=["process", "thread"])
+
+
+def near(offset: float) -> list[float]:
+    return [angle + offset for angle in HERE]
+
+
+# -- realtime queue ----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def queue(controller: Controller) -> Cycles:
+    cycles = Cycles(CYCLE)
+    for name, answer in {
+        "clear_realtime_data_queue": cycles.clear,
+        "realtime_data_enqueue": cycles.enqueue,
+        "start_realtime_mode": cycles.start,
+        "get_realtime_data_queue_size": cycles.size,
+        "end_realtime_mode": cycles.end,
+    }.items():
+        controller.server.answer(name, answer)
+    return cycles
+
+
+def positions(queue: Cycles) -> Any:
+    return np.array([point.joint_pos_cmd for point in queue.points])
+
+
+@lanes
+async def test_an_array_goes_through_the_queue_from_rest_to_rest(
+    controller: Controller, queue: Cycles, options: LaneOptions
+) -> None:
+    trajectory = np.array([near(0.0), near(0.1), near(0.0)])
+    opened = Realtime(controller.endpoint).stream(
+        "joint_position", v=1.0, a=50.0, depth=60, options=options
+    )
+    async with no_leaks():
+        async with opened as stream:
+            await stream.play(trajectory, [0.0, 0.2, 0.4])
+        statistics = stream.statistics()
+    places = positions(queue)
+    # The queue begins with where the arm is, and ends with nothing but rest.
+    np.testing.assert_allclose(places[:60], [HERE] * 60, atol=1e-12)
+    np.testing.assert_allclose(places[-60:], [HERE] * 60, atol=1e-9)
+    assert np.abs(np.diff(places, axis=0)).max() <= 1.0 * CYCLE * (1 + 1e-6)
+    moving = [tuple(place) for place, _ in itertools.groupby(map(tuple, places))]
+    assert 395 <= len(moving) <= 405
+    assert all(point.status for point in queue.points)
+    assert statistics.reason is Reason.CLOSED
+    assert statistics.queue.samples > 0
+    order = [name for name in controller.names() if name not in ("get_robot_state",)]
+    assert order[:4] == [
+        "get_actual_joints_position",
+        "clear_realtime_data_queue",
+        "realtime_data_enqueue",
+        "start_realtime_mode",
+    ]
+    assert order[-1] == "end_realtime_mode"
+    assert controller.server.received("start_realtime_mode")[0].args == (0, 100.0, 0.02)
+
+
+async def test_the_queue_is_never_filled_beyond_its_depth(
+    controller: Controller, queue: Cycles
+) -> None:
+    depths: list[int] = []
+
+    def enqueue(points: list[RealTimeControlData], block: bool) -> int:
+        answer = queue.enqueue(points, block)
+        depths.append(queue.size())
+        return answer
+
+    controller.server.answer("realtime_data_enqueue", enqueue)
+    opened = Realtime(controller.endpoint).stream(
+        "joint_position", v=1.0, a=50.0, depth=30, options=THREAD
+    )
+    async with opened as stream:
+        await stream.play([near(0.0)] * 300)
+    assert max(depths) <= 30
+
+
+async def test_a_stall_of_the_event_loop_does_not_reach_the_controller(
+    controller: Controller, queue: Cycles
+) -> None:
+    count = 700
+    trajectory = [near(0.02 * (1 - math.cos(math.pi * n / 350))) for n in range(count + 1)]
+    opened = Realtime(controller.endpoint).stream(
+        "joint_position", v=1.0, a=50.0, depth=100, options=PROCESS
+    )
+    async with opened as stream, anyio.create_task_group() as tasks:
+        tasks.start_soon(stream.play, trajectory)
+        await eventually_async(lambda: len(queue.points) > 120)
+        # The server of this test answers from threads that the stall must not hold up: so
+        # it sleeps, as a program that waits for a disk would.
+        time.sleep(0.3)  # noqa: ASYNC251 - the stall is what is tested
+    assert stream.statistics().starved == 0
+    np.testing.assert_allclose(positions(queue)[-1], trajectory[-1], atol=1e-9)
+
+
+async def test_speeds_are_ramped_and_end_at_zero(controller: Controller, queue: Cycles) -> None:
+    opened = Realtime(controller.endpoint).stream(
+        "joint_velocity", v=0.5, a=5.0, latest=True, options=THREAD
+    )
+    async with opened as stream:
+        async for tick in stream.ticks(100.0):
+            await stream.send([0.2, 0.0, 0.0, 0.0, 0.0, -0.2])
+            if tick.number == 20:
+                break
+    speeds = np.array([point.joint_vel_cmd for point in queue.points])
+    assert np.abs(np.diff(speeds, axis=0)).max() <= 5.0 * CYCLE * (1 + 1e-6)
+    assert speeds[:, 0].max() == pytest.approx(0.2)
+    assert not speeds[-40:].any()
+
+
+async def test_starving_ends_in_rest_then_the_mode_then_a_stop(
+    controller: Controller, queue: Cycles
+) -> None:
+    opened = Realtime(controller.endpoint).stream(
+        "joint_position", v=1.0, a=5.0, hold=0.05, options=THREAD
+    )
+
+    async def program() -> None:
+        async with opened as stream:
+            for n in range(200):
+                await stream.send(near(2e-6 * n * n))
+            await stream.ended()
+
+    with pytest.raises(StreamStarved):
+        await program()
+    places = positions(queue)
+    assert np.abs(np.diff(np.diff(places, axis=0), axis=0)).max() / CYCLE**2 <= 5.0 * (1 + 1e-6)
+    assert (places[-40:] == places[-1]).all()
+    assert controller.names()[-2:] == ["end_realtime_mode", "stop"]
+
+
+async def test_a_halt_leaves_realtime_mode_and_sends_no_stop(
+    controller: Controller, queue: Cycles
+) -> None:
+    opened = Realtime(controller.endpoint).stream("joint_position", v=1.0, a=5.0, options=THREAD)
+
+    async def program() -> None:
+        async with opened as stream:
+            await stream.send(HERE)
+            stream.halt()
+
+    with pytest.raises(StreamStopped):
+        await program()
+    assert controller.names()[-1] == "end_realtime_mode"
+
+
+async def test_a_refused_mode_is_an_error_and_nothing_moves(
+    controller: Controller, queue: Cycles
+) -> None:
+    controller.server.answer("start_realtime_mode", 7)
+    opened = Realtime(controller.endpoint).stream("pose", v=0.1, a=0.5, options=THREAD)
+
+    async def program() -> None:
+        async with opened as stream:
+            await stream.send([0.5, 0.1, 0.4, 3.0, 0.0, 1.0])
+
+    with pytest.raises(StreamRefused, match="start_realtime_mode answered 7"):
+        await program()
+    assert controller.server.received("get_tcp_pose_coord")[0].args == ("", "")
+
+
+@pytest.mark.parametrize("mode", ["joint_torque", 2, "nonsense"])
+def test_torques_and_unknown_modes_are_refused(mode: Any) -> None:
+    with pytest.raises(ParameterError, match="joint_position, joint_velocity, pose, twist"):
+        Realtime(Controller.nowhere()).stream(mode, v=1.0, a=1.0)
+
+
+# -- track pool --------------------------------------------------------------------------------
+
+
+class TrackPool:
+    """A pool that is followed at so many points per look at it."""
+
+    def __init__(self, controller: Controller, per_look: int) -> None:
+        self.points: list[Any] = []
+        self.taken = 0
+        self.running = False
+        self.starts = 0
+        self._per_look = per_look
+        for name, answer in {
+            "trackClearQueue": self.clear,
+            "trackEnqueue": self.enqueue,
+            "trackEnqueueOp": self.enqueue,
+            "trackJointMotion": self.start,
+            "trackCartMotion": self.start,
+            "getQueueSize": self.size,
+            "get_noneblock_taskstate": self.state,
+        }.items():
+            controller.server.answer(name, answer)
+
+    def clear(self) -> int:
+        self.taken = len(self.points)
+        return 4
+
+    def enqueue(self, points: list[Any], _block: bool) -> int:
+        if len(self.points) - self.taken + len(points) > 1000:
+            return -1
+        self.points += points
+        return 4
+
+    def start(self, *_: Any) -> int:
+        self.running = True
+        self.starts += 1
+        return 1234
+
+    def size(self) -> int:
+        left = len(self.points) - self.taken
+        self.taken += min(left, self._per_look) if self.running else 0
+        return left
+
+    def state(self, _task: int) -> int:
+        if self.taken == len(self.points):
+            self.running = False
+        return 1 if self.running else 4
+
+
+@lanes
+async def test_the_pool_stays_between_its_marks_and_every_point_arrives(
+    controller: Controller, options: LaneOptions
+) -> None:
+    pool = TrackPool(controller, per_look=30)
+    path = [near(1e-4 * n) for n in range(900)]
+    opened = Track(controller.endpoint).stream(
+        "joints", speed=0.5, acc=1.0, low=50, high=200, options=options
+    )
+    async with opened as stream:
+        await stream.play(path)
+    assert pool.points == path
+    assert pool.starts == 1
+    levels = stream.statistics().queue
+    assert levels.max <= 200
+    assert stream.statistics().drained == 0
+    assert controller.server.received("trackJointMotion")[0].args == (0.5, 1.0, False)
+
+
+async def test_a_path_of_poses_with_outputs(controller: Controller) -> None:
+    pool = TrackPool(controller, per_look=5)
+    start = [0.5, 0.1, 0.4, 3.0, 0.0, 1.0]
+    opened = Track(controller.endpoint).stream(
+        "pose", speed=0.2, acc=0.5, tool="gun", wobj="part", operations=True, options=THREAD
+    )
+    on = Op.at_start(output(3))
+    async with opened as stream:
+        await stream.send(start)
+        await stream.send([0.51, *start[1:]], on)
+    assert pool.points == [PointOp(start, Op().wire()), PointOp([0.51, *start[1:]], on.wire())]
+    assert controller.server.received("trackCartMotion")[0].args == (
+        0.2, 0.5, False, "gun", "part", 0.005,
+    )  # fmt: skip
+
+
+async def test_a_pool_that_ran_dry_is_started_again(controller: Controller) -> None:
+    pool = TrackPool(controller, per_look=1000)
+    opened = Track(controller.endpoint).stream(
+        "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, options=THREAD
+    )
+    async with opened as stream:
+        for n in range(20):
+            await stream.send(near(1e-4 * n))
+        await eventually_async(lambda: stream.state is State.HOLDING)
+        for n in range(20, 40):
+            await stream.send(near(1e-4 * n))
+        await eventually_async(lambda: len(pool.points) == 40)
+    assert pool.starts == 2
+    assert stream.statistics().drained >= 1
+
+
+async def test_a_program_that_feeds_no_more_ends_the_track(controller: Controller) -> None:
+    TrackPool(controller, per_look=1000)
+    opened = Track(controller.endpoint).stream(
+        "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, hold=0.05, options=THREAD
+    )
+
+    async def program() -> None:
+        async with opened as stream:
+            for n in range(20):
+                await stream.send(near(1e-4 * n))
+            await stream.ended()
+
+    with pytest.raises(StreamStarved):
+        await program()
+    assert "trackClearQueue" in controller.names()
+    assert controller.names()[-1] == "stop"
+
+
+async def test_leaving_by_an_error_empties_the_pool(controller: Controller) -> None:
+    pool = TrackPool(controller, per_look=1)
+
+    async def program() -> None:
+        opened = Track(controller.endpoint).stream(
+            "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, options=THREAD
+        )
+        async with opened as stream:
+            for n in range(100):
+                await stream.send(near(1e-4 * n))
+            await eventually_async(lambda: pool.starts == 1)
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        await program()
+    assert pool.taken == len(pool.points) < 100
+    assert controller.names().count("trackClearQueue") == 2
+
+
+async def test_a_full_pool_is_said(controller: Controller) -> None:
+    pool = TrackPool(controller, per_look=1)
+    pool.points = [None] * 950
+    controller.server.answer("trackClearQueue", 4)
+
+    async def program() -> None:
+        opened = Track(controller.endpoint).stream("joints", speed=0.5, acc=1.0, options=THREAD)
+        async with opened as stream:
+            await stream.play([near(1e-4 * n) for n in range(300)])
+
+    with pytest.raises(StreamRefused, match="the pool is full"):
+        await program()
+
+
+async def test_a_track_that_begins_elsewhere_is_refused(controller: Controller) -> None:
+    pool = TrackPool(controller, per_look=1)
+
+    async def program() -> None:
+        opened = Track(controller.endpoint).stream("joints", speed=0.5, acc=1.0, options=THREAD)
+        async with opened as stream:
+            await stream.send(near(0.2))
+
+    with pytest.raises(FirstPointTooFar):
+        await program()
+    assert not pool.points
+    assert pool.starts == 0

@@ -1,0 +1,418 @@
+"""Servo streams, from the program to the wire, in a thread and in a process."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import socket
+import threading
+from typing import TYPE_CHECKING
+
+import anyio
+import numpy as np
+import pytest
+
+from aioduco.errors import (
+    FirstPointTooFar,
+    ParameterError,
+    RobotStateError,
+    SetPointTooFar,
+    StreamClosed,
+    StreamLost,
+    StreamRefused,
+    StreamStarved,
+    StreamStopped,
+)
+from aioduco.streaming.servo import Servo
+from aioduco.streaming.settings import Endpoint, LaneOptions
+from aioduco.streaming.source import Reason, State
+from aioduco.testing import eventually_async, no_leaks
+
+from .conftest import HERE, Controller
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+LANES = [LaneOptions(lane="process"), LaneOptions(lane="thread")]
+THREAD = LaneOptions(lane="thread")
+
+lanes = pytest.mark.parametrize("options", LANES, ids=["process", "thread"])
+
+
+def near(offset: float) -> list[float]:
+    return [angle + offset for angle in HERE]
+
+
+@lanes
+async def test_every_set_point_arrives_in_order_and_the_stream_ends_at_the_last(
+    controller: Controller, options: LaneOptions
+) -> None:
+    sent = [near(0.01 * (1 - math.cos(math.pi * n / 300))) for n in range(301)]
+    async with no_leaks():
+        async with controller.servo.joints(v=1.0, a=5.0, rate=1000, options=options) as stream:
+            for point in sent:
+                await stream.send(point)
+        statistics = stream.statistics()
+    points = controller.points()
+    # A tick without a new set-point repeats the last one.
+    fresh = [point for point, _ in itertools.groupby(points)]
+    assert fresh == sent
+    assert statistics.sent == len(points)
+    assert statistics.state is State.ENDED
+    assert statistics.reason is Reason.CLOSED
+    assert statistics.round_trip.samples == len(points)
+    assert controller.server.received("servoj")[0].args[1:] == (
+        1.0, 5.0, False, 200.0, 25.0, 10.0, 1.0,
+    )  # fmt: skip
+    assert not controller.server.received("stop")
+
+
+@lanes
+async def test_a_stream_without_a_set_point_moves_nothing(
+    controller: Controller, options: LaneOptions
+) -> None:
+    async with controller.servo.joints(v=1.0, a=5.0, options=options):
+        pass
+    assert not controller.points()
+
+
+@lanes
+async def test_a_whole_array_is_played_by_its_times(
+    controller: Controller, options: LaneOptions
+) -> None:
+    trajectory = np.array([near(0.0), near(0.05), near(0.0)])
+    async with controller.servo.joints(v=1.0, a=50.0, rate=500, options=options) as stream:
+        await stream.play(trajectory, [0.0, 0.2, 0.4])
+    points = np.array(controller.points())
+    # 0.4 s at 500 Hz, and what it takes to meet the last point
+    assert 201 <= len(points) <= 210
+    assert points[:, 0].max() == pytest.approx(HERE[0] + 0.05, abs=2e-3)
+    np.testing.assert_allclose(points[-1], HERE, atol=1e-9)
+
+
+async def test_an_iterator_is_followed_to_its_end(controller: Controller) -> None:
+    async def source() -> AsyncIterator[list[float]]:
+        for n in range(20):
+            yield near(1e-5 * n * n)
+
+    async with controller.servo.joints(v=1.0, a=50.0, options=THREAD) as stream:
+        await stream.follow(source())
+    assert controller.points()[-1] == pytest.approx(near(1e-5 * 19 * 19))
+
+
+async def test_ticks_carry_the_time_and_end_with_the_stream(controller: Controller) -> None:
+    stream = controller.servo.joints(v=1.0, a=5.0, latest=True, options=THREAD)
+
+    async def program() -> None:
+        async with stream:
+            before = -1.0
+            async for tick in stream.ticks(200.0):
+                assert tick.time > before
+                assert tick.dt > 0
+                before = tick.time
+                if tick.number == 20:
+                    stream.halt()
+                await stream.send(HERE)
+
+    with pytest.raises(StreamStopped):
+        await program()
+
+
+async def test_latest_wins_and_send_does_not_wait(controller: Controller) -> None:
+    async with controller.servo.joints(
+        v=1.0, a=50.0, rate=50, latest=True, options=THREAD
+    ) as stream:
+        await stream.send(HERE)
+        for n in range(400):
+            await stream.send(near(1e-5 * n))
+    assert stream.statistics().overwritten > 300
+    assert controller.points()[-1] == pytest.approx(near(1e-5 * 399))
+
+
+async def test_send_waits_while_enough_are_queued(controller: Controller) -> None:
+    async with controller.servo.joints(v=1.0, a=50.0, rate=200, ahead=3, options=THREAD) as stream:
+        for _ in range(30):
+            await stream.send(HERE)
+            assert stream.statistics().queued <= 3
+
+
+async def test_low_rate_targets_are_brought_up_within_the_limits(controller: Controller) -> None:
+    async with controller.servo.joints(
+        v=2.0, a=15.0, jerk=300.0, rate=500, source_rate=30, upsample="ruckig", options=THREAD
+    ) as stream:
+        for n in range(20):
+            await stream.send(near(0.05 * (1 - math.cos(0.3 * n))))
+    places = np.array(controller.points())
+    steps = np.vstack([np.zeros((3, 6)), np.diff(places, axis=0)])
+    assert len(places) > 19 * 500 / 30
+    assert np.abs(np.diff(steps, n=2, axis=0)).max() * 500**3 <= 300.0 * 1.01
+    np.testing.assert_allclose(places[-1], near(0.05 * (1 - math.cos(0.3 * 19))), atol=1e-8)
+
+
+# -- how it ends -------------------------------------------------------------------------------
+
+
+@lanes
+async def test_starving_brings_the_arm_to_rest_and_stops_it(
+    controller: Controller, options: LaneOptions
+) -> None:
+    stream = controller.servo.joints(v=1.0, a=5.0, rate=500, hold=0.05, options=options)
+
+    async def program() -> None:
+        async with stream:
+            for n in range(100):
+                await stream.send(near(5e-6 * n * n))
+            await stream.ended()
+
+    with pytest.raises(StreamStarved, match="longer than the hold time"):
+        await program()
+    places = np.array(controller.points())[:, 0]
+    changes = np.diff(np.diff(places)) * 500**2
+    assert np.abs(changes).max() <= 5.0 * (1 + 1e-6)
+    assert controller.names()[-1] == "stop"
+    assert stream.statistics().starved > 0
+
+
+@lanes
+async def test_an_error_in_the_program_decelerates_the_arm(
+    controller: Controller, options: LaneOptions
+) -> None:
+    stream = controller.servo.joints(v=1.0, a=5.0, rate=500, options=options)
+
+    async def program() -> None:
+        async with stream:
+            for n in range(100):
+                await stream.send(near(5e-6 * n * n))
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        await program()
+    places = np.array(controller.points())[:, 0]
+    assert np.abs(np.diff(np.diff(places))).max() * 500**2 <= 5.0 * (1 + 1e-6)
+    assert places[-1] == places[-2]
+    assert stream.statistics().reason is Reason.ABORTED
+
+
+@lanes
+async def test_cancellation_decelerates_the_arm_before_it_goes_on(
+    controller: Controller, options: LaneOptions
+) -> None:
+    stream = controller.servo.joints(v=1.0, a=5.0, rate=500, options=options)
+    async with no_leaks():
+        with anyio.CancelScope() as scope:
+            async with stream:
+                for n in range(1000):
+                    if n == 100:
+                        scope.cancel()
+                    await stream.send(near(5e-6 * n * n))
+        assert stream.statistics().reason is Reason.ABORTED
+    places = np.array(controller.points())[:, 0]
+    assert places[-1] == places[-2]
+    assert np.abs(np.diff(np.diff(places))).max() * 500**2 <= 5.0 * (1 + 1e-6)
+
+
+@lanes
+async def test_a_halt_ends_the_stream_at_once_and_sends_no_stop_of_its_own(
+    controller: Controller, options: LaneOptions
+) -> None:
+    endpoint = controller.endpoint
+    counts: list[int] = []
+    stream = Servo(endpoint).joints(v=1.0, a=5.0, rate=500, options=options)
+
+    async def program() -> None:
+        async with stream:
+            await stream.send(HERE)
+            assert endpoint.streams.halt()
+            await endpoint.streams.settled()
+            counts.append(len(controller.points()))
+            with pytest.raises(StreamStopped):
+                await stream.send(HERE)
+
+    with pytest.raises(StreamStopped):
+        await program()
+    assert [len(controller.points())] == counts
+    assert not controller.server.received("stop")
+    assert len(endpoint.streams) == 0
+    assert not endpoint.streams.halt()
+
+
+@lanes
+async def test_a_first_point_too_far_is_refused_before_anything_is_sent(
+    controller: Controller, options: LaneOptions
+) -> None:
+    stream = controller.servo.joints(v=1.0, a=5.0, reach=0.1, options=options)
+
+    async def program() -> None:
+        async with stream:
+            await stream.send(near(0.11))
+
+    with pytest.raises(FirstPointTooFar):
+        await program()
+    assert not controller.points()
+    assert not controller.server.received("stop")
+
+
+async def test_a_step_too_large_is_refused_and_the_stream_goes_on(controller: Controller) -> None:
+    async with controller.servo.joints(v=1.0, a=5.0, max_step=0.1, options=THREAD) as stream:
+        await stream.send(HERE)
+        with pytest.raises(SetPointTooFar, match="within"):
+            await stream.send(near(0.2))
+        with pytest.raises(SetPointTooFar):
+            await stream.play([near(0.0), near(0.05), near(0.2)])
+        with pytest.raises(ParameterError):
+            await stream.send([0.0] * 5)
+        with pytest.raises(ParameterError):
+            await stream.send([float("nan")] * 6)
+        await stream.send(near(0.001))
+    assert controller.points()[-1] == pytest.approx(near(0.001))
+
+
+@lanes
+async def test_a_refused_set_point_ends_the_stream_and_stops_the_robot(
+    controller: Controller, options: LaneOptions
+) -> None:
+    stream = controller.servo.joints(v=1.0, a=5.0, rate=200, options=options)
+
+    async def program() -> None:
+        async with stream:
+            for n in range(1000):
+                if n == 20:
+                    controller.server.answer("servoj", -1)
+                await stream.send(HERE)
+
+    with pytest.raises(StreamRefused, match="servoj answered -1"):
+        await program()
+    assert controller.names()[-1] == "stop"
+
+
+@pytest.mark.parametrize(
+    ("function", "answer", "error", "stops"),
+    [
+        ("get_robot_state", [5, 0, 9, 1], StreamRefused, True),
+        ("get_noneblock_taskstate", 7, StreamRefused, True),
+        ("get_noneblock_taskstate", 3, StreamStopped, False),
+    ],
+)
+async def test_the_lane_sees_when_the_controller_does_not_follow_any_more(
+    controller: Controller, function: str, answer: object, error: type[Exception], stops: bool
+) -> None:
+    options = LaneOptions(lane="thread", watch=0.02)
+    stream = controller.servo.joints(v=1.0, a=5.0, options=options)
+
+    async def program() -> None:
+        async with stream:
+            for n in range(1000):
+                if n == 20:
+                    controller.server.answer(function, answer)
+                await stream.send(HERE)
+
+    with pytest.raises(error):
+        await program()
+    assert bool(controller.server.received("stop")) == stops
+
+
+async def test_a_controller_that_answers_no_more_ends_the_stream_and_is_told_to_stop(
+    controller: Controller,
+) -> None:
+    gate = threading.Event()
+    stuck = [20]
+
+    def servoj(*_: object) -> int:
+        stuck[0] -= 1
+        if stuck[0] < 0:
+            gate.wait(20)
+        return 1001
+
+    controller.server.answer("servoj", servoj)
+    options = LaneOptions(lane="thread", timeout=0.1)
+    stream = controller.servo.joints(v=1.0, a=5.0, options=options)
+    try:
+
+        async def program() -> None:
+            async with stream:
+                while True:
+                    await stream.send(HERE)
+
+        with pytest.raises(StreamLost, match="servoj"):
+            await program()
+        assert controller.names()[-1] == "stop"
+    finally:
+        gate.set()
+
+
+async def test_no_controller_is_said_before_anything_happens() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as closed:
+        port = closed.getsockname()[1]
+    stream = Servo(Endpoint("127.0.0.1", port)).joints(v=1.0, a=5.0)
+    async with no_leaks():
+        with pytest.raises(StreamLost, match="cannot connect"):
+            async with stream:
+                raise AssertionError("entered")
+
+
+async def test_one_stream_at_a_time(controller: Controller) -> None:
+    servo = controller.servo
+    async with servo.joints(v=1.0, a=5.0, options=THREAD):
+        with pytest.raises(RobotStateError, match="is open on this robot"):
+            async with servo.tcp_offset(v=1.0, a=5.0, options=THREAD):
+                raise AssertionError("entered")
+    async with servo.tcp_offset(v=1.0, a=5.0, options=THREAD):
+        pass
+
+
+async def test_a_closed_stream_takes_nothing(controller: Controller) -> None:
+    stream = controller.servo.joints(v=1.0, a=5.0, options=THREAD)
+    with pytest.raises(StreamClosed, match="not open"):
+        await stream.send(HERE)
+    async with stream:
+        await stream.send(HERE)
+    with pytest.raises(StreamClosed):
+        await stream.send(HERE)
+
+
+# -- poses and offsets -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["pose", "linear"])
+async def test_poses_turn_the_shorter_way_and_carry_tool_and_work_object(
+    controller: Controller, kind: str
+) -> None:
+    start = [0.5, 0.1, 0.4, 3.0, 0.0, 1.0]
+    opened = getattr(controller.servo, kind)(
+        v=1.0, a=5.0, tool="gripper", wobj="table", rate=200, source_rate=50, upsample="linear",
+        q_near=HERE, options=THREAD,
+    )  # fmt: skip
+    async with opened as stream:
+        for n in range(10):
+            await stream.send([0.5 + 1e-4 * n, 0.1, 0.4, 3.0 + 0.03 * n, 0.0, 1.0])
+    assert controller.server.received("get_tcp_pose_coord")[0].args == ("gripper", "table")
+    name = "servoj_pose" if kind == "pose" else "servol"
+    calls = controller.server.received(name)
+    assert calls[0].args[3:7] == (HERE, "gripper", "table", False)
+    poses = np.array([call.args[0] for call in calls])
+    np.testing.assert_allclose(poses[0][:3], start[:3], atol=1e-3)
+    # 3.0 + 0.27 is beyond π: the angle that is sent goes on at the other end of its range
+    assert poses[-1][3] == pytest.approx(3.27 - 2 * math.pi, abs=1e-9)
+    assert np.abs(np.diff(poses[:, 0])).max() < 1e-3
+
+
+async def test_offsets_are_ramped_and_end_at_zero(controller: Controller) -> None:
+    opened = controller.servo.tcp_offset(
+        v=1.0, a=5.0, max_offset=(0.002, 0.02), ramp=0.1, rate=200, options=THREAD
+    )
+    async with opened as stream:
+        for _ in range(40):
+            await stream.send([0.01, 0.0, 0.0, 0.0, 0.0, 0.0])
+            await anyio.sleep(0.005)
+    offsets = np.array([call.args[0] for call in controller.server.received("servo_tcp")])
+    assert offsets[:, 0].max() == pytest.approx(0.002)
+    assert np.abs(np.diff(offsets[:, 0])).max() <= 0.002 / 0.1 / 200 + 1e-12
+    assert not offsets[-1].any()
+
+
+async def test_commanded_is_what_the_lane_sent_last(controller: Controller) -> None:
+    async with controller.servo.joints(v=1.0, a=5.0, rate=200, options=THREAD) as stream:
+        assert stream.commanded is None
+        await stream.send(near(0.0))
+        await stream.send(near(1e-4))
+        await eventually_async(lambda: stream.commanded == tuple(near(1e-4)))

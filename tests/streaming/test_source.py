@@ -1,0 +1,230 @@
+"""The states of a stream: what leads from one to another, and what is sent meanwhile."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from aioduco.streaming.limits import Limits
+from aioduco.streaming.rates import Rates
+from aioduco.streaming.ring import SetPoint
+from aioduco.streaming.source import Reason, Source, State
+from aioduco.streaming.space import JOINT_SPACE, Config
+from aioduco.streaming.upsample import Follower
+
+PERIOD = 0.01
+HOLD = 0.1
+ZERO = (0.0,) * 6
+LIMITS = Limits((1.0,) * 6, (10.0,) * 6)
+
+
+class Bench:
+    """A source, what it is fed with, and what it gave."""
+
+    def __init__(self, *, rates: bool = False, paced: bool = True, way: str = "none") -> None:
+        self.source = Source(
+            JOINT_SPACE,
+            PERIOD,
+            hold=HOLD,
+            interval=PERIOD if paced else None,
+            paced=paced,
+            reach=(0.1,) * 6,
+            rates=rates,
+        )
+        follower = (
+            Rates(JOINT_SPACE, LIMITS, PERIOD)
+            if rates
+            else Follower(way, JOINT_SPACE, LIMITS, PERIOD, ZERO)
+        )
+        self.source.begin(follower)
+        self.fed: list[Config] = []
+        self.given: list[Config | None] = []
+        self._number = 0
+
+    def take(self) -> SetPoint | None:
+        if not self.fed:
+            return None
+        self._number += 1
+        return SetPoint(self._number, self._number * round(PERIOD * 1e9), self.fed.pop(0), b"")
+
+    def step(self, *points: float, ticks: int = 1) -> State:
+        self.fed += [(value,) * 6 for value in points]
+        for _ in range(max(ticks, len(points))):
+            self.given.append(self.source.step(self.take))
+        return self.source.state
+
+    @property
+    def last(self) -> Config:
+        return next(point for point in reversed(self.given) if point is not None)
+
+    def to_the_end(self) -> None:
+        for _ in range(10_000):
+            if self.step() is State.ENDED:
+                return
+        raise AssertionError(f"not ended: {self.source.state}")
+
+
+def test_nothing_is_sent_before_the_first_set_point() -> None:
+    bench = Bench()
+    assert bench.step(ticks=50) is State.WAITING
+    assert bench.given == [None] * 50
+
+
+def test_set_points_pass_in_order_one_per_tick() -> None:
+    bench = Bench()
+    ramp = [0.0005 * n * n for n in range(8)]
+    assert bench.step(*ramp) is State.FOLLOWING
+    assert bench.given == [(value,) * 6 for value in ramp]
+
+
+def test_a_first_set_point_too_far_ends_and_nothing_is_sent() -> None:
+    bench = Bench()
+    assert bench.step(0.11) is State.ENDED
+    assert bench.source.reason is Reason.TOO_FAR
+    assert bench.given == [None]
+
+
+def test_late_set_points_lead_to_holding_and_back() -> None:
+    bench = Bench()
+    bench.step(0.0, 0.001, 0.002)
+    assert bench.step(ticks=5) is State.HOLDING
+    assert 1 <= bench.source.starved < 5
+    assert bench.last == (0.002,) * 6
+    assert bench.step(0.003) is State.FOLLOWING
+    assert bench.source.reason is Reason.NONE
+
+
+def test_starving_longer_than_the_hold_time_decelerates_and_ends() -> None:
+    bench = Bench()
+    bench.step(*[0.005 * n for n in range(20)])
+    seen = [bench.step() for _ in range(12)]
+    assert State.HOLDING in seen
+    assert bench.source.reason is Reason.STARVED
+    bench.to_the_end()
+    assert bench.given[-1] is None or bench.given[-1] == bench.last
+    assert bench.source.reason is Reason.STARVED
+
+
+@pytest.mark.parametrize("way", ["none", "linear", "cubic"])
+def test_closing_follows_what_was_sent_to_its_end(way: str) -> None:
+    bench = Bench(way=way)
+    bench.fed = [(0.002 * n,) * 6 for n in range(30)]
+    bench.source.close()
+    bench.to_the_end()
+    assert bench.source.reason is Reason.CLOSED
+    assert bench.last == (0.002 * 29,) * 6
+
+
+def test_closing_before_the_first_set_point_ends_at_once() -> None:
+    bench = Bench()
+    bench.source.close()
+    assert bench.step() is State.ENDED
+    assert bench.source.reason is Reason.CLOSED
+    assert bench.given == [None]
+
+
+def test_braking_takes_nothing_more_and_comes_to_rest_within_the_limits() -> None:
+    bench = Bench()
+    bench.step(*[0.0005 * n * n for n in range(10)])
+    speed = 0.0085 / PERIOD
+    bench.fed = [(1.0,) * 6] * 10
+    bench.source.brake(Reason.PROGRAM_DIED)
+    bench.to_the_end()
+    assert bench.source.reason is Reason.PROGRAM_DIED
+    assert len(bench.fed) == 10
+    places = [point[0] for point in bench.given if point is not None]
+    steps = [b - a for a, b in itertools.pairwise(places)]
+    changes = [abs(b - a) / PERIOD**2 for a, b in itertools.pairwise(steps)]
+    assert max(changes) <= 10.0 * (1 + 1e-6)
+    assert steps[-1] == 0
+    assert len(places) - 10 == pytest.approx(speed / 10.0 / PERIOD, abs=1.5)
+
+
+def test_ending_sends_nothing_more_at_once() -> None:
+    bench = Bench()
+    bench.step(0.0, 0.001, 0.002)
+    bench.source.end(Reason.STOPPED)
+    bench.step(0.003, 0.004)
+    assert bench.given[3:] == [None, None]
+    assert bench.source.reason is Reason.STOPPED
+
+
+def test_the_first_reason_stays() -> None:
+    bench = Bench()
+    bench.step(0.0, 0.005, 0.01)
+    bench.source.brake(Reason.STARVED)
+    bench.source.brake(Reason.ABORTED)
+    bench.source.end(Reason.STOPPED)
+    assert bench.source.reason is Reason.STARVED
+    assert bench.source.state is State.ENDED
+
+
+def test_a_stream_of_speeds_keeps_its_speed_then_ramps_to_zero() -> None:
+    bench = Bench(rates=True)
+    bench.step(*[0.5] * 10)
+    assert bench.last == (0.5,) * 6
+    assert bench.step(ticks=5) is State.HOLDING
+    assert bench.last == (0.5,) * 6
+    bench.to_the_end()
+    assert bench.source.reason is Reason.STARVED
+    assert bench.last == ZERO
+    speeds = [point[0] for point in bench.given if point is not None]
+    assert max(abs(b - a) for a, b in itertools.pairwise(speeds)) <= 10.0 * PERIOD + 1e-9
+
+
+def test_a_stream_of_speeds_ends_at_zero_when_closed() -> None:
+    bench = Bench(rates=True)
+    bench.step(*[0.5] * 10)
+    bench.source.close()
+    bench.to_the_end()
+    assert bench.source.reason is Reason.CLOSED
+    assert bench.last == ZERO
+
+
+EVENTS = st.lists(
+    st.one_of(
+        st.floats(-0.3, 0.3),
+        st.sampled_from(["tick", "close", "starve", "brake", "end"]),
+    ),
+    max_size=60,
+)
+
+
+@given(EVENTS, st.booleans(), st.booleans(), st.sampled_from(["none", "linear", "cubic", "ruckig"]))
+def test_whatever_happens_limits_hold_and_the_end_is_final(
+    events: list[float | str], rates: bool, paced: bool, way: str
+) -> None:
+    bench = Bench(rates=rates, paced=paced, way="none")
+    if not rates and way == "ruckig":
+        limits = Limits((1.0,) * 6, (10.0,) * 6, (100.0,) * 6)
+        bench.source.begin(Follower(way, JOINT_SPACE, limits, PERIOD, ZERO))
+    ended_at: int | None = None
+    for event in events:
+        match event:
+            case float():
+                bench.step(event)
+            case "tick":
+                bench.step()
+            case "starve":
+                bench.step(ticks=12)
+            case "close":
+                bench.source.close()
+            case "brake":
+                bench.source.brake(Reason.ABORTED)
+            case "end":
+                bench.source.end(Reason.STOPPED)
+        if ended_at is None and bench.source.state is State.ENDED:
+            ended_at = len(bench.given)
+    if ended_at is not None:
+        assert all(point is None for point in bench.given[ended_at:])
+        assert bench.source.reason is not Reason.NONE
+    points = [ZERO, *(point for point in bench.given if point is not None)]
+    for before, after in itertools.pairwise(points):
+        for a, b in zip(before, after, strict=True):
+            assert math.isfinite(b)
+            # a speed of 1 per second at most, or for speeds a change of 10 per second
+            assert abs(b - a) <= (10.0 if rates else 1.0) * PERIOD * (1 + 1e-6)
