@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import contextlib
+import select
 import signal
-from queue import SimpleQueue
-from typing import Annotated
+import socket
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from aioduco.cli import extras
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
 __all__ = ["sim"]
+
+ENDS = (signal.SIGINT, signal.SIGTERM)
 
 
 def sim(
@@ -31,22 +37,33 @@ def sim(
     extras.arm(model)
     from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this command alone
 
-    # Not an event: a signal handler that sets one can meet the lock that its own thread holds.
-    ended: SimpleQueue[str] = SimpleQueue()
-    simulator = Simulator(
-        model,
-        host=host,
-        port=port,
-        speed=speed,
-        on_shutdown=lambda: ended.put("a client shut it down"),
-    )
-    try:
-        simulator.start()
-    except OSError as error:
-        typer.echo(f"cannot listen on {host}:{port}: {error.strerror or error}", err=True)
-        raise typer.Exit(1) from None
-    with contextlib.closing(simulator):
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, lambda *_: ended.put("told to end"))
-        typer.echo(f"simulated {model} on {simulator.host}:{simulator.port}; Ctrl-C ends it")
-        typer.echo(ended.get())
+    with _bell() as (heard, ring):
+        simulator = Simulator(model, host=host, port=port, speed=speed, on_shutdown=ring)
+        try:
+            simulator.start()
+        except OSError as error:
+            typer.echo(f"cannot listen on {host}:{port}: {error.strerror or error}", err=True)
+            raise typer.Exit(1) from None
+        with contextlib.closing(simulator):
+            typer.echo(f"simulated {model} on {simulator.host}:{simulator.port}; Ctrl-C ends it")
+            select.select([heard], [], [])
+
+
+@contextlib.contextmanager
+def _bell() -> Iterator[tuple[socket.socket, Callable[[], object]]]:
+    """A socket that can be read from once a signal came, or once something rang.
+
+    The system may hand a signal to any thread, also to one of a library; what the main thread
+    waits in would then not end. The byte that is written for it ends a `select` in any case.
+    """
+    heard, rung = socket.socketpair()
+    with heard, rung:
+        rung.setblocking(False)
+        before = signal.set_wakeup_fd(rung.fileno(), warn_on_full_buffer=False)
+        handlers = {number: signal.signal(number, lambda *_: None) for number in ENDS}
+        try:
+            yield heard, lambda: rung.send(b"!")
+        finally:
+            for number, handler in handlers.items():
+                signal.signal(number, handler)
+            signal.set_wakeup_fd(before)

@@ -30,6 +30,8 @@ __all__ = ["demo"]
 
 NOT_CONFIRMED = 3
 OUTPUT = Path("-")
+#: where the simulated arm stands at first, as if someone had left it there [rad]
+LEFT = (-0.7, -0.4, 1.2, 0.1, -1.1, 0.2)
 
 
 def demo(
@@ -61,7 +63,7 @@ def demo(
     else:
         from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this case alone
 
-        with Simulator.spawn(model=model, speed=speed) as sim:
+        with Simulator.spawn(model=model, speed=speed, joints=LEFT) as sim:
             report = Report(model, f"{sim.host}:{sim.port}", simulated=True, speed=speed)
             ended_by = _perform(sim.host, sim.port, plan, report, console)
 
