@@ -1,13 +1,14 @@
-"""A program that moves the arm until it is ended: to be killed, frozen, interrupted.
+"""A program that moves the arm, and ends, or is ended, in one way or another.
 
-    python program.py HOST PORT HEARTBEAT HANG
+    python program.py HOST PORT HEARTBEAT END
 
-It writes a line when the arm moves. HEARTBEAT is in seconds, 0 for none. HANG is the number of
-seconds after that line for which it blocks its event loop.
+It writes a line when the arm moves. HEARTBEAT is in seconds, 0 for none. END is what it does then:
+one of the methods of `Ends`.
 """
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 
@@ -19,25 +20,61 @@ import aioduco
 LEFT = (0.4, 0.0, 1.57, 0.0, -1.57, 0.0)
 RIGHT = (-0.4, 0.1, 1.4, 0.0, -1.57, 0.2)
 
+#: s for which it hangs
+HANG = 1.5
 
-async def main(host: str, port: int, heartbeat: float | None, hang: float) -> None:
-    async with aioduco.connect(
-        host, port, heartbeat=heartbeat, loop_stall_limit=heartbeat or 1.0
-    ) as robot:
+
+class Ends:
+    """What the program does while the arm moves."""
+
+    def __init__(self, robot: aioduco.Robot, task: aioduco.Task) -> None:
+        self.robot = robot
+        self.task = task
+
+    async def never(self) -> None:
+        """Move on for ever, with two motions on their way, so that there is a queue to drop."""
+        motion = self.robot.motion
+        await self.task
+        while True:
+            await motion.run(
+                motion.movej2(RIGHT, v=0.5, a=4.0, r=0.1), motion.movej2(LEFT, v=0.5, a=4.0)
+            )
+
+    async def hang(self) -> None:
+        """Block the event loop, then move on."""
+        time.sleep(HANG)  # noqa: ASYNC251 - it is what is to be tested
+        await self.never()
+
+    async def error(self) -> None:
+        """A defect."""
+        raise KeyError("no such part")
+
+    async def leave(self) -> None:
+        """sys.exit in the middle."""
+        sys.exit(3)
+
+    async def vanish(self) -> None:
+        """End the process without a word."""
+        os._exit(3)
+
+    async def forget(self) -> None:
+        """End the program without closing the robot."""
+
+
+async def main(host: str, port: int, heartbeat: float | None, end: str) -> None:
+    robot = aioduco.connect(host, port, heartbeat=heartbeat, loop_stall_limit=heartbeat or 1.0)
+    await robot.open()
+    try:
         await robot.bring_up()
         task = await robot.motion.movej2(LEFT, v=0.5, a=4.0).start()
         sys.stdout.write("moving\n")
         sys.stdout.flush()
-        time.sleep(hang)  # noqa: ASYNC251 - a program that hangs
-        await task
-        while True:
-            # two on their way at all times, so that there is always a queue to be dropped
-            await robot.motion.run(
-                robot.motion.movej2(RIGHT, v=0.5, a=4.0, r=0.1),
-                robot.motion.movej2(LEFT, v=0.5, a=4.0),
-            )
+        await getattr(Ends(robot, task), end)()
+    finally:
+        if end != "forget":
+            await robot.aclose()
 
 
 if __name__ == "__main__":
-    _, given_host, given_port, beat, block = sys.argv
-    anyio.run(main, given_host, int(given_port), float(beat) or None, float(block))
+    _, given_host, given_port, beat, given_end = sys.argv
+    anyio.run(main, given_host, int(given_port), float(beat) or None, given_end)

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
@@ -36,10 +37,10 @@ def sim() -> Iterator[Simulator]:
 
 @contextmanager
 def running(
-    sim: Simulator, heartbeat: float = HEARTBEAT, hang: float = 0.0
+    sim: Simulator, end: str = "never", heartbeat: float = HEARTBEAT
 ) -> Iterator[subprocess.Popen[bytes]]:
     """The program in a process of its own, from its first motion on."""
-    options = [sim.host, str(sim.port), str(heartbeat), str(hang)]
+    options = [sim.host, str(sim.port), str(heartbeat), end]
     with subprocess.Popen(
         [sys.executable, str(Path(program.__file__)), *options],
         stdout=subprocess.PIPE,
@@ -109,18 +110,56 @@ def test_the_arm_stands_while_the_program_is_frozen_and_after(
 
 
 def test_the_arm_stands_while_the_event_loop_hangs(sim: Simulator) -> None:
-    with running(sim, hang=1.5) as child:
+    with running(sim, "hang") as child:
         began = sim.time
         stands_soon(sim, began + HEARTBEAT)
         assert child.wait() != 0
         assert idle(sim), unrest(sim)
 
 
-@pytest.mark.parametrize("times", [1, 2, 3])
-def test_the_arm_stands_when_an_interrupted_program_has_ended(sim: Simulator, times: int) -> None:
-    with running(sim) as child:
-        for _ in range(times):
-            child.send_signal(signal.SIGINT)
+@pytest.mark.parametrize("end", ["error", "leave"])
+def test_the_arm_stands_when_a_program_that_fails_has_ended(sim: Simulator, end: str) -> None:
+    with running(sim, end) as child:
         assert child.wait() != 0
+        # at once: the program saw it stand
         assert idle(sim), unrest(sim)
         assert not sim.moving
+
+
+@pytest.mark.parametrize("end", ["vanish", "forget"])
+def test_the_arm_stands_after_a_program_that_did_not_close(sim: Simulator, end: str) -> None:
+    with running(sim, end) as child:
+        child.wait()
+        began = sim.time
+        eventually(lambda: sim.connections == 0)
+        stands_soon(sim, began)
+
+
+def interrupt(sim: Simulator, child: subprocess.Popen[bytes], gaps: tuple[float, ...]) -> None:
+    """Press Ctrl-C once after each of these times, and wait for the end of the program."""
+    for gap in gaps:
+        due = sim.time + gap
+        sim.wait_until(partial(_later, sim, due))
+        child.send_signal(signal.SIGINT)
+    assert child.wait() != 0
+
+
+def _later(sim: Simulator, due: float) -> bool:
+    return sim.time >= due
+
+
+@pytest.mark.parametrize("gaps", [(0.0,), (0.2,), (0.0, 0.0), (0.1, 0.003), (0.0, 0.02)])
+def test_the_arm_stands_when_an_interrupted_program_has_ended(
+    sim: Simulator, gaps: tuple[float, ...]
+) -> None:
+    with running(sim) as child:
+        interrupt(sim, child, gaps)
+        assert idle(sim), unrest(sim)
+        assert not sim.moving
+
+
+def test_the_arm_stands_after_a_program_that_was_interrupted_thrice(sim: Simulator) -> None:
+    """The third interrupt breaks the event loop itself; the stop has been sent by then."""
+    with running(sim) as child:
+        interrupt(sim, child, (0.1, 0.001, 0.003))
+        stands_soon(sim, sim.time)
