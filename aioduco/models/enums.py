@@ -8,6 +8,7 @@ of its value.
 from __future__ import annotations
 
 from enum import Enum, IntEnum
+from typing import Self
 
 __all__ = [
     "FileKind",
@@ -31,6 +32,10 @@ class _WireEnum(IntEnum):
         member._name_ = f"UNKNOWN_{value}"
         member._value_ = value
         return member
+
+    def __reduce_ex__(self, _protocol: object) -> tuple[type[Self], tuple[int]]:
+        # By value: Python 3.11.2 pickles members by a name that unlisted ones do not have.
+        return type(self), (int(self),)
 
     @property
     def known(self) -> bool:
