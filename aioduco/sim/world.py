@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-import mujoco
 import numpy as np
 
 from aioduco.sim.mjcf import mjcf
@@ -15,6 +14,10 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.mover import SetPoint
+
+    mujoco: Any  # its bindings are compiled, without types
+else:
+    import mujoco
 
 __all__ = ["World"]
 

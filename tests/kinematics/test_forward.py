@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-import mujoco
 import numpy as np
 import pytest
 from eaik.IK_DH import DhRobot
@@ -21,6 +21,7 @@ from aioduco.sim.mjcf import mjcf
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
+mujoco: Any = importlib.import_module("mujoco")  # compiled, without types
 ANGLE = st.floats(-2 * math.pi, 2 * math.pi).map(lambda angle: round(angle, 12))
 JOINTS = st.lists(ANGLE, min_size=6, max_size=6).map(np.array)
 ARMS = [arm(model) for model in models()]

@@ -196,7 +196,7 @@ def test_a_pose_is_not_taken_for_joints_nor_joints_for_a_pose() -> None:
     with pytest.raises(ParameterError, match=r"x, y, z \[m\]"):
         Pose.of(Joints(0, 0, 0, 0, 0, 0))
     with pytest.raises(TypeError, match="composes with a Pose"):
-        Pose(0, 0, 0, 0, 0, 0) @ np.eye(4)
+        _ = Pose(0, 0, 0, 0, 0, 0) @ np.eye(4)
 
 
 def test_the_error_names_the_parameter_the_value_and_the_units() -> None:
