@@ -108,6 +108,11 @@ class Stream:
             self._commanded = self._commanded if point is None else point.values
         return self._commanded
 
+    @property
+    def pid(self) -> int | None:
+        """The lane's process; None for a thread, and before it is started."""
+        return None if self._host is None else self._host.pid
+
     def statistics(self) -> StreamStatistics:
         """Read the figures as they are now, or as they were at the end.
 

@@ -1,0 +1,209 @@
+"""Whoever dies, in whatever way: the arm comes to rest and stands, and nothing is left."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import anyio
+import numpy as np
+import pytest
+
+from aioduco.errors import LaneFailed
+from aioduco.streaming.servo import Servo
+from aioduco.streaming.settings import LaneOptions
+from aioduco.testing import eventually, eventually_async, no_leaks
+
+from .conftest import HERE, Controller
+
+RATE = 500
+ACCELERATION = 5.0
+
+PROGRAM = """
+import sys
+import anyio
+from aioduco.streaming.servo import Servo
+from aioduco.streaming.settings import Endpoint, LaneOptions
+
+here = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
+
+async def main(host, port, lane):
+    stream = Servo(Endpoint(host, int(port))).joints(
+        v=1.0, a=5.0, rate=500, options=LaneOptions(lane=lane)
+    )
+    async with stream:
+        number = 0
+        while True:
+            # speeds up to 0.4 rad/s, then goes on at that
+            way = 5e-6 * number**2 if number < 80 else 0.032 + 8e-4 * (number - 80)
+            await stream.send([angle + way for angle in here])
+            if number == 200:
+                print(stream.pid, flush=True)
+            number += 1
+
+anyio.run(main, *sys.argv[1:])
+"""
+
+
+def alive(pid: int) -> bool:
+    try:
+        return "Z" not in Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+
+
+def start(controller: Controller) -> tuple[subprocess.Popen[str], int]:
+    """A program in the middle of a stream, and its lane's process."""
+    server = controller.server
+    program = subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, server.host, str(server.port), "process"],
+        stdout=subprocess.PIPE,
+        text=True,
+        # a group of its own, so that a test can send it what a terminal would
+        process_group=0,
+    )
+    assert program.stdout is not None
+    lane = int(program.stdout.readline())
+    assert alive(lane)
+    return program, lane
+
+
+def decelerated(controller: Controller) -> bool:
+    """Whether what was sent came to rest within the limit of acceleration."""
+    places = np.array(controller.points())[:, 0]
+    steps = np.diff(places)
+    assert np.abs(np.diff(steps)).max() * RATE**2 <= ACCELERATION * (1 + 1e-6)
+    # From 0.4 rad/s at 5 rad/s²: 40 ticks of 2 ms.
+    slowing = np.flatnonzero(steps < steps.max() * 0.99)
+    return bool(steps[-1] == 0 and len(slowing[slowing > 80]) >= 35)
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
+def test_a_program_killed_in_mid_stream(controller: Controller, how: signal.Signals) -> None:
+    shared = set(os.listdir("/dev/shm"))  # noqa: PTH208 - names only
+    program, lane = start(controller)
+    program.send_signal(how)
+    program.wait(10)
+    eventually(lambda: not alive(lane), what="the lane's process is gone")
+    eventually(lambda: controller.server.connections == 0)
+    assert decelerated(controller)
+    assert controller.names()[-1] == "stop"
+    assert set(os.listdir("/dev/shm")) <= shared  # noqa: PTH208
+    assert program.stdout is not None
+    program.stdout.close()
+
+
+def test_a_program_that_hangs_starves_its_stream(controller: Controller) -> None:
+    program, lane = start(controller)
+    program.send_signal(signal.SIGSTOP)
+    try:
+        eventually(lambda: not alive(lane), what="the lane's process is gone")
+        assert decelerated(controller)
+        assert controller.names()[-1] == "stop"
+    finally:
+        program.kill()
+        program.wait(10)
+        assert program.stdout is not None
+        program.stdout.close()
+
+
+def test_ctrl_c_ends_the_program_and_its_stream_in_order(controller: Controller) -> None:
+    program, lane = start(controller)
+    # A terminal sends it to every process of the group; the lane is in none of them.
+    os.killpg(program.pid, signal.SIGINT)
+    program.wait(10)
+    eventually(lambda: not alive(lane), what="the lane's process is gone")
+    assert decelerated(controller)
+    assert "stop" not in controller.names()
+    assert program.stdout is not None
+    program.stdout.close()
+
+
+async def test_a_lane_killed_in_mid_stream_is_an_error_and_the_robot_is_stopped(
+    controller: Controller,
+) -> None:
+    endpoint = controller.endpoint
+    stream = Servo(endpoint).joints(v=1.0, a=5.0, rate=RATE)
+
+    async def program() -> None:
+        async with stream:
+            await stream.send(HERE)
+            assert stream.pid is not None
+            os.kill(stream.pid, signal.SIGKILL)
+            while True:
+                await stream.send(HERE)
+
+    async with no_leaks():
+        with pytest.raises(LaneFailed, match="killed by SIGKILL"):
+            await program()
+    assert controller.stops == ["stop"]
+
+
+async def test_a_lane_told_to_end_by_the_system_decelerates(controller: Controller) -> None:
+    stream = controller.servo.joints(v=1.0, a=ACCELERATION, rate=RATE)
+
+    async def program() -> None:
+        async with stream:
+            for n in range(400):
+                way = 5e-6 * n**2 if n < 80 else 0.032 + 8e-4 * (n - 80)
+                if n == 200:
+                    assert stream.pid is not None
+                    os.kill(stream.pid, signal.SIGTERM)
+                await stream.send([angle + way for angle in HERE])
+            await stream.ended()
+
+    with pytest.raises(LaneFailed, match="by a signal"):
+        await program()
+    assert decelerated(controller)
+    assert controller.names()[-1] == "stop"
+
+
+@pytest.mark.parametrize("upsample", ["none", "ruckig"])
+async def test_a_lane_process_is_small(controller: Controller, upsample: str) -> None:
+    opened = controller.servo.joints(
+        v=1.0,
+        a=5.0,
+        source_rate=50 if upsample == "ruckig" else None,
+        upsample=upsample,  # type: ignore[arg-type]
+    )
+    async with opened as stream:
+        for _ in range(50):
+            await stream.send(HERE)
+    assert 0 < stream.statistics().memory <= 60e6
+
+
+@pytest.mark.parametrize("lane", ["process", "thread"])
+async def test_a_hundred_streams_leave_nothing(controller: Controller, lane: str) -> None:
+    options = LaneOptions(lane=lane)  # type: ignore[arg-type]
+    count = 100 if lane == "thread" else 5
+    async with no_leaks():
+        for _ in range(count):
+            async with controller.servo.joints(v=1.0, a=5.0, options=options) as stream:
+                await stream.send(HERE)
+    await eventually_async(lambda: controller.server.connections == 0)
+
+
+async def test_a_thread_lane_ends_with_its_face_gone(controller: Controller) -> None:
+    """A lane whose program side is closed without a word behaves as if the program had died."""
+    stream = controller.servo.joints(
+        v=1.0, a=ACCELERATION, rate=RATE, options=LaneOptions(lane="thread")
+    )
+
+    async def program() -> None:
+        async with stream:
+            for n in range(150):
+                way = 5e-6 * n**2 if n < 80 else 0.032 + 8e-4 * (n - 80)
+                await stream.send([angle + way for angle in HERE])
+            host = stream._host
+            assert host is not None
+            assert host._link is not None
+            host._link.shutdown(2)
+            with anyio.fail_after(10):
+                await stream.ended()
+
+    with pytest.raises(LaneFailed, match="lost sight of the program"):
+        await program()
+    assert controller.names()[-1] == "stop"
