@@ -132,6 +132,7 @@ class LaneMachine(RuleBasedStateMachine):
         """Whatever was, a lane that is left in peace works again after one call per connection."""
         if self.refusing or self.pending:
             return
+        outcome = ""
         for _ in range(self.lane.statistics().workers + 1):
             before = self.book.outcomes
             self.portal.call(partial(self.book.follow, make(method), self.lane.call, AMPLE))

@@ -29,9 +29,10 @@ def test_a_thread_left_is_found_by_its_name() -> None:
 
 
 def test_a_socket_left_is_found() -> None:
+    opened: list[socket.socket] = []
     with pytest.raises(AssertionError, match=r"file \d+: socket:"), no_leaks(timeout=0):
-        sock = socket.socket()
-    sock.close()
+        opened.append(socket.socket())
+    opened[0].close()
 
 
 def test_a_descriptor_used_again_is_found() -> None:
