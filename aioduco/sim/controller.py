@@ -346,6 +346,8 @@ class Controller:
         if name in ("power_off", "shutdown", "restart"):
             self._clear_fault()
             self.halted = name == "shutdown"
+            if name != "power_off":
+                self.heartbeat.disarm()
 
     def _power_went(self, before: RobotState, now: RobotState) -> None:
         if now is RobotState.ENABLE and before is not RobotState.ENABLE:

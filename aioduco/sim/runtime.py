@@ -10,6 +10,7 @@ Who may touch what:
 from __future__ import annotations
 
 import contextlib
+import functools
 import logging
 import threading
 import time
@@ -158,9 +159,11 @@ class Runtime:
         if self._failure is not None:
             raise Refusal(f"the simulation failed: {self._failure!r}")
         with self._lock:
-            yield self._controller
-            self._snapshot = replace(self._snapshot, view=self._controller.view())
-            released = self._take_ended()
+            try:
+                yield self._controller
+            finally:
+                self._snapshot = replace(self._snapshot, view=self._controller.view())
+                released = self._take_ended()
         for event in released:
             event.set()
         self._wake.set()
@@ -200,14 +203,21 @@ class Runtime:
         end = self.snapshot.time + timeout
         with self._news:
             self._watchers += 1
-            try:
-                while not predicate():
-                    if self.snapshot.time >= end or self._closing:
-                        return False
-                    self._news.wait()
-                return True
-            finally:
+        try:
+            # Asked without the lock: a predicate may call the controller, which needs the loop.
+            while not predicate():
+                snapshot = self.snapshot
+                if snapshot.time >= end or self._closing:
+                    return False
+                with self._news:
+                    self._news.wait_for(functools.partial(self._newer, snapshot))
+            return True
+        finally:
+            with self._news:
                 self._watchers -= 1
+
+    def _newer(self, seen: Snapshot) -> bool:
+        return self._snapshot is not seen or self._closing
 
     def statistics(self) -> LoopStatistics:
         """How well the cycle is kept."""

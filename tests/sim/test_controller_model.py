@@ -30,6 +30,7 @@ class Commands(RuleBasedStateMachine):
     def bring_up(self) -> None:
         """What every program does after a safety stop (facts of public applications)."""
         self.controller.release_emergency_stop()
+        self.controller.heartbeat.beat(self.bench.time, 60_000)
         self.bench.ended(self.controller.stop())
         ends = [
             self.bench.ended(self.controller.change_power(name))

@@ -115,6 +115,29 @@ def test_a_wait_for_what_never_comes_ends_in_simulated_time(runtime: Runtime) ->
     assert runtime.snapshot.time >= begin + 0.2
 
 
+def test_a_predicate_may_wait_for_the_controller(runtime: Runtime) -> None:
+    enable(runtime)
+
+    def moved() -> bool:
+        with runtime.command() as controller:
+            id_ = controller.move("movej2", leg(1.0, 50))
+        return runtime.wait(id_) == 4
+
+    assert runtime.wait_until(moved, 10.0)
+
+
+def test_a_command_that_fails_leaves_the_controller_usable(runtime: Runtime) -> None:
+    def fail() -> None:
+        with runtime.command() as controller:
+            controller.set_speed(40)
+            raise KeyError("bad handler")
+
+    with pytest.raises(KeyError, match="bad handler"):
+        fail()
+    assert runtime.snapshot.view.speed == 40
+    enable(runtime)
+
+
 def test_closing_lets_go_of_waiters(arm: Follower) -> None:
     controller = Controller(FakeMover, HOME)  # type: ignore[arg-type]  # a stand-in
     runtime = Runtime(controller, arm, speed=1.0)

@@ -67,7 +67,7 @@ def follow_an_arc(sim: Simulator, robot: Program) -> None:
     start = Pose.of(robot.get_tcp_pose())
     middle, end = start.shifted(x=0.05, y=0.05), start.shifted(x=0.1)
     nearest = math.inf
-    id_ = robot.movec(list(middle), list(end), 0.1, 1.0, 0.0, 1, [], "", "", False, Op(), False)
+    id_ = robot.movec(list(middle), list(end), 0.02, 1.0, 0.0, 1, [], "", "", False, Op(), False)
 
     def done() -> bool:
         nonlocal nearest
@@ -76,7 +76,7 @@ def follow_an_arc(sim: Simulator, robot: Program) -> None:
 
     sim.wait_until(done, 60.0)
     assert robot.get_noneblock_taskstate(id_) == TaskState.FINISHED
-    assert nearest < 5e-3
+    assert nearest < 1e-2
     sim.wait_until(lambda: not sim.moving)
     assert Pose.of(robot.get_tcp_pose()).almost_equal(end, position=1e-3, rotation=2e-3)
 
