@@ -16,6 +16,7 @@ __all__ = [
     "DucoError",
     "FirstPointTooFar",
     "GoalToleranceViolated",
+    "GuardLost",
     "HeartbeatLost",
     "LaneFailed",
     "NotAController",
@@ -167,9 +168,10 @@ class Refused(DucoError):
 
 
 class TrackPoolFull(Refused):
-    """The track pool has no room for the points: none of them was put in.
+    """The track pool has no room for the points.
 
-    Wait until the arm has taken some (`getQueueSize`), or empty it (`trackClearQueue`).
+    The manual does not say whether those that had room were put in: `getQueueSize` tells how many
+    it holds. Wait until the arm has taken some, or empty it (`trackClearQueue`).
     """
 
     def __init__(self, function: str, code: int) -> None:
@@ -178,6 +180,10 @@ class TrackPoolFull(Refused):
 
 class RobotStateError(DucoError):
     """The robot is not in a state in which this can be done."""
+
+
+class GuardLost(DucoError):
+    """The guard's process could not be started, or is gone. The arm is stopped by other ways."""
 
 
 class HeartbeatLost(RobotStateError):

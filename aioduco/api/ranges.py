@@ -32,6 +32,7 @@ from aioduco.models.rules import (
     Text,
     Vector,
 )
+from aioduco.models.rules.lists import ordered
 
 if TYPE_CHECKING:
     from aioduco.models.rules import FlagsLike, VectorLike, Whole
@@ -53,6 +54,9 @@ FINITE = Number(source="double on the wire")
 FINITES = Vector(FINITE, source="list<double> on the wire")
 INT_32 = Integer(-(2**31), 2**31 - 1, source="i32 on the wire")
 TASK_ID = Integer(0, 2**31 - 1, source="1.3.8")
+
+#: how long this program waits for an answer
+TIMEOUT = Number(0.0, unit="s", open_low=True, source="this package")
 
 # -- 1.3.1 connection --------------------------------------------------------------------------
 
@@ -335,6 +339,19 @@ def pulse(freq: Whole, duty_cycle: Whole) -> tuple[int, int]:
             "duty_cycle", percent, f"at least {least} % at {hertz} Hz, so that pulses last 1 ms"
         )
     return hertz, percent
+
+
+def weave_dwells(name: str, value: VectorLike) -> list[int]:
+    """Check how long a weave dwells on the left and on the right [s]; in milliseconds (1.3.13).
+
+    Raises:
+        ParameterError: they are not two, or one is out of range.
+    """
+    expected = f"two numbers, each {WEAVE_DWELL.expected}"
+    items = ordered(name, value, expected)
+    if len(items) != 2:
+        raise ParameterError(name, value, expected)
+    return [WEAVE_DWELL(f"{name}[{number}]", item) for number, item in enumerate(items)]
 
 
 def damping(direction: FlagsLike, damp: VectorLike) -> tuple[list[bool], list[float]]:

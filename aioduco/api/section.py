@@ -17,11 +17,17 @@ the type checker, and nothing is sent before the motion is started.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from aioduco._wire.rpc import AsyncRpc
-from aioduco.errors import Refused
+from aioduco.api import ranges
+from aioduco.errors import (
+    ControllerError,
+    Refused,
+    RobotStateError,
+    TaskError,
+)
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.supervision.command import Command, HeldMotion, MotionCommand
 from aioduco.supervision.held import Held
@@ -51,6 +57,10 @@ class Section:
     def __repr__(self) -> str:
         where = f"{self._supervisor.host}:{self._supervisor.port}"
         return f"<{type(self).__name__} of {where}, {self._supervisor.state}>"
+
+    def _within(self, timeout: float) -> AsyncRpc:
+        """The functions of the wire with another deadline [s]."""
+        return self._supervisor.calls.within(ranges.TIMEOUT("timeout", timeout))
 
     def _motion(
         self,
@@ -95,10 +105,15 @@ class Section:
         command = Command(name, args, blends=not until_told, held=held)
         return HeldMotion(self._supervisor.launcher, command)
 
-    async def _end(self, ending: str) -> None:
-        """End what goes on, by a function of the wire that answers with the id of a task."""
+    async def _end(self, ending: str, step: Callable[[], Awaitable[None]] | None = None) -> None:
+        """End what goes on.
+
+        Args:
+            ending: the function of the wire that ends it.
+            step: calls it; None if it answers with the id of a task.
+        """
         self._supervisor.check_open(ending)
-        await self._supervisor.keeper.end(ending)
+        await self._supervisor.keeper.end(ending, step)
 
     async def _conduct(self, call: Call) -> None:
         """Carry out a motion whose function has no `block`, and see its end.
@@ -116,6 +131,29 @@ class Section:
             await supervisor.launcher.adopt(command, answer)
         else:
             done(name, answer)
+
+    async def _enter(self, call: Call, ending: str, args: tuple[bool, ...]) -> None:
+        """Enter a mode in which the arm follows or gives way, with no task that tells of it.
+
+        Args:
+            call: makes the call of the wire.
+            ending: the function of the wire that ends the mode.
+            args: its arguments.
+        """
+        name, call_args = noted(call)
+        supervisor = self._supervisor
+        supervisor.check_open(name)
+        modes = supervisor.keeper.modes
+        was_on = ending in modes
+        modes[ending] = args  # before it is sent: from now on a stop ends the mode, too
+        try:
+            command = Command(name, call_args)
+            timeout = supervisor.settings.call_timeout
+            done(name, await supervisor.launcher.conduct(command, supervisor.calls, timeout))
+        except (TaskError, Refused, ControllerError, RobotStateError):
+            if not was_on:
+                modes.pop(ending, None)
+            raise
 
     async def _perform(self, call: Call, timeout: float) -> None:
         """Carry out a function that becomes a task and moves nothing, and see its end.

@@ -63,7 +63,7 @@ class Track(Section):
         Raises:
             ParameterError: a point is out of range; nothing was sent.
             RobotStateError: the pool holds points of the other kind; nothing was sent.
-            TrackPoolFull: there is no room for them; none of them is in the pool.
+            TrackPoolFull: there is no room for them; `getQueueSize` tells what is in the pool.
             TaskError: they were not put in.
             OutcomeUnknown: the answer was lost: empty the pool before you put in more.
 
@@ -84,7 +84,7 @@ class Track(Section):
         Raises:
             ParameterError: a point is out of range; nothing was sent.
             RobotStateError: the pool holds points of the other kind; nothing was sent.
-            TrackPoolFull: there is no room for them; none of them is in the pool.
+            TrackPoolFull: there is no room for them; `getQueueSize` tells what is in the pool.
             TaskError: they were not put in.
             OutcomeUnknown: the answer was lost: empty the pool before you put in more.
 

@@ -35,6 +35,11 @@ class Held:
     until_told: bool = False
 
     @property
+    def mode(self) -> bool:
+        """Whether it is a mode that a stop may leave on, and that its own function ends."""
+        return self.until_told and self.ending != "stop"
+
+    @property
     def limit(self) -> float | None:
         """Seconds after which the arm is stopped; None for no limit."""
         return None if self.time is None else self.time + BRAKING

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from aioduco._wire.lane import Lane
     from aioduco.models.enums import Outcome
     from aioduco.supervision.background import Background
-    from aioduco.supervision.heartbeat import Heartbeat
+    from aioduco.supervision.heartbeat import Heart
     from aioduco.supervision.keeper import Keeper
     from aioduco.supervision.settings import Settings
     from aioduco.supervision.task import OnCancel
@@ -72,7 +72,7 @@ class Launcher:
         lane: Lane,
         keeper: Keeper,
         background: Background,
-        heartbeat: Heartbeat | None,
+        heartbeat: Heart | None,
         settings: Settings,
     ) -> None:
         self._lane = lane
@@ -122,7 +122,7 @@ class Launcher:
             before = self._last if command.motion else None
             if before is not None:
                 before.life.successor_sent()
-            if command.held is not None and command.held.until_told:
+            if command.held is not None and command.held.mode:
                 self._keeper.modes[command.held.ending] = (False,)
             sending = _Sending()
             self._background.start(self._send(command, sending), f"aioduco {command.name}")
@@ -156,14 +156,7 @@ class Launcher:
             before.life.successor_refused()
         raise cancelled or error
 
-    async def conduct(
-        self,
-        command: Command,
-        lane: Lane,
-        timeout: float | None,
-        *,
-        mode: tuple[str, tuple[bool, ...]] | None = None,
-    ) -> int:
+    async def conduct(self, command: Command, lane: Lane, timeout: float | None) -> int:
         """Send a motion that is answered only when it has ended, or a mode in which the arm moves.
 
         Cancelling this stops the arm. So does the loss of the answer.
@@ -172,7 +165,6 @@ class Launcher:
             command: what is sent.
             lane: where: it is taken until the answer comes.
             timeout: seconds for the answer; None for as long as it takes.
-            mode: the function that ends the mode, and its arguments.
 
         Returns:
             The answer.
@@ -180,14 +172,10 @@ class Launcher:
         self._admit(command)
         keeper = self._keeper
         keeper.unfollowed += 1
-        if mode is not None:
-            keeper.modes[mode[0]] = mode[1]
         try:
             answer: int = await lane.call(command.name, command.args, timeout)
         except BaseException as exc:
             known = isinstance(exc, DucoError) and not isinstance(exc, OutcomeUnknown)
-            if known and mode is not None:
-                keeper.modes.pop(mode[0], None)
             if not known and not self.closed:
                 await insist(keeper.halt_late)
             raise

@@ -1,0 +1,114 @@
+"""Combined motion: a weave laid over the path (复合运动, manual 1.3.13)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.section import Section, done
+from aioduco.errors import ParameterError
+from aioduco.models.op import wire_op
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco._wire import rpc
+    from aioduco.models.op import Op
+    from aioduco.models.rules import VectorLike
+    from aioduco.models.weave import WeavePlane, WeaveShape
+
+__all__ = ["Compound"]
+
+
+class Compound(Section):
+    """Combined motion (复合运动, manual 1.3.13): a weave laid over the motions that follow.
+
+        await robot.compound.combine_motion_config(WeaveShape.SINE, WeavePlane.TOOL_XY, 2.0, 0.003)
+        await robot.compound.enable_combine_motion()
+        await robot.motion.movel(end_of_seam, v=0.01, a=0.1)
+        await robot.compound.disable_combine_motion()
+
+    It can be switched on and off only while the arm stands, and stays on after the program.
+    """
+
+    __slots__ = ()
+
+    async def combine_motion_config(
+        self,
+        type: WeaveShape | int,  # noqa: A002  # the name on the wire
+        ref_plane: WeavePlane | int,
+        fq: float,
+        amp: float,
+        *,
+        el_offset: float = 0.0,
+        az_offset: float = 0.0,
+        up_height: float = 0.0,
+        time: VectorLike = (0.0, 0.0),
+        path_dwell: bool = False,
+        op_list: Sequence[Op] = (),
+    ) -> None:
+        """Set the weave (复合运动设置); it has effect from the next `enable_combine_motion` on.
+
+        Args:
+            type: its shape: a `WeaveShape`, 1 triangle, 2 sine, 3 circle, 4 trapezoid, 5 figure
+                of eight.
+            ref_plane: its plane: a `WeavePlane`, 0 to 2 XY, XZ, YZ of the tool, 3 to 5 of the
+                work object.
+            fq: frequency, above 0 [Hz].
+            amp: amplitude, from 0 [m].
+            el_offset: offset in elevation [m]; reserved.
+            az_offset: offset in azimuth [m]; reserved.
+            up_height: how far the middle is raised [m]; reserved.
+            time: how long it dwells on the left and on the right, from 0 [s]. Shape (2,).
+            path_dwell: whether the path waits while it dwells.
+            op_list: outputs set on the way. The manual calls the list two-dimensional; the wire
+                has a plain one.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.13. It prints no unit for `time`; manual 4.3 prints milliseconds, in
+        which it is sent.
+        """
+        answer = await self._rpc.combine_motion_config(
+            ranges.WEAVE_TYPE("type", type),
+            ranges.WEAVE_PLANE("ref_plane", ref_plane),
+            ranges.WEAVE_FREQUENCY("fq", fq),
+            ranges.WEAVE_AMPLITUDE("amp", amp),
+            ranges.WEAVE_OFFSET("el_offset", el_offset),
+            ranges.WEAVE_OFFSET("az_offset", az_offset),
+            ranges.WEAVE_OFFSET("up_height", up_height),
+            ranges.weave_dwells("time", time),
+            ranges.FLAG("path_dwell", path_dwell),
+            _ops(op_list),
+        )
+        done("combine_motion_config", answer)
+
+    async def enable_combine_motion(self) -> None:
+        """Lay the weave over the motions that follow (开启复合运动); the arm must stand.
+
+        Raises:
+            TaskError: it was not switched on.
+
+        Manual section 1.3.13, which prints its name as enable_combined_motion.
+        """
+        done("enable_combine_motion", await self._rpc.enable_combine_motion())
+
+    async def disable_combine_motion(self) -> None:
+        """End the weave (结束复合运动); the arm must stand.
+
+        Raises:
+            TaskError: it was not switched off.
+
+        Manual section 1.3.13, which prints its name as disable_combined_motion.
+        """
+        done("disable_combine_motion", await self._rpc.disable_combine_motion())
+
+
+def _ops(ops: Sequence[Op]) -> list[rpc.Op]:
+    try:
+        given = list(ops)
+    except TypeError as exc:
+        raise ParameterError("op_list", ops, "a list of Op") from exc
+    return [wire_op(f"op_list[{number}]", op) for number, op in enumerate(given)]

@@ -1,0 +1,387 @@
+"""Motions of external axes, alone or together with the arm."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.section import Section
+from aioduco.models.op import wire_op
+
+if TYPE_CHECKING:
+    from aioduco.models.op import Op
+    from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.models.rules import VectorLike
+    from aioduco.supervision.command import HeldMotion, MotionCommand
+
+__all__ = ["AxisMotions"]
+
+#: how long a jog goes on unless the program says otherwise [s]
+JOG_TIME = 1.0
+
+
+class AxisMotions(Section):
+    """Motions of external axes, alone or together with the arm.
+
+    What `def_acc` means here, the manual leaves open: by its name, and by section 1.3.5, the
+    controller then chooses the acceleration; the text of section 1.3.14 says the opposite.
+    """
+
+    __slots__ = ()
+
+    def move_eaxis(
+        self, scheme_name: str, epose: VectorLike, v: float, *, op: Op | None = None
+    ) -> MotionCommand:
+        """Move external axes (外部轴移动); the arm stays where it is.
+
+        The manual has a parameter def_acc here, the wire has none.
+
+        Args:
+            scheme_name: name of the scheme.
+            epose: where to, three values [rad or m, as the scheme is]. Shape (3,).
+            v: highest speed of the axes (vel), above 0 [rad/s or m/s].
+            op: outputs set on the way; triggers by distance have no effect here.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14.
+        """
+        name = ranges.LONG_NAME("scheme_name", scheme_name)
+        epose_ = ranges.EAXIS_POSITION("epose", epose)
+        v_ = ranges.EAXIS_SPEED("v", v)
+        op_ = wire_op("op", op, joint_motion=True)
+        return self._motion(lambda rpc: rpc.move_eaxis(name, epose_, v_, False, op_))
+
+    def move_jog_eaxis(
+        self, scheme_name: str, direction: int, vel: float, *, time: float | None = JOG_TIME
+    ) -> HeldMotion:
+        """Jog external axes (外部轴点动).
+
+            async with robot.external_axes.move_jog_eaxis("rail", 1, vel=5, time=10.0):
+                await released()                # leaving the block ends the jog
+
+        The controller goes on until it is told to end. No function is documented that ends this
+        one, so this program stops all tasks, as `Robot.stop` does: when the block is left, or
+        after `time`. Cancelling its await, or an error inside its block, stops them too.
+
+        Args:
+            scheme_name: name of the scheme.
+            direction: 1 or -1; what is sent for each are the same numbers.
+            vel: speed in percent, above 0, up to 100.
+            time: seconds after which this program ends it, from 0.001; None to go on until the
+                block is left: only the heartbeat then stops the axes of a program that hangs.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14.
+        """
+        name = ranges.LONG_NAME("scheme_name", scheme_name)
+        direction_ = ranges.JOG_DIRECTION("direction", direction)
+        vel_ = ranges.JOG_SPEED("vel", vel)
+        ranges.RUN_TIME("time", time)
+        # Nothing tells whether these axes stand, so it goes on until it is told to end.
+        return self._held(
+            lambda rpc: rpc.move_jog_eaxis(name, direction_, vel_, False),
+            "stop",
+            time=time,
+            timed_here=True,
+            until_told=True,
+        )
+
+    def movej2_eaxis(
+        self,
+        joints: JointsLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the joints and external axes together (外部轴关节运动), as `movej2`.
+
+        Args:
+            joints: where to, six angles in [-2π, 2π] [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            scheme_name: name of the scheme.
+            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` hold.
+        """
+        q = ranges.JOINTS("joints", joints)
+        v_ = ranges.EAXIS_JOINT_SPEED("v", v)
+        a_ = ranges.EAXIS_JOINT_ACCELERATION("a", a)
+        axes = _axes(scheme_name, epose, eaxis_v)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        op_ = wire_op("op", op, joint_motion=True)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.movej2_eaxis(q, v_, a_, r_, *axes, False, op_, def_acc_), r_
+        )
+
+    def movej2_pose_eaxis(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = "",
+        wobj: str = "",
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool to a pose by the joints, with external axes, as `movej_pose2`.
+
+        外部轴关节运动到位姿.
+
+        Args:
+            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            scheme_name: name of the scheme.
+            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` hold.
+        """
+        p = ranges.POSE("pose", pose)
+        v_ = ranges.EAXIS_JOINT_SPEED("v", v)
+        a_ = ranges.EAXIS_JOINT_ACCELERATION("a", a)
+        axes = _axes(scheme_name, epose, eaxis_v)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op, joint_motion=True)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.movej2_pose_eaxis(
+                p, v_, a_, r_, near, tool_, wobj_, *axes, False, op_, def_acc_
+            ),
+            r_,
+        )
+
+    def movel_eaxis(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = "",
+        wobj: str = "",
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool along a line, with external axes (外部轴直线运动), as `movel`.
+
+        Args:
+            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, above 0, up to 5 [m/s].
+            a: highest acceleration of the tool, above 0 [m/s²].
+            scheme_name: name of the scheme.
+            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14, which prints its name as move1_eaxis.
+        """
+        p = ranges.POSE("pose", pose)
+        v_ = ranges.EAXIS_LINE_SPEED("v", v)
+        a_ = ranges.EAXIS_LINE_ACCELERATION("a", a)
+        axes = _axes(scheme_name, epose, eaxis_v)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.movel_eaxis(
+                p, v_, a_, r_, near, tool_, wobj_, *axes, False, op_, def_acc_
+            ),
+            r_,
+        )
+
+    def movec_eaxis(
+        self,
+        via: PoseLike,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        mode: int = 0,
+        q_near: JointsLike | None = None,
+        tool: str = "",
+        wobj: str = "",
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool along an arc, with external axes (外部轴圆弧运动), as `movec`.
+
+        Args:
+            via: a pose on the arc (p1): x, y, z [m], rx, ry, rz [rad].
+            pose: where to (p2): the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, above 0, up to 5 [m/s].
+            a: highest acceleration of the tool, above 0 [m/s²].
+            scheme_name: name of the scheme.
+            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            mode: the orientation: 0 goes over to the end's, 1 stays as at the start, 2 stays
+                fixed to the arc's tangent.
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14, which has no mode; the wire has.
+        """
+        p1, p2 = ranges.POSE("via", via), ranges.POSE("pose", pose)
+        v_ = ranges.EAXIS_LINE_SPEED("v", v)
+        a_ = ranges.EAXIS_LINE_ACCELERATION("a", a)
+        axes = _axes(scheme_name, epose, eaxis_v)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        mode_ = ranges.ARC_MODE("mode", mode)
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.movec_eaxis(
+                p1, p2, v_, a_, r_, near, tool_, wobj_, *axes, False, op_, def_acc_, mode_
+            ),
+            r_,
+        )
+
+    def move_circle_eaxis(
+        self,
+        p1: PoseLike,
+        p2: PoseLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        mode: int = 1,
+        q_near: JointsLike | None = None,
+        tool: str = "",
+        wobj: str = "",
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> MotionCommand:
+        """Move the tool along a circle, with external axes (外部轴圆周运动), as `move_circle`.
+
+        Args:
+            p1: the first pose on the circle: x, y, z [m], rx, ry, rz [rad].
+            p2: the second pose on the circle; the order start, p1, p2 gives the direction.
+            v: highest speed of the tool, above 0, up to 5 [m/s].
+            a: highest acceleration of the tool, above 0 [m/s²].
+            scheme_name: name of the scheme.
+            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            mode: the orientation: 1 stays as at the start, 2 stays fixed to the circle's tangent.
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            The motion, not sent yet.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Not in the manual: on the wire alone. Ranges are those of `movec_eaxis`.
+        """
+        p1_, p2_ = ranges.POSE("p1", p1), ranges.POSE("p2", p2)
+        v_ = ranges.EAXIS_LINE_SPEED("v", v)
+        a_ = ranges.EAXIS_LINE_ACCELERATION("a", a)
+        axes = _axes(scheme_name, epose, eaxis_v)
+        r_ = ranges.BLEND_RADIUS("r", r)
+        mode_ = ranges.CIRCLE_MODE("mode", mode)
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        op_ = wire_op("op", op)
+        def_acc_ = ranges.FLAG("def_acc", def_acc)
+        return self._motion(
+            lambda rpc: rpc.move_circle_eaxis(
+                p1_, p2_, v_, a_, r_, mode_, near, tool_, wobj_, *axes, False, op_, def_acc_
+            ),
+            r_,
+        )
+
+
+def _axes(scheme_name: str, epose: VectorLike, eaxis_v: float) -> tuple[str, list[float], float]:
+    return (
+        ranges.LONG_NAME("scheme_name", scheme_name),
+        ranges.EAXIS_POSITION("epose", epose),
+        ranges.EAXIS_SPEED("eaxis_v", eaxis_v),
+    )

@@ -1,0 +1,123 @@
+"""Realtime control (实时控制, manual 1.3.15), call by call."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.section import Section, done
+from aioduco.errors import ParameterError
+from aioduco.models.realtime import RealtimePoint
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from aioduco.models.realtime import RealtimeMode
+
+__all__ = ["Realtime"]
+
+_ENDING = "end_realtime_mode"
+
+
+class Realtime(Section):
+    """Realtime control (实时控制, manual 1.3.15): the arm follows a queue, point by point.
+
+    The order that the manual asks for: empty the queue, put in the first points, the very first
+    where the arm is, start the mode, and put in more before the queue runs dry. The controller
+    takes a point each cycle, so that a program that calls function by function cannot keep up
+    for long: the realtime stream does all of this at the queue's rate.
+
+    As long as the mode is on, leaving the robot stops the arm and ends the mode; so does a stop.
+    """
+
+    __slots__ = ()
+
+    async def start_realtime_mode(
+        self,
+        mode: RealtimeMode | int,
+        *,
+        filter_bandwidth: float = 100.0,
+        com_lost_time: float = 0.02,
+    ) -> None:
+        """Have the arm follow the queue (开启实时控制模式).
+
+        Cancelling this stops the arm, and ends the mode.
+
+        Args:
+            mode: what the points of the queue are: a `RealtimeMode`, 0 joint positions, 1 joint
+                velocities, 2 joint torques, 3 poses, 4 velocities of the tool.
+            filter_bandwidth: bandwidth of the filter over the points, above 0 [Hz]. The wire
+                spells it fileter_bandwidth.
+            com_lost_time: how long the queue may be empty before the controller stops the arm,
+                above 0 [s].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: the mode was not started.
+            OutcomeUnknown: it was sent, but not answered; the arm was stopped.
+            StopUnconfirmed: it is not known that the arm stands.
+
+        Manual section 1.3.15.
+        """
+        mode_ = ranges.REALTIME_MODE("mode", mode)
+        bandwidth = ranges.REALTIME_BANDWIDTH("filter_bandwidth", filter_bandwidth)
+        lost = ranges.REALTIME_LOST_TIME("com_lost_time", com_lost_time)
+        await self._enter(lambda rpc: rpc.start_realtime_mode(mode_, bandwidth, lost), _ENDING, ())
+
+    async def end_realtime_mode(self) -> None:
+        """End realtime control (结束实时控制模式), and wait until the arm stands.
+
+        If this program's cannot be ended so, or if this is cancelled, the arm is stopped as by
+        `Robot.stop`.
+
+        Raises:
+            TaskError: the controller did not end it.
+            StopUnconfirmed: it is not known that the arm stands.
+
+        Manual section 1.3.15.
+        """
+        await self._end(_ENDING, self._ended)
+
+    async def _ended(self) -> None:
+        done(_ENDING, await self._rpc.end_realtime_mode())
+
+    async def realtime_data_enqueue(self, points: Iterable[RealtimePoint]) -> None:
+        """Put points into the queue (实时数据入队).
+
+        Args:
+            points: made by the class methods of `RealtimePoint`, all for one mode; those for
+                another mode than the one that is on have no effect.
+
+        Raises:
+            ParameterError: something in it is no such point, or of another mode than the first;
+                nothing was sent.
+            TaskError: they were not put in.
+
+        Manual section 1.3.15.
+        """
+        expected = "a RealtimePoint, of the mode of the first one"
+        try:
+            given = list(points)
+        except TypeError as exc:
+            raise ParameterError("points", points, f"a list, each {expected}") from exc
+        if not given:
+            raise ParameterError("points", given, "at least one point")
+        for number, point in enumerate(given):
+            if not isinstance(point, RealtimePoint) or point.mode is not given[0].mode:
+                raise ParameterError(f"points[{number}]", point, expected)
+        data = [point.wire() for point in given]
+        done("realtime_data_enqueue", await self._rpc.realtime_data_enqueue(data, True))
+
+    async def clear_realtime_data_queue(self) -> None:
+        """Empty the queue (清空实时数据队列).
+
+        Raises:
+            TaskError: it was not emptied.
+
+        Manual section 1.3.15.
+        """
+        done("clear_realtime_data_queue", await self._rpc.clear_realtime_data_queue())
+
+    async def get_realtime_data_queue_size(self) -> int:
+        """Read how many points wait in the queue (实时队列数据数量). Manual section 1.3.15."""
+        return await self._rpc.get_realtime_data_queue_size()
