@@ -80,6 +80,7 @@ class Stream:
         self._last: tuple[float, ...] | None = None
         self._final: StreamStatistics | None = None
         self._begun = False
+        self._taken = 0
         self._commanded: tuple[float, ...] | None = None
         self._minding: anyio.CancelScope | None = None
 
@@ -107,6 +108,14 @@ class Stream:
             point = self._host.block.report.newest()
             self._commanded = self._commanded if point is None else point.values
         return self._commanded
+
+    @property
+    def taken(self) -> int:
+        """How many of the program's set-points the lane has taken."""
+        if self._host is None or self._final is not None:
+            return self._taken
+        self._taken = self._host.block.ring.read
+        return self._taken
 
     @property
     def pid(self) -> int | None:
@@ -210,7 +219,7 @@ class Stream:
         if not host.gone and self._minding is not None:
             self._minding.cancel()
         if host.gone:
-            _ = self.commanded
+            _ = self.commanded, self.taken
             self._final = StreamStatistics.of(host)
             host.release()
         await tasks.__aexit__(None, None, None)

@@ -87,7 +87,7 @@ class Cycles:
         self._cycle = cycle
         self._lock = threading.Lock()
         self._began: float | None = None
-        self._taken = 0
+        self.taken = 0
         self.points: list[Any] = []
         self.starved = 0
 
@@ -114,7 +114,7 @@ class Cycles:
     def size(self) -> int:
         with self._lock:
             self._advance()
-            return len(self.points) - self._taken
+            return len(self.points) - self.taken
 
     def _advance(self) -> None:
         if self._began is None:
@@ -122,4 +122,4 @@ class Cycles:
         due = int((time.monotonic() - self._began) / self._cycle) - self.starved
         missing = max(0, due - len(self.points))
         self.starved += missing
-        self._taken = due - missing
+        self.taken = due - missing

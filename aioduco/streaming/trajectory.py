@@ -1,0 +1,317 @@
+"""Execution of joint trajectories with times: what ROS calls FollowJointTrajectory, without ROS."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import anyio
+import numpy as np
+
+from aioduco.api import ranges
+from aioduco.errors import GoalToleranceViolated, ParameterError, PathToleranceViolated
+from aioduco.streaming.realtime import CYCLE, Realtime
+from aioduco.streaming.sampling import Spline
+from aioduco.streaming.servo import Servo
+from aioduco.streaming.settings import Endpoint, LaneOptions, per_group
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from aioduco.streaming.report import StreamStatistics
+    from aioduco.streaming.stream import Stream
+
+__all__ = ["Feedback", "JointTrajectory", "Tolerances", "TrajectoryResult", "follow"]
+
+_LOOK = 0.02  # seconds between two looks at where the arm is
+_LAG = 0.25  # seconds by which the arm may lag behind its set-points without being off its path
+_WINDOW = 50  # places of the path in that time with which the arm is compared
+_DEPTH = 60  # points in the controller's queue
+_OPTIONS = LaneOptions()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tolerances:
+    """How far the arm may be from its trajectory.
+
+    Attributes:
+        path: of each joint from the path, on the way [rad]; 0: not looked at.
+        goal: of each joint from the last point, at the end [rad].
+        goal_time: time after the trajectory's end in which that must be so [s].
+    """
+
+    path: float | tuple[float, ...] = 0.1
+    goal: float | tuple[float, ...] = 0.01
+    goal_time: float = 1.0
+
+
+class Feedback(NamedTuple):
+    """Where the arm is on its way.
+
+    Attributes:
+        time: time on the trajectory, of what was sent last [s].
+        desired: the place of the path closest to the arm, within the last quarter of a second
+            [rad]. Shape (6,).
+        actual: where the arm is [rad]. Shape (6,).
+        error: `actual` less `desired` [rad]. Shape (6,).
+    """
+
+    time: float
+    desired: NDArray[np.float64]
+    actual: NDArray[np.float64]
+    error: NDArray[np.float64]
+
+
+class TrajectoryResult(NamedTuple):
+    """How a trajectory was followed.
+
+    Attributes:
+        duration: from the first set-point to the arm within its goal tolerance [s].
+        path_error: largest distance of each joint from the path that was seen [rad].
+        goal_error: distance of each joint from the last point at the end [rad].
+        statistics: the stream's.
+    """
+
+    duration: float
+    path_error: NDArray[np.float64]
+    goal_error: NDArray[np.float64]
+    statistics: StreamStatistics
+
+
+class JointTrajectory:
+    """Joint positions at given times, with velocities and accelerations if they are known.
+
+    Positions alone are joined by a monotone cubic that rests at both ends; with velocities by a
+    cubic that has them; with accelerations by a curve of fifth order that has both.
+
+    Args:
+        positions: joint positions [rad], -2π to 2π. Shape (n, 6).
+        times: time of each point from the start, rising, the first at least 0 [s]. Shape (n,).
+        velocities: [rad/s]. Shape (n, 6).
+        accelerations: only with velocities [rad/s²]. Shape (n, 6).
+
+    Raises:
+        ParameterError: the shapes do not fit, or a number is not allowed.
+    """
+
+    def __init__(
+        self, positions: Any, times: Any, velocities: Any = None, accelerations: Any = None
+    ) -> None:
+        self.positions = _matrix("positions", positions)
+        count = len(self.positions)
+        for row in self.positions.tolist():
+            ranges.JOINTS("positions", row)
+        self.times = np.asarray(times, dtype=np.float64)
+        if self.times.shape != (count,) or not np.all(np.isfinite(self.times)):
+            raise ParameterError("times", times, f"{count} finite numbers")
+        if self.times[0] < 0 or np.any(np.diff(self.times) <= 0):
+            raise ParameterError("times", times, "rising, the first at least 0")
+        self.velocities = None if velocities is None else _matrix("velocities", velocities, count)
+        if accelerations is not None and velocities is None:
+            raise ParameterError("accelerations", "given", "left out when velocities are")
+        self.accelerations = (
+            None if accelerations is None else _matrix("accelerations", accelerations, count)
+        )
+
+    @property
+    def duration(self) -> float:
+        """Time of the last point [s]."""
+        return float(self.times[-1])
+
+    def curve(self, actual: Sequence[float]) -> Spline:
+        """The curve through the points, led up to from where the arm is if there is time to.
+
+        Args:
+            actual: where the arm is [rad]; the curve's start if the first point's time is not 0.
+        """
+        parts = (self.positions, self.velocities, self.accelerations)
+        times = self.times
+        if times[0] > 0:
+            times = np.concatenate([[0.0], times])
+            first = (np.asarray(actual, dtype=np.float64), np.zeros(6), np.zeros(6))
+            parts = tuple(  # type: ignore[assignment]  # a tuple of three stays one
+                None if part is None else np.vstack([start, part])
+                for start, part in zip(first, parts, strict=True)
+            )
+        positions, velocities, accelerations = parts
+        return Spline(times, positions, velocities, accelerations)
+
+
+async def follow(
+    endpoint: Endpoint,
+    read_joints: Callable[[], Awaitable[Sequence[float]]],
+    trajectory: JointTrajectory,
+    *,
+    realtime: bool,
+    v: float,
+    a: float,
+    tolerances: Tolerances | None = None,
+    feedback: Callable[[Feedback], object] | None = None,
+    rate: float = 500.0,
+    reach: float = 0.05,
+    options: LaneOptions = _OPTIONS,
+) -> TrajectoryResult:
+    """Follow a joint trajectory to its end, and see the arm arrive.
+
+    A cancellation brings the arm to rest before it goes on.
+
+    Args:
+        endpoint: the controller.
+        read_joints: reads where the arm is [rad].
+        trajectory: the trajectory.
+        realtime: go through the realtime queue instead of servoj.
+        v: largest speed of each joint [rad/s]; a trajectory that is faster is refused.
+        a: largest acceleration of each joint [rad/s²]; the corners of one that is sharper are
+            rounded.
+        tolerances: how far the arm may be from it; None: the defaults.
+        feedback: called about 50 times a second.
+        rate: set-points per second of servoj [Hz]; the queue has 1000.
+        reach: how far the arm may be from the first point [rad].
+        options: how the lane runs.
+
+    Raises:
+        ParameterError: the trajectory is too fast for `v`; nothing was sent.
+        PathToleranceViolated: the arm strayed from the path; it was brought to rest.
+        GoalToleranceViolated: the arm did not come close enough to the last point in time.
+        StreamError: the stream ended by something else.
+    """
+    limits = tolerances or Tolerances()
+    curve = trajectory.curve(await read_joints())
+    interval = CYCLE if realtime else 1 / rate
+    count = int(np.ceil(curve.duration / interval - 1e-9))
+    points = curve.at(curve.times[0] + np.minimum(np.arange(count + 1) * interval, curve.duration))
+    speed = np.abs(np.diff(points, axis=0)).max(initial=0.0) / interval
+    if speed > v * (1 + 1e-6):
+        raise ParameterError("trajectory", f"a joint at {speed:.4g} rad/s", f"up to {v:g} rad/s")
+    step = max(0.2, 2 * v * interval)
+    stream: Stream
+    if realtime:
+        stream = Realtime(endpoint).stream(
+            "joint_position", v=v, a=a, depth=_DEPTH, max_step=step, reach=reach, options=options
+        )
+    else:
+        stream = Servo(endpoint).joints(
+            v=v, a=a, rate=rate, max_step=step, reach=reach, options=options
+        )
+    watcher = _Watcher(curve, read_joints, stream, interval, limits, feedback)
+    start = time.monotonic()
+    try:
+        async with stream, anyio.create_task_group() as tasks:
+            tasks.start_soon(watcher.watch)
+            await stream.play(points)
+            tasks.cancel_scope.cancel()
+    except BaseExceptionGroup as group:
+        if watcher.strayed is not None and endpoint.stop is not None:
+            with anyio.CancelScope(shield=True):
+                await endpoint.stop()
+        raise _first(group) from None
+    await watcher.arrive()
+    return TrajectoryResult(
+        time.monotonic() - start, watcher.worst, watcher.goal_error, stream.statistics()
+    )
+
+
+class _Watcher:
+    """Compares where the arm is with where it should be."""
+
+    def __init__(
+        self,
+        curve: Spline,
+        read: Callable[[], Awaitable[Sequence[float]]],
+        stream: Stream,
+        interval: float,
+        tolerances: Tolerances,
+        feedback: Callable[[Feedback], object] | None,
+    ) -> None:
+        self._curve = curve
+        self._read = read
+        self._stream = stream
+        self._interval = interval
+        self._feedback = feedback
+        self._path = np.zeros(6) if not tolerances.path else _six("path", tolerances.path)
+        self._goal = _six("goal", tolerances.goal)
+        self._goal_time = tolerances.goal_time
+        self.worst = np.zeros(6)
+        self.goal_error = np.zeros(6)
+        self.strayed: PathToleranceViolated | None = None
+
+    async def watch(self) -> None:
+        """Look at the arm until it strays."""
+        start = anyio.current_time()
+        number = 0
+        while True:
+            number += 1
+            await anyio.sleep_until(start + number * _LOOK)
+            taken = self._stream.taken
+            if not taken:
+                continue
+            actual = np.asarray(await self._read(), dtype=np.float64)
+            error = self._compare(taken, actual)
+            self.worst = np.maximum(self.worst, np.abs(error))
+            if np.any(self._path) and np.any(np.abs(error) > self._path):
+                joint = int(np.argmax(np.abs(error) - self._path))
+                self.strayed = PathToleranceViolated(
+                    f"joint {joint + 1} is {error[joint]:+.4g} rad from its trajectory, "
+                    f"{self._path[joint]:g} allowed; the arm was brought to rest, and stopped",
+                    self._stream.statistics(),
+                )
+                raise self.strayed
+
+    def _compare(self, taken: int, actual: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The arm's distance from the path, of which it may be at any place of the last while."""
+        now = self._curve.times[0] + min((taken - 1) * self._interval, self._curve.duration)
+        times = np.linspace(max(self._curve.times[0], now - _LAG), now + _LOOK / 2, _WINDOW)
+        places = self._curve.at(times)
+        errors = actual - places
+        # By the sum of the distances: one joint that is off does not pull the place along.
+        nearest = int(np.argmin(np.abs(errors).sum(axis=1)))
+        if self._feedback is not None:
+            self._feedback(Feedback(now, places[nearest], actual, errors[nearest]))
+        return np.asarray(errors[nearest])
+
+    async def arrive(self) -> None:
+        """Wait until the arm is at its goal."""
+        goal = self._curve.at(self._curve.times[-1:])[0]
+        start = anyio.current_time()
+        number = 0
+        while True:
+            actual = np.asarray(await self._read(), dtype=np.float64)
+            self.goal_error = actual - goal
+            if np.all(np.abs(self.goal_error) <= self._goal):
+                return
+            number += 1
+            if anyio.current_time() - start > self._goal_time:
+                joint = int(np.argmax(np.abs(self.goal_error) - self._goal))
+                raise GoalToleranceViolated(
+                    f"joint {joint + 1} is {self.goal_error[joint]:+.4g} rad from its goal "
+                    f"{self._goal_time:g} s after the end, {self._goal[joint]:g} allowed",
+                    self._stream.statistics(),
+                )
+            await anyio.sleep_until(start + number * _LOOK)
+
+
+def _first(group: BaseExceptionGroup[BaseException]) -> BaseException:
+    """What went wrong first: whatever followed it followed from it."""
+    error = group.exceptions[0]
+    return _first(error) if isinstance(error, BaseExceptionGroup) else error
+
+
+def _six(name: str, value: float | tuple[float, ...]) -> NDArray[np.float64]:
+    return np.array(per_group(name, value, 6))
+
+
+def _matrix(name: str, value: Any, count: int | None = None) -> NDArray[np.float64]:
+    try:
+        found = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError) as exc:
+        raise ParameterError(name, value, "an array of numbers") from exc
+    wanted = "n" if count is None else count
+    if found.ndim != 2 or found.shape[1] != 6 or not len(found) or count not in (None, len(found)):
+        raise ParameterError(name, found.shape, f"of the shape ({wanted}, 6)")
+    if not np.all(np.isfinite(found)):
+        raise ParameterError(name, value, "an array of finite numbers")
+    found.setflags(write=False)
+    return found

@@ -1,0 +1,285 @@
+"""Joint trajectories: sampled as given, compared with the arm, cancelled in mid course."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import anyio
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from scipy.interpolate import BPoly, CubicHermiteSpline, PchipInterpolator
+
+from aioduco.errors import (
+    FirstPointTooFar,
+    GoalToleranceViolated,
+    ParameterError,
+    PathToleranceViolated,
+)
+from aioduco.streaming.realtime import CYCLE
+from aioduco.streaming.sampling import Spline, sampled
+from aioduco.streaming.settings import LaneOptions
+from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE
+from aioduco.streaming.trajectory import (
+    Feedback,
+    JointTrajectory,
+    Tolerances,
+    TrajectoryResult,
+    follow,
+)
+
+from .conftest import HERE, Controller, Cycles
+
+THREAD = LaneOptions(lane="thread")
+
+# -- curves ------------------------------------------------------------------------------------
+
+COUNT = st.integers(2, 8)
+
+
+@st.composite
+def curves(draw: st.DrawFn) -> tuple[Any, Any, Any]:
+    count = draw(COUNT)
+    steps = draw(hnp.arrays(np.float64, count, elements=st.floats(0.01, 2.0)))
+    numbers = hnp.arrays(np.float64, (count, 6), elements=st.floats(-3, 3, width=32))
+    return np.cumsum(steps), draw(numbers), draw(numbers)
+
+
+@given(curves())
+def test_points_alone_are_joined_without_overshoot(curve: tuple[Any, Any, Any]) -> None:
+    times, points, _ = curve
+    at = np.linspace(times[0], times[-1], 200)
+    found = Spline(times, points).at(at)
+    index = np.clip(np.searchsorted(times, at, "right") - 1, 0, len(times) - 2)
+    low = np.minimum(points[index], points[index + 1])
+    high = np.maximum(points[index], points[index + 1])
+    assert np.all(found >= low - 1e-9)
+    assert np.all(found <= high + 1e-9)
+    np.testing.assert_allclose(Spline(times, points).at(times), points, atol=1e-12)
+    np.testing.assert_allclose(Spline(times, points).velocity(times[[0, -1]]), 0.0, atol=1e-9)
+
+
+@given(curves())
+def test_inside_the_slopes_are_those_of_pchip(curve: tuple[Any, Any, Any]) -> None:
+    times, points, _ = curve
+    theirs = PchipInterpolator(times, points).derivative()(times[1:-1])
+    np.testing.assert_allclose(Spline(times, points).velocity(times)[1:-1], theirs, atol=1e-6)
+
+
+@given(curves())
+def test_velocities_given_are_had(curve: tuple[Any, Any, Any]) -> None:
+    times, points, velocities = curve
+    at = np.linspace(times[0], times[-1], 50)
+    found = Spline(times, points, velocities)
+    reference = CubicHermiteSpline(times, points, velocities)
+    np.testing.assert_allclose(found.at(at), reference(at), atol=1e-9)
+    np.testing.assert_allclose(found.velocity(at), reference.derivative()(at), atol=1e-6)
+
+
+@given(curves())
+def test_accelerations_given_are_had(curve: tuple[Any, Any, Any]) -> None:
+    times, points, velocities = curve
+    accelerations = velocities[::-1].copy()
+    found = Spline(times, points, velocities, accelerations)
+    at = np.linspace(times[0], times[-1], 50)
+    given_at_points = np.stack([points, velocities, accelerations], axis=1)
+    reference = BPoly.from_derivatives(times, given_at_points)
+    np.testing.assert_allclose(found.at(at), reference(at), atol=1e-9)
+    np.testing.assert_allclose(found.velocity(at), reference.derivative()(at), atol=1e-6)
+
+
+def test_poses_are_sampled_by_the_shortest_turn() -> None:
+    start, end = [0.5, 0.0, 0.4, 3.0, 0.0, 0.0], [0.6, 0.0, 0.4, -3.0, 0.0, 0.0]
+    found = sampled(POSE_SPACE, [start, end], [0.0, 1.0], 0.1)
+    assert found.shape == (11, 6)
+    turns = [
+        POSE_SPACE.difference(POSE_SPACE.decode(a), POSE_SPACE.decode(b))[3]
+        for a, b in itertools.pairwise(found)
+    ]
+    np.testing.assert_allclose(turns, (2 * np.pi - 6.0) / 10, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("trajectory", "times", "name"),
+    [
+        ([[0.0] * 5], [0.0], "trajectory"),
+        ([], [], "trajectory"),
+        ([[0.0] * 6] * 2, [0.0, 0.0], "times"),
+        ([[0.0] * 6] * 2, [1.0, 0.5], "times"),
+        ([[0.0] * 6] * 2, [0.0], "times"),
+        ([[float("nan")] * 6], [0.0], "trajectory"),
+        ("nonsense", None, "trajectory"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_refused(trajectory: Any, times: Any, name: str) -> None:
+    with pytest.raises(ParameterError) as caught:
+        sampled(JOINT_SPACE, trajectory, times, 0.01)
+    assert caught.value.parameter == name
+
+
+# -- execution ---------------------------------------------------------------------------------
+
+
+class Arm:
+    """An arm that does what it is told, a few set-points later, or does not."""
+
+    def __init__(self, controller: Controller, lag: int = 10) -> None:
+        self.controller = controller
+        self.lag = lag
+        self.stuck = np.full(6, np.inf)
+        self.offset = np.zeros(6)
+
+    async def joints(self) -> list[float]:
+        points = self.controller.points()
+        place = np.array(points[max(0, len(points) - self.lag)] if points else HERE)
+        place = np.minimum(place, self.stuck) + self.offset
+        return [float(angle) for angle in place]
+
+
+def there_and_back() -> JointTrajectory:
+    here = np.array(HERE)
+    return JointTrajectory([here, here + 0.1, here], [0.0, 0.3, 0.6])
+
+
+async def run(controller: Controller, arm: Arm, **options: Any) -> TrajectoryResult:
+    settings: dict[str, Any] = {"realtime": False, "v": 1.0, "a": 20.0, "options": THREAD}
+    return await follow(controller.endpoint, arm.joints, there_and_back(), **(settings | options))
+
+
+async def test_a_trajectory_is_followed_to_its_goal_with_feedback(controller: Controller) -> None:
+    seen: list[Feedback] = []
+    result = await run(controller, Arm(controller), feedback=seen.append)
+    points = np.array(controller.points())
+    assert points[:, 0].max() == pytest.approx(HERE[0] + 0.1, abs=1e-3)
+    assert result.duration >= 0.6
+    assert np.all(np.abs(result.goal_error) <= 0.01)
+    assert np.all(result.path_error <= 0.005)
+    assert len(seen) > 10
+    times = [each.time for each in seen]
+    assert times == sorted(times)
+    for each in seen:
+        np.testing.assert_allclose(each.error, each.actual - each.desired)
+    assert controller.stops == []
+
+
+async def test_a_first_time_above_zero_leads_up_from_where_the_arm_is(
+    controller: Controller,
+) -> None:
+    arm = Arm(controller)
+    goal = np.array(HERE) + 0.15
+    await follow(
+        controller.endpoint,
+        arm.joints,
+        JointTrajectory([goal], [0.5]),
+        realtime=False,
+        v=1.0,
+        a=20.0,
+        options=THREAD,
+    )
+    points = np.array(controller.points())
+    np.testing.assert_allclose(points[0], HERE, atol=1e-3)
+    np.testing.assert_allclose(points[-1], goal, atol=1e-9)
+
+
+async def test_an_arm_that_is_stuck_violates_the_path(controller: Controller) -> None:
+    arm = Arm(controller)
+    arm.stuck = np.array([HERE[0] + 0.03, *[np.inf] * 5])
+    with pytest.raises(PathToleranceViolated, match="joint 1"):
+        await run(controller, arm, tolerances=Tolerances(path=0.02))
+    assert controller.stops == ["stop"]
+    places = np.array(controller.points())[:, 0]
+    # It was brought to rest: not at the end, and not in one tick.
+    assert places[-1] == places[-2]
+    assert np.abs(np.diff(places, n=2)).max() * 500**2 <= 20.0 * (1 + 1e-6)
+
+
+async def test_an_arm_that_does_not_arrive_violates_the_goal(controller: Controller) -> None:
+    arm = Arm(controller)
+    arm.offset = np.array([0, 0, 0, 0, 0, 0.05])
+    with pytest.raises(GoalToleranceViolated, match="joint 6"):
+        await run(controller, arm, tolerances=Tolerances(path=0, goal=0.01, goal_time=0.1))
+
+
+async def test_cancelling_brings_the_arm_to_rest(controller: Controller) -> None:
+    arm = Arm(controller)
+    with anyio.CancelScope() as scope:
+
+        def after_a_while(feedback: Feedback) -> None:
+            if feedback.time > 0.1:
+                scope.cancel()
+
+        await run(controller, arm, feedback=after_a_while)
+    assert scope.cancelled_caught
+    places = np.array(controller.points())[:, 0]
+    assert places[-1] == places[-2]
+    assert places[-1] > HERE[0] + 1e-3
+    assert np.abs(np.diff(places, n=2)).max() * 500**2 <= 20.0 * (1 + 1e-6)
+
+
+async def test_a_trajectory_that_begins_elsewhere_is_refused(controller: Controller) -> None:
+    arm = Arm(controller)
+    there = np.array(HERE) + 0.2
+    with pytest.raises(FirstPointTooFar):
+        await follow(
+            controller.endpoint,
+            arm.joints,
+            JointTrajectory([there, there + 0.1], [0.0, 1.0]),
+            realtime=False,
+            v=1.0,
+            a=20.0,
+            options=THREAD,
+        )
+    assert not controller.points()
+
+
+async def test_a_trajectory_too_fast_is_refused(controller: Controller) -> None:
+    with pytest.raises(ParameterError, match=r"up to 0\.2 rad/s"):
+        await run(controller, Arm(controller), v=0.2)
+
+
+async def test_through_the_realtime_queue(controller: Controller) -> None:
+    queue = Cycles(CYCLE)
+    for name, answer in {
+        "clear_realtime_data_queue": queue.clear,
+        "realtime_data_enqueue": queue.enqueue,
+        "start_realtime_mode": queue.start,
+        "get_realtime_data_queue_size": queue.size,
+        "end_realtime_mode": queue.end,
+    }.items():
+        controller.server.answer(name, answer)
+
+    async def joints() -> list[float]:
+        queue.size()
+        return list(queue.points[queue.taken - 1].joint_pos_cmd) if queue.taken else HERE
+
+    result = await follow(
+        controller.endpoint,
+        joints,
+        there_and_back(),
+        realtime=True,
+        v=1.0,
+        a=20.0,
+        options=THREAD,
+    )
+    assert np.all(np.abs(result.goal_error) <= 0.01)
+    places = np.array([point.joint_pos_cmd for point in queue.points])
+    assert places[:, 0].max() == pytest.approx(HERE[0] + 0.1, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        (([[0.0] * 6] * 2, [0.0]), "times"),
+        (([[0.0] * 6] * 2, [-1.0, 0.5]), "times"),
+        (([[0.0] * 6] * 2, [0.0, 1.0], [[0.0] * 6]), "velocities"),
+        (([[0.0] * 6] * 2, [0.0, 1.0], None, [[0.0] * 6] * 2), "accelerations"),
+        (([[7.0] * 6] * 2, [0.0, 1.0]), "positions"),
+    ],
+)
+def test_trajectories_that_do_not_fit_are_refused(arguments: Any, name: str) -> None:
+    with pytest.raises(ParameterError) as caught:
+        JointTrajectory(*arguments)
+    assert caught.value.parameter.startswith(name)
