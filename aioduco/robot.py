@@ -15,10 +15,15 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
+    from aioduco.api.compound import Compound
+    from aioduco.api.external_axes import ExternalAxes
     from aioduco.api.io import IO
     from aioduco.api.motion import Motion
+    from aioduco.api.program import Program
+    from aioduco.api.realtime import Realtime
     from aioduco.api.state import State
     from aioduco.api.system import System
+    from aioduco.api.track import Track
     from aioduco.api.version import Version
     from aioduco.models.state import RobotStates
     from aioduco.supervision.heartbeat import HeartbeatStatistics
@@ -105,7 +110,12 @@ class Robot:
         host: name or address of the controller.
         port: its TCP port.
         system: power, brakes, operation mode.
-        motion: motions.
+        motion: motions, jogs, hand guiding.
+        program: programs and files of the controller.
+        track: the track pool.
+        compound: the weave laid over motions.
+        external_axes: external axes.
+        realtime: the realtime queue, call by call.
         state: state of the arm and of the controller.
         io: inputs and outputs.
         version: type of the arm, version of the software.
@@ -113,6 +123,11 @@ class Robot:
 
     system: System
     motion: Motion
+    program: Program
+    track: Track
+    compound: Compound
+    external_axes: ExternalAxes
+    realtime: Realtime
     state: State
     io: IO
     version: Version
@@ -123,10 +138,15 @@ class Robot:
         if type(port) is not int or not 1 <= port <= 65535:
             raise ParameterError("port", port, "a whole number from 1 to 65535")
         # Thrift is loaded here and not at import: `import aioduco` stays quick.
+        from aioduco.api.compound import Compound  # noqa: PLC0415
+        from aioduco.api.external_axes import ExternalAxes  # noqa: PLC0415
         from aioduco.api.io import IO  # noqa: PLC0415
         from aioduco.api.motion import Motion  # noqa: PLC0415
+        from aioduco.api.program import Program  # noqa: PLC0415
+        from aioduco.api.realtime import Realtime  # noqa: PLC0415
         from aioduco.api.state import State  # noqa: PLC0415
         from aioduco.api.system import System  # noqa: PLC0415
+        from aioduco.api.track import Track  # noqa: PLC0415
         from aioduco.api.version import Version  # noqa: PLC0415
         from aioduco.supervision.supervisor import Supervisor  # noqa: PLC0415
 
@@ -135,6 +155,11 @@ class Robot:
         self._supervisor = Supervisor(host, port, settings)
         self.system = System(self._supervisor)
         self.motion = Motion(self._supervisor)
+        self.program = Program(self._supervisor)
+        self.track = Track(self._supervisor)
+        self.compound = Compound(self._supervisor)
+        self.external_axes = ExternalAxes(self._supervisor)
+        self.realtime = Realtime(self._supervisor)
         self.state = State(self._supervisor)
         self.io = IO(self._supervisor)
         self.version = Version(self._supervisor)
