@@ -11,12 +11,15 @@ import numpy as np
 from aioduco.kinematics.forward import fkine
 from aioduco.sim.planner.curves import Line, arc_through
 from aioduco.sim.planner.errors import PlanError
+from aioduco.sim.planner.freeform import spiral, spline
 from aioduco.sim.planner.limits import cartesian_limits, joint_limits
 from aioduco.sim.planner.path import Path, differentiate
 from aioduco.sim.planner.timing import backward, fastest
 from aioduco.sim.planner.tracing import check_limits, trace
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.curves import Curve
@@ -29,6 +32,8 @@ __all__ = [
     "circle_move",
     "joint_move",
     "line_move",
+    "spiral_move",
+    "spline_move",
 ]
 
 _STILL = 1e-9  # a motion shorter than this stays where it is [rad, m]
@@ -220,6 +225,74 @@ def circle_move(
     frame = np.eye(4) if tool is None else tool
     start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
     curve = arc_through(start, first @ frame, second @ frame, mode, full=True)
+    return _cartesian(arm, q0, curve, v, a, r, frame)
+
+
+def spiral_move(
+    arm: Arm,
+    q0: Array,
+    centre: Array,
+    turns: float,
+    v: float,
+    a: float,
+    r: float = 0.0,
+    *,
+    axial: float = 0.0,
+    radius: float = 0.0,
+    target: Array | None = None,
+    tool: Array | None = None,
+) -> Segment:
+    """Move the tool centre point along a spiral (manual 1.3.5, move_spiral).
+
+    Args:
+        arm: the arm.
+        q0: joints at the start [rad]. Shape (6,).
+        centre: pose whose z axis is that of the spiral, in the base frame. Shape (4, 4).
+        turns: positive by the right hand about z.
+        v: speed of the tool centre point [m/s].
+        a: its acceleration [m/s²].
+        r: blend radius [m].
+        axial: way along z [m]; the target's, if there is one.
+        radius: at the end [m]; the target's, if there is one.
+        target: pose of the flange at the end, in the base frame. Shape (4, 4).
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
+
+    Raises:
+        PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
+    """
+    frame = np.eye(4) if tool is None else tool
+    start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
+    end = None if target is None else target @ frame
+    return _cartesian(arm, q0, spiral(start, centre, turns, axial, radius, end), v, a, r, frame)
+
+
+def spline_move(
+    arm: Arm,
+    q0: Array,
+    targets: Sequence[Array],
+    v: float,
+    a: float,
+    r: float = 0.0,
+    *,
+    tool: Array | None = None,
+) -> Segment:
+    """Move the tool centre point along a smooth curve through poses (manual 1.3.5, spline).
+
+    Args:
+        arm: the arm.
+        q0: joints at the start [rad]. Shape (6,).
+        targets: poses of the flange, in the base frame. Shapes (4, 4).
+        v: speed of the tool centre point [m/s].
+        a: its acceleration [m/s²].
+        r: blend radius [m].
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
+
+    Raises:
+        PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
+    """
+    frame = np.eye(4) if tool is None else tool
+    start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
+    curve = spline(start, [target @ frame for target in targets])
     return _cartesian(arm, q0, curve, v, a, r, frame)
 
 
