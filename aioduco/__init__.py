@@ -16,6 +16,7 @@ from aioduco import errors
 from aioduco._version import __version__
 from aioduco.errors import *  # noqa: F403  # all of them, as errors.__all__ lists them
 from aioduco.models.enums import (
+    FileKind,
     OperationMode,
     Outcome,
     ProgramState,
@@ -23,6 +24,8 @@ from aioduco.models.enums import (
     SafetyState,
     TaskState,
 )
+from aioduco.models.external_axis import ExternalAxis, ExternalAxisScheme, ExternalAxisState
+from aioduco.models.jog import Jog, JogDirections, JogFrame
 from aioduco.models.op import (
     Op,
     PointOp,
@@ -34,9 +37,11 @@ from aioduco.models.op import (
     word_register,
 )
 from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike, deg, mm
+from aioduco.models.realtime import RealtimeMode, RealtimePoint
 from aioduco.models.state import IOStatus, RobotStates, RobotStatus
+from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.robot import Robot, connect
-from aioduco.supervision.command import MotionCommand
+from aioduco.supervision.command import HeldMotion, MotionCommand
 from aioduco.supervision.pulse import HeartbeatState
 from aioduco.supervision.task import OnCancel, Task
 
@@ -45,6 +50,7 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     # the robot
     "connect",
     "Robot",
+    "HeldMotion",
     "MotionCommand",
     "OnCancel",
     "Outcome",
@@ -65,6 +71,18 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     "word_register",
     "Op",
     "PointOp",
+    # jogs, weaves, realtime control, external axes, files
+    "ExternalAxis",
+    "ExternalAxisScheme",
+    "ExternalAxisState",
+    "FileKind",
+    "Jog",
+    "JogDirections",
+    "JogFrame",
+    "RealtimeMode",
+    "RealtimePoint",
+    "WeavePlane",
+    "WeaveShape",
     # states
     "HeartbeatState",
     "IOStatus",
