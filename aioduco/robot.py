@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from aioduco.api.version import Version
     from aioduco.models.state import RobotStates
     from aioduco.supervision.heartbeat import HeartbeatStatistics
+    from aioduco.supervision.settings import GuardKind
     from aioduco.supervision.supervisor import SupervisorStatistics
     from aioduco.supervision.task import OnCancel, Task
     from aioduco.trace import Trace
@@ -49,6 +50,7 @@ def connect(
     on_cancel: OnCancel = "stop",
     stop_timeout: float = 5.0,
     standstill_timeout: float = 5.0,
+    guard: GuardKind | None = None,
     trace: Trace | None = None,
 ) -> Robot:
     """Name a robot; `async with` connects to it, and leaves it standing.
@@ -72,6 +74,9 @@ def connect(
             "pause", or "detach" (it moves on).
         stop_timeout: seconds in which a stop must be accepted by the controller.
         standstill_timeout: seconds in which the arm must stand after that.
+        guard: "process" to have stop and heartbeat in a small process of their own, one for all
+            robots of the program: the arm is stopped at once when the program dies, and a busy
+            program cannot delay a stop. None: on threads of the program.
         trace: a hook that sees each call and each connection, see `aioduco.trace`.
 
     Returns:
@@ -94,6 +99,7 @@ def connect(
             on_cancel=on_cancel,
             stop_timeout=stop_timeout,
             standstill_timeout=standstill_timeout,
+            guard=guard,
             trace=trace,
         ),
     )

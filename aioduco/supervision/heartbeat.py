@@ -30,6 +30,8 @@ _log = logging.getLogger(__name__)
 BEATS_PER_TIME = 3
 #: part of the time between beats after which one that was not answered is repeated
 _AGAIN = 0.25
+#: seconds after the stall limit at which it is looked whether it has passed
+_LATER = 0.001
 
 
 class Line(Protocol):
@@ -88,6 +90,45 @@ class HeartbeatStatistics(NamedTuple):
     longest_gap: float
 
 
+class Heart(Protocol):
+    """A heartbeat as the supervision sees it: of this program, or of its guard."""
+
+    @property
+    def state(self) -> HeartbeatState:
+        """State of the heartbeat."""
+        ...
+
+    @property
+    def heard(self) -> bool:
+        """Whether a beat was answered, and no later one was lost."""
+        ...
+
+    @property
+    def error(self) -> DucoError | None:
+        """Why the last beat was not answered; None if it was."""
+        ...
+
+    def start(self) -> None:
+        """Begin to beat."""
+        ...
+
+    def statistics(self) -> HeartbeatStatistics:
+        """Figures since the heartbeat began."""
+        ...
+
+    def rearm(self) -> None:
+        """Go on beating after a stall of the event loop."""
+        ...
+
+    def end(self) -> None:
+        """Beat no more."""
+        ...
+
+    def join(self, timeout: float) -> bool:
+        """Wait until nothing of it runs any more. Returns whether that is so."""
+        ...
+
+
 class Heartbeat:
     """Beats from a thread of its own until it is ended.
 
@@ -96,14 +137,22 @@ class Heartbeat:
         seconds: without a beat for this long, the controller stops the arm.
         life: the event loop's sign of life.
         stall_limit: seconds without a sign of life after which no beat is sent.
+        changed: called on the thread after each beat, answered or not, and each change of state.
     """
 
     def __init__(
-        self, connect: Callable[[], Line], seconds: float, life: SignOfLife, stall_limit: float
+        self,
+        connect: Callable[[], Line],
+        seconds: float,
+        life: SignOfLife,
+        stall_limit: float,
+        changed: Callable[[Heartbeat], None] | None = None,
     ) -> None:
         self._connect = connect
         self._seconds = seconds
         self._life = life
+        self._stall_limit = stall_limit
+        self._changed = changed
         self._pulse = Pulse(seconds, stall_limit, time.monotonic())
         self._line: Line | None = None
         self._ended = False
@@ -166,20 +215,46 @@ class Heartbeat:
         due = time.monotonic()
         try:
             while True:
-                self._nudge.wait(max(0.0, due - time.monotonic()))
+                nudged = self._nudge.wait(max(0.0, self._wake(due) - time.monotonic()))
                 self._nudge.clear()
                 if self._ended:
                     return
                 now = time.monotonic()
-                # An absolute schedule; beats whose time has passed are left out.
-                due = max(due + every, now)
                 before = self._pulse.state
-                if self._pulse.may_beat(now, self._life.stamp) and not self._beat(every):
-                    due = min(due, time.monotonic() + every * _AGAIN)
+                may = self._pulse.may_beat(now, self._life.stamp)
+                if self._pulse.state is HeartbeatState.STALLED and before is not self._pulse.state:
+                    self._stop_stalled(every)
+                elif not nudged and now < due:
+                    continue
+                else:
+                    # An absolute schedule; beats whose time has passed are left out.
+                    due = max(due + every, now)
+                    if may and not self._beat(every):
+                        due = min(due, time.monotonic() + every * _AGAIN)
                 if self._pulse.state is not before:
                     self._report(before)
+                if self._changed is not None:
+                    self._changed(self)
         finally:
             self._drop()
+
+    def _wake(self, due: float) -> float:
+        """When to look again: for the next beat, or for a sign of life that does not come."""
+        if self._pulse.state is HeartbeatState.STALLED:
+            return due
+        return min(due, self._life.stamp + self._stall_limit + _LATER)
+
+    def _stop_stalled(self, deadline: float) -> None:
+        """The event loop hangs: stop the arm at once; the heartbeat's end would do it later."""
+        try:
+            if self._line is None:
+                self._line = self._connect()
+                self._line.open(time.monotonic() + deadline)
+            self._line.call("stop", (False,), deadline)
+        except DucoError as exc:
+            self._drop()
+            self._error = exc
+            _log.error("the event loop hangs, and the arm could not be stopped at once: %s", exc)
 
     def _beat(self, deadline: float) -> bool:
         until = time.monotonic() + deadline
@@ -212,8 +287,8 @@ class Heartbeat:
             case HeartbeatState.STALLED:
                 stall = time.monotonic() - self._life.stamp
                 _log.error(
-                    "the event loop has not run for %.2f s: the heartbeat is withheld, and the "
-                    "controller stops the arm. Call robot.rearm_heartbeat() to go on",
+                    "the event loop has not run for %.2f s: the arm is stopped, and the "
+                    "heartbeat withheld. Call robot.rearm_heartbeat() to go on",
                     stall,
                 )
             case HeartbeatState.LOST:

@@ -17,7 +17,7 @@ from aioduco.errors import (
 
 if TYPE_CHECKING:
     from aioduco._wire.lane import Lane
-    from aioduco.supervision.heartbeat import Heartbeat
+    from aioduco.supervision.heartbeat import Heart
     from aioduco.supervision.settings import Settings
 
 #: seconds between two looks whether the first heartbeat was answered
@@ -30,11 +30,15 @@ class Lines(Protocol):
     host: str
     port: int
     settings: Settings
-    heartbeat: Heartbeat | None
+    heartbeat: Heart | None
 
     @property
     def lanes(self) -> tuple[Lane, ...]:
         """All lanes, the most important first."""
+        ...
+
+    async def under_guard(self) -> None:
+        """Have the guard look after the robot, if there is to be one."""
         ...
 
     @property
@@ -44,12 +48,13 @@ class Lines(Protocol):
 
 
 async def open_lines(lines: Lines) -> None:
-    """Open every lane, ask one question, and beat the heart once.
+    """Open every lane, ask one question, have a guard if wanted, and beat the heart once.
 
     Raises:
         ConnectError: the host is unknown, the port is closed, or nothing answers.
         NotAController: something else answers.
         ConnectTimeout: something accepts connections, but answers nothing.
+        GuardLost: the guard cannot be started.
     """
     first, *others = lines.lanes
     await first.open()
@@ -57,6 +62,7 @@ async def open_lines(lines: Lines) -> None:
         await lane.open()
     try:
         await lines.poll.call("get_robot_state", ())
+        await lines.under_guard()
         if lines.heartbeat is not None:
             lines.heartbeat.start()
             await _heard(lines.heartbeat, lines.settings.call_timeout)
@@ -83,7 +89,7 @@ async def open_lines(lines: Lines) -> None:
         ) from exc
 
 
-async def _heard(heartbeat: Heartbeat, timeout: float) -> None:
+async def _heard(heartbeat: Heart, timeout: float) -> None:
     """Wait until the first beat was answered, or could not be sent."""
     due = time.monotonic()
     until = due + timeout

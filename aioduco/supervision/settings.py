@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 from aioduco.errors import ParameterError
 from aioduco.supervision.task import OnCancel
@@ -12,7 +12,9 @@ from aioduco.supervision.task import OnCancel
 if TYPE_CHECKING:
     from aioduco.trace import Trace
 
-__all__ = ["Settings"]
+__all__ = ["GuardKind", "Settings"]
+
+GuardKind: TypeAlias = Literal["process"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,6 +33,7 @@ class Settings:
     on_cancel: OnCancel = "stop"
     stop_timeout: float = 5.0
     standstill_timeout: float = 5.0
+    guard: GuardKind | None = None
     trace: Trace | None = None
 
     def __post_init__(self) -> None:
@@ -45,6 +48,8 @@ class Settings:
             )
         if type(self.pool_size) is not int or not 1 <= self.pool_size <= 64:
             raise ParameterError("pool_size", self.pool_size, "a whole number from 1 to 64")
+        if self.guard is not None and self.guard not in get_args(GuardKind):
+            raise ParameterError("guard", self.guard, '"process", or None for no guard')
         if self.on_cancel not in get_args(OnCancel):
             raise ParameterError("on_cancel", self.on_cancel, '"stop", "pause" or "detach"')
 

@@ -10,9 +10,15 @@ import anyio
 
 from aioduco._wire.connection import Connection
 from aioduco._wire.lane import Lane
-from aioduco.errors import RobotStateError
+from aioduco.errors import DucoError, RobotStateError, StopUnconfirmed
 from aioduco.supervision.background import Background
 from aioduco.supervision.control import Control
+from aioduco.supervision.guard.sides import (
+    GuardedControl,
+    GuardedHeartbeat,
+    GuardedSignOfLife,
+    Seat,
+)
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatStatistics, SignOfLife
 from aioduco.supervision.insist import insist
 from aioduco.supervision.keeper import Keeper
@@ -22,6 +28,7 @@ from aioduco.supervision.samples import Samples
 
 if TYPE_CHECKING:
     from aioduco._wire.lane import LaneStatistics
+    from aioduco.supervision.heartbeat import Heart
     from aioduco.supervision.settings import Settings
 
 _log = logging.getLogger(__name__)
@@ -77,6 +84,7 @@ class Supervisor:
         keeper: brings the arm to rest.
         launcher: starts motions and other tasks.
         heartbeat: the heartbeat; None without one.
+        guard: the robot's place with the guard; None without one.
     """
 
     def __init__(self, host: str, port: int, settings: Settings) -> None:
@@ -89,14 +97,24 @@ class Supervisor:
         self._stop_lane = self._lane("stop")
         self._control_lane = self._lane("control")
         self._motion_lane = self._lane("motion")
-        self._life = SignOfLife()
-        self.heartbeat: Heartbeat | None = None
-        if settings.heartbeat is not None:
-            self.heartbeat = Heartbeat(
-                self._line, settings.heartbeat, self._life, settings.loop_stall_limit
-            )
         self._background = Background(self._crashed)
-        self.control = Control(self._stop_lane, self._control_lane, self.poll)
+        self.guard: Seat | None = None
+        self.heartbeat: Heart | None = None
+        if settings.guard is None:
+            self._life = SignOfLife()
+            self.control = Control(self._stop_lane, self._control_lane, self.poll)
+            if settings.heartbeat is not None:
+                self.heartbeat = Heartbeat(
+                    self._line, settings.heartbeat, self._life, settings.loop_stall_limit
+                )
+        else:
+            self.guard = Seat(host, port, settings)
+            self._life = GuardedSignOfLife(self.guard)
+            self.control = GuardedControl(
+                self.guard, self._stop_lane, self._control_lane, self.poll
+            )
+            if settings.heartbeat is not None:
+                self.heartbeat = GuardedHeartbeat(self.guard)
         self.keeper = Keeper(self.control, self.poll, self._background, settings)
         self.launcher = Launcher(
             self._motion_lane, self.keeper, self._background, self.heartbeat, settings
@@ -204,10 +222,41 @@ class Supervisor:
     async def _close_lines(self) -> None:
         if self.heartbeat is not None:
             self.heartbeat.end()
+        if self.guard is not None:
+            await self.guard.give_up()
         for lane in self.lanes:
             await lane.aclose()
         if self.heartbeat is not None:
             self.heartbeat.join(_GRACE)
+
+    async def under_guard(self) -> None:
+        """Have the guard look after the robot, if there is to be one."""
+        if self.guard is not None:
+            await self.guard.take(self._guard_lost)
+            self._life.touch(time.monotonic())
+
+    def _guard_lost(self) -> None:
+        """The guard is gone: its heartbeat has ended. Stop the arm, and start another guard."""
+        if self._closed or self.guard is None:
+            return
+        _log.critical(
+            "the guard of %s:%d is gone: the arm is stopped, and another guard is started",
+            self.host,
+            self.port,
+        )
+        self._background.start(self._new_guard(self.guard), "aioduco new guard")
+
+    async def _new_guard(self, guard: Seat) -> None:
+        if self.keeper.moving:
+            try:
+                await self.keeper.halt()
+            except StopUnconfirmed as exc:
+                _log.critical("the guard is gone, and %s", exc)
+        await guard.give_up()
+        try:
+            await guard.take(self._guard_lost)
+        except DucoError as exc:
+            _log.critical("no other guard could be started: %s", exc)
 
     async def _live(self, due: float) -> None:
         """Show that the event loop runs, first at `due`."""

@@ -1,0 +1,129 @@
+"""What a program and its guard say to each other: one message, one packet.
+
+The two talk over a pair of SOCK_SEQPACKET sockets. A packet is sent whole or not at all, so any
+thread, and a signal handler in the middle of another send, may send without a lock. Times are
+those of CLOCK_MONOTONIC, which is the same for all processes of a machine.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Final, NamedTuple, TypeAlias
+
+from aioduco.supervision.pulse import HeartbeatState
+
+#: more bytes than any message has
+LARGEST: Final = 8192
+#: characters of an error's text that a message carries
+_TEXT: Final = 2000
+
+
+class Watch(NamedTuple):
+    """Program to guard: take over stop and heartbeat of a robot. Answered by `Done`.
+
+    Attributes:
+        robot: the program's number for the robot.
+        token: comes back in the answer.
+        host: name or address of the controller.
+        port: its TCP port.
+        heartbeat: heartbeat time [s]; None: none.
+        stall_limit: seconds without `Alive` after which no beat is sent.
+        connect_timeout: most seconds that opening a connection takes.
+        call_timeout: most seconds that a call takes.
+    """
+
+    robot: int
+    token: int
+    host: str
+    port: int
+    heartbeat: float | None
+    stall_limit: float
+    connect_timeout: float
+    call_timeout: float
+
+
+class Alive(NamedTuple):
+    """Program to guard: the event loop of a robot ran at `stamp`."""
+
+    robot: int
+    stamp: float
+
+
+class Stop(NamedTuple):
+    """Program to guard: stop the arm within `timeout` seconds. Answered by `Done`."""
+
+    robot: int
+    token: int
+    timeout: float
+
+
+class Rearm(NamedTuple):
+    """Program to guard: beat again after a stall of the event loop."""
+
+    robot: int
+
+
+class Release(NamedTuple):
+    """Program to guard: the arm stands, look after it no more. Answered by `Done`."""
+
+    robot: int
+    token: int
+
+
+class Done(NamedTuple):
+    """Guard to program: what came of a request.
+
+    Attributes:
+        token: the request's.
+        error: why it failed; empty if it went well.
+    """
+
+    token: int
+    error: str
+
+
+class Beat(NamedTuple):
+    """Guard to program: state and figures of a heartbeat, and why the last beat was lost."""
+
+    robot: int
+    state: str
+    beats: int
+    missed: int
+    losses: int
+    stalls: int
+    longest_gap: float
+    error: str
+
+    @property
+    def heartbeat_state(self) -> HeartbeatState:
+        """The state as an enum."""
+        return HeartbeatState(self.state)
+
+
+Message: TypeAlias = Watch | Alive | Stop | Rearm | Release | Done | Beat
+
+_KINDS: Final = {kind.__name__: kind for kind in (Watch, Alive, Stop, Rearm, Release, Done, Beat)}
+
+
+def pack(message: Message) -> bytes:
+    """A message as a packet."""
+    return json.dumps([type(message).__name__, *message]).encode()
+
+
+def unpack(packet: bytes) -> Message:
+    """The message in a packet.
+
+    Raises:
+        ValueError: the packet is none of ours.
+    """
+    try:
+        name, *fields = json.loads(packet)
+        message: Message = _KINDS[name](*fields)
+    except (TypeError, KeyError, ValueError) as exc:
+        raise ValueError(f"{packet[:80]!r} is no message of a guard") from exc
+    return message
+
+
+def shortened(text: str) -> str:
+    """A text that fits into a message."""
+    return text if len(text) <= _TEXT else text[: _TEXT - 3] + "..."

@@ -1,0 +1,305 @@
+"""Stop and heartbeat by the guard, in the place of the local ones.
+
+Guarantees:
+- A stop is sent to the guard before anything is awaited. One that the guard does not confirm at
+  once goes the local way too: stop is safe to repeat.
+- Without the guard, nothing beats: the heartbeat counts as lost from the moment it is gone.
+"""
+
+from __future__ import annotations
+
+import time
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Final
+
+import anyio
+
+from aioduco._wire.handoff import doorbell
+from aioduco.errors import ConnectError, DucoError, GuardLost
+from aioduco.supervision.control import Control
+from aioduco.supervision.guard.link import Answer, GuardLink, Watcher, shared
+from aioduco.supervision.guard.messages import Alive, Beat, Rearm, Release, Stop, Watch
+from aioduco.supervision.heartbeat import HeartbeatStatistics, SignOfLife
+from aioduco.supervision.insist import insist
+from aioduco.supervision.pulse import HeartbeatState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco._wire.lane import Lane
+    from aioduco.supervision.settings import Settings
+
+#: seconds after which a stop that the guard has not confirmed goes the local way too
+PATIENCE: Final = 0.1
+#: seconds for a guard to start and to connect, on top of the time limits of the connections
+_START_LIMIT: Final = 10.0
+#: seconds for the guard to let go of a robot
+_RELEASE_LIMIT: Final = 2.0
+
+
+class Seat:
+    """A robot's place with the guard.
+
+    Args:
+        host: name or address of the controller.
+        port: its TCP port.
+        settings: times and limits.
+    """
+
+    def __init__(self, host: str, port: int, settings: Settings) -> None:
+        self._host = host
+        self._port = port
+        self._settings = settings
+        self._link: GuardLink | None = None
+        self._robot = 0
+        self._beat: Beat | None = None
+        self._losses = 0
+        self._lost: Callable[[], None] = _ignore
+
+    def __repr__(self) -> str:
+        return f"<Seat of {self._host}:{self._port} at {self._link!r}>"
+
+    @property
+    def alive(self) -> bool:
+        """Whether the guard looks after the robot."""
+        return self._link is not None and self._link.alive and self._robot != 0
+
+    @property
+    def pid(self) -> int | None:
+        """The guard's process id; None without a guard."""
+        return self._link.pid if self._link is not None else None
+
+    @property
+    def beat(self) -> Beat | None:
+        """What was last heard of the heartbeat."""
+        return self._beat
+
+    @property
+    def losses(self) -> int:
+        """How often a guard was lost."""
+        return self._losses
+
+    async def take(self, lost: Callable[[], None]) -> None:
+        """Have the guard look after the robot; it is started if there is none.
+
+        Args:
+            lost: called on the event loop if the guard is gone before `give_up`.
+
+        Raises:
+            GuardLost: it could not be started, or does not answer.
+            ConnectError: it cannot connect to the controller.
+        """
+        self._lost = doorbell(lost)
+        self._beat = None
+        link = await anyio.to_thread.run_sync(shared.acquire)
+        self._link = link
+        robot = link.enter(Watcher(self._heard, self._gone))
+        settings = self._settings
+        limit = _START_LIMIT + 2 * settings.connect_timeout
+
+        def request(token: int) -> Watch:
+            return Watch(
+                robot,
+                token,
+                self._host,
+                self._port,
+                settings.heartbeat,
+                settings.loop_stall_limit,
+                settings.connect_timeout,
+                settings.call_timeout,
+            )
+
+        error: str | None = None
+        try:
+            error = await self._asked(link, request, limit)
+        finally:
+            self._robot = robot
+            if error != "":
+                await insist(self.give_up)
+        if error is None:
+            raise GuardLost("the guard's process was started, but does not answer")
+        if error:
+            raise ConnectError(self._host, self._port, f"the guard could not: {error}")
+
+    async def give_up(self) -> None:
+        """The arm stands, or is the local side's to stop: the guard looks after it no more."""
+        link, robot = self._link, self._robot
+        self._lost = _ignore
+        self._link, self._robot = None, 0
+        if link is None:
+            return
+        if robot:
+            await self._asked(link, lambda token: Release(robot, token), _RELEASE_LIMIT)
+            link.leave(robot)
+        await anyio.to_thread.run_sync(shared.release, link)
+
+    def touch(self, stamp: float) -> None:
+        """Pass on a sign of life of the event loop."""
+        if self.alive:
+            assert self._link is not None
+            self._link.tell(Alive(self._robot, stamp))
+
+    def rearm(self) -> None:
+        """Have the guard beat again after a stall."""
+        if self.alive:
+            assert self._link is not None
+            self._link.tell(Rearm(self._robot))
+
+    def stop(self, timeout: float, notify: Callable[[], None]) -> Answer | None:
+        """Send a stop by the guard, from any thread. None: there is no guard to send it by."""
+        link, robot = self._link, self._robot
+        if link is None or not robot:
+            return None
+        answer = Answer(notify)
+        sent = link.ask(lambda token: Stop(robot, token, timeout), answer)
+        return answer if sent else None
+
+    async def _asked(
+        self, link: GuardLink, request: Callable[[int], Watch | Release], limit: float
+    ) -> str | None:
+        """What came of a request: an error, or "" if it went well; None if nothing came."""
+        done = anyio.Event()
+        answer = Answer(doorbell(done.set))
+        if not link.ask(request, answer):
+            return None
+        with anyio.move_on_after(limit):
+            await done.wait()
+        return answer.error if answer.given and not answer.lost else None
+
+    def _heard(self, beat: Beat) -> None:
+        self._beat = beat
+
+    def _gone(self) -> None:
+        self._robot = 0
+        self._losses += 1
+        self._lost()
+
+
+class GuardedControl(Control):
+    """Stops by the guard, and by the local lanes if the guard does not confirm at once.
+
+    Args:
+        seat: the robot's place with the guard.
+        stop: local lane for stops alone.
+        others: lane for pause, resume and abort.
+        watch: lane on which it is asked whether the arm moves.
+    """
+
+    def __init__(self, seat: Seat, stop: Lane, others: Lane, watch: Lane) -> None:
+        super().__init__(stop, others, watch)
+        self._seat = seat
+
+    async def stop(self, timeout: float) -> None:
+        """As `Control.stop`; the guard has it before this first waits."""
+        until = time.monotonic() + timeout
+        self.epoch += 1
+        self.attempts += 1
+        done = anyio.Event()
+        answer = self._seat.stop(timeout, doorbell(done.set))
+        if answer is not None:
+            with anyio.move_on_after(min(PATIENCE, timeout)):
+                await done.wait()
+            if answer.given and not answer.error:
+                self.stops += 1
+                return
+        await super().stop(max(0.0, until - time.monotonic()))
+
+    def stop_now(self, timeout: float) -> None:
+        """As `Control.stop_now`."""
+        until = time.monotonic() + timeout
+        self.epoch += 1
+        self.attempts += 1
+        done: SimpleQueue[None] = SimpleQueue()
+        answer = self._seat.stop(timeout, lambda: done.put(None))
+        if answer is not None:
+            try:
+                done.get(timeout=min(PATIENCE, timeout))
+            except Empty:
+                pass
+            else:
+                if not answer.error:
+                    self.stops += 1
+                    return
+        super().stop_now(max(0.0, until - time.monotonic()))
+
+
+class GuardedSignOfLife(SignOfLife):
+    """Passes the event loop's signs of life on to the guard."""
+
+    __slots__ = ("_seat",)
+
+    def __init__(self, seat: Seat) -> None:
+        super().__init__()
+        self._seat = seat
+
+    def touch(self, due: float) -> None:
+        """The loop runs; `due` is when this sign of life was to be given."""
+        super().touch(due)
+        self._seat.touch(self.stamp)
+
+
+class GuardedHeartbeat:
+    """The heartbeat as the program sees it when the guard beats."""
+
+    def __init__(self, seat: Seat) -> None:
+        self._seat = seat
+        self._ended = False
+
+    def __repr__(self) -> str:
+        return f"<GuardedHeartbeat {self.state.value}>"
+
+    @property
+    def state(self) -> HeartbeatState:
+        """State of the heartbeat."""
+        beat = self._seat.beat
+        if beat is None:
+            return HeartbeatState.STARTING if not self._seat.losses else HeartbeatState.LOST
+        if not self._seat.alive and not self._ended:
+            return HeartbeatState.LOST
+        return beat.heartbeat_state
+
+    @property
+    def heard(self) -> bool:
+        """Whether a beat was answered, and no later one was lost."""
+        return self.state is HeartbeatState.BEATING
+
+    @property
+    def error(self) -> DucoError | None:
+        """Why the last beat was not answered; None if it was."""
+        beat = self._seat.beat
+        if beat is None or not beat.error:
+            return None
+        return GuardLost(beat.error)
+
+    def statistics(self) -> HeartbeatStatistics:
+        """Figures, of this guard's time."""
+        beat = self._seat.beat
+        if beat is None:
+            return HeartbeatStatistics(self.state, 0, 0, self._seat.losses, 0, 0.0)
+        return HeartbeatStatistics(
+            self.state,
+            beat.beats,
+            beat.missed,
+            beat.losses + self._seat.losses,
+            beat.stalls,
+            beat.longest_gap,
+        )
+
+    def start(self) -> None:
+        """The guard beats as soon as it looks after the robot."""
+
+    def rearm(self) -> None:
+        """Go on beating after a stall of the event loop."""
+        self._seat.rearm()
+
+    def end(self) -> None:
+        """Beat no more, as soon as the guard lets go of the robot."""
+        self._ended = True
+
+    def join(self, timeout: float) -> bool:  # noqa: ARG002  # as the local one is called
+        """The guard's thread is not the program's to wait for."""
+        return True
+
+
+def _ignore() -> None:
+    """Nobody wants to hear that the guard is gone."""
