@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.timing import Law
 
-__all__ = ["Event", "EventKind", "Mover", "Segment", "SetPoint", "Tick"]
+__all__ = ["Event", "EventKind", "Mover", "Segment", "SetPoint", "Tick", "Travel"]
 
 EventKind: TypeAlias = Literal["started", "finished", "blended", "stopped", "failed"]
 
@@ -67,6 +67,23 @@ class Event(NamedTuple):
     message: str = ""
 
 
+class Travel(NamedTuple):
+    """How far the active motion has come, from the blend into it to the blend out of it.
+
+    Attributes:
+        elapsed: time that it has moved [s].
+        remaining: time to its end at the global speed, if nothing comes in between [s].
+        distance: way behind it, in the unit of its path: metres of the tool centre point, or
+            radians of the joint that turns furthest.
+        left: way ahead of it.
+    """
+
+    elapsed: float
+    remaining: float
+    distance: float
+    left: float
+
+
 class Tick(NamedTuple):
     """The outcome of a cycle: the set-point, and what happened, in order."""
 
@@ -98,6 +115,7 @@ class Mover:
         self._time = 0.0  # on the law, while tracking
         self._s = 0.0  # distance along the active motion's path
         self._v = 0.0  # ds/dt
+        self._elapsed = 0.0  # time that the active motion has moved
         self._law_piece = self._path_piece = 0
 
     @property
@@ -137,6 +155,14 @@ class Mover:
             return 1.0
         length = self._queue[0].length
         return min(self._s / length, 1.0) if length > 0.0 else 1.0
+
+    @property
+    def travel(self) -> Travel | None:
+        """How far the active motion has come; None before it has started."""
+        if self._law is None:
+            return None
+        remaining = (self._law.duration - self._law.time(self._s)) / self._speed
+        return Travel(self._elapsed, remaining, self._s, self._law.end - self._s)
 
     def append(self, key: int, plan: Callable[[Array], Segment]) -> None:
         """Put a motion at the end of the queue.
@@ -221,6 +247,7 @@ class Mover:
     def _begin(self) -> None:
         entry = self._queue[0]
         self._began = True
+        self._elapsed = 0.0
         self._events.append(Event(entry.key, "started"))
         if entry.path is not None:
             self._follow(0.0, 0.0)
@@ -292,6 +319,7 @@ class Mover:
         assert corner is not None
         self._events.append(Event(self._queue[0].key, "started"))
         self._began = True
+        self._elapsed = 0.0
         self._follow(law_speed * corner.ratio, 0.0)
         self._v = v * corner.ratio
         return corner.ratio
@@ -316,4 +344,5 @@ class Mover:
         assert path is not None
         self._s, self._v = s, v
         self._path_piece = path.piece(s, self._path_piece)
+        self._elapsed += self._cycle
         self._setpoint = SetPoint(*path.state(self._path_piece, s, v, a))

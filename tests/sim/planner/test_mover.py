@@ -18,8 +18,8 @@ from aioduco.kinematics.forward import bias_acceleration
 from aioduco.models.pose import Pose
 from aioduco.sim.planner.errors import PlanError
 from aioduco.sim.planner.limits import STOPPING
-from aioduco.sim.planner.mover import Mover, SetPoint
-from aioduco.sim.planner.segments import Segment, arc_move, joint_move, line_move
+from aioduco.sim.planner.mover import Mover, SetPoint, Travel
+from aioduco.sim.planner.segments import Segment, arc_move, joint_move, line_move, spline_move
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -484,6 +484,44 @@ def test_many_motions_blend_without_end() -> None:
     assert [kind for _, kind in run.kinds if kind == "blended"] == ["blended"] * (count - 2)
     speed = run.tool_speed()
     assert speed[300:-300].min() > 0.1
+
+
+def test_it_tells_how_far_a_motion_has_come() -> None:
+    run = Recorder()
+
+    def travel_now() -> Travel | None:
+        return run.mover.travel
+
+    run.mover.append(1, line(0.0, 0.25))
+    assert travel_now() is None
+    duration = 0.25 / 0.25 + 0.25
+    for cycle in range(1, 1200, 100):
+        run.tick(cycle - len(run.setpoints))
+        travel = travel_now()
+        assert travel is not None
+        assert travel.elapsed == pytest.approx(cycle * CYCLE)
+        assert travel.elapsed + travel.remaining == pytest.approx(duration, abs=1e-6)
+        assert travel.distance + travel.left == pytest.approx(0.25, abs=1e-9)
+        reached = np.linalg.norm(FIVE.fkine(run.q[-1])[:3, 3] - at()[:3, 3])
+        assert travel.distance == pytest.approx(reached, abs=2e-5)
+        assert run.mover.progress == pytest.approx(travel.distance / 0.25)
+    run.mover.set_speed(0.5)
+    run.tick(3)
+    assert travel_now() is not None
+    left = len(run.setpoints)
+    run.until_rest()
+    assert travel_now() is None
+    assert len(run.setpoints) > left + 40
+
+
+def test_a_spline_keeps_speed_and_acceleration_cycle_by_cycle() -> None:
+    run = Recorder()
+    corners = [at(0.05, 0.1), at(0.0, 0.2, -0.1), at(-0.1, 0.1), at()]
+    run.mover.append(1, lambda q: spline_move(FIVE, q, corners, 0.3, 1.0))
+    run.until_rest()
+    run.hangs_together()
+    assert run.tool_speed().max() <= 0.3 * 1.005
+    assert run.tool_acceleration().max() <= 1.0 * 1.02
 
 
 def test_reset_stands_elsewhere_at_once() -> None:
