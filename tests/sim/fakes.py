@@ -159,7 +159,7 @@ class Bench:
                 self.q = drive.setpoint.q
             self.drive = drive
 
-    def until(self, done: Callable[[], bool], cycles: int = 5000) -> None:
+    def until(self, done: Callable[[], bool], cycles: int = 100_000) -> None:
         for _ in range(cycles):
             if done():
                 return
