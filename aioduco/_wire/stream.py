@@ -61,14 +61,15 @@ class Stream:
         for name, value in _KEEP_ALIVE:
             if hasattr(socket, name):
                 sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
-        # without it, bytes that nobody acknowledges are repeated for some fifteen minutes
-        if hasattr(socket, "TCP_USER_TIMEOUT"):
-            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, _USER_TIMEOUT_MS)
         left = deadline - time.monotonic()
         if left <= 0:
             raise TimeoutError("no time left to connect")
         sock.settimeout(left)
         sock.connect(address)
+        # Without it, bytes that nobody acknowledges are repeated for some fifteen minutes. Not
+        # before: it would limit the handshake too.
+        if hasattr(socket, "TCP_USER_TIMEOUT"):
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, _USER_TIMEOUT_MS)
         # from here on the system keeps the time
         sock.settimeout(None)
 

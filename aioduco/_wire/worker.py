@@ -63,6 +63,7 @@ class Worker:
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._started = False
         self._left = False
+        self._left = False
         #: set when the lane is done with this worker
         self.retired = False
         self._retired_at = math.inf
@@ -117,9 +118,9 @@ class Worker:
             if current is None or (call is not None and current is not call):
                 return Dropped.OVER
             current.abandoned = True
-            # The thread marks a call as handed over, and publishes a connection, before it looks
-            # at `abandoned`; here it is the other way round. Whichever comes second sees the
-            # other, so a call that is not marked will never be sent.
+            # The thread publishes a connection before it looks at `abandoned`, and marks the call
+            # as handed over before it uses the connection; here it is the other way round.
+            # Whichever comes second sees the other, so a call without the mark is never sent.
             if self._connection is not None:
                 self._connection.abandon(reason)
             return Dropped.UNKNOWN if current.handed_over else Dropped.UNSENT
@@ -134,11 +135,10 @@ class Worker:
         self.retired = True
         self._retired_at = time.monotonic()
         with self._lock:
-            listens = self._started and not self._left
-            if listens:
+            if self._started and not self._left:
                 self._inbox.put(said)
-        if not listens:
-            said()
+                return
+        said()
 
     def join(self, timeout: float) -> bool:
         """Wait for the thread's end; whether it ended."""
@@ -175,11 +175,10 @@ class Worker:
         # is on its way, and gets an answer too.
         while not self._claim.acquire(blocking=False):
             self._decline(self._inbox.get(), farewells)
-        # nothing is put in behind this: it would never be taken out
         with self._lock:
-            self._left = True
             while not self._inbox.empty():
                 self._decline(self._inbox.get(), farewells)
+            self._left = True
         for farewell in farewells:
             farewell()
 
@@ -219,9 +218,8 @@ class Worker:
 
     def _exchange(self, connection: Connection, call: Call) -> Any:
         assert call.function is not None
+        # a call that was abandoned before has a poisoned connection, which sends nothing
         call.handed_over = True
-        if call.abandoned:
-            raise ConnectionLost(f"{call.name} was given up before it was sent")
         try:
             return connection.exchange(call.function, call.arguments, call.deadline)
         finally:

@@ -490,6 +490,37 @@ async def test_threads_that_hang_are_limited_and_do_not_hold_up_the_end(
             go_on.set()
 
 
+async def test_closing_ends_a_call_whose_thread_hangs(monkeypatch: pytest.MonkeyPatch) -> None:
+    go_on = threading.Event()
+
+    def slow(*_: Any, **__: Any) -> Any:
+        assert go_on.wait(PATIENCE)
+        raise OSError
+
+    errors: list[BaseException] = []
+
+    async def for_ever() -> None:
+        try:
+            await lane.call("pause", (True,), None)
+        except OutcomeUnknown as exc:
+            errors.append(exc)
+
+    async with no_leaks():
+        with ScriptedServer() as server:
+            lane = Lane("test", server.host, server.port)
+            await lane.open()
+            connection = lane._pool.workers[0].connection
+            assert connection is not None
+            connection.abandon("for the test")
+            monkeypatch.setattr(socket, "getaddrinfo", slow)
+            async with anyio.create_task_group() as group:
+                group.start_soon(for_ever)
+                await eventually_async(lambda: lane.statistics().busy == 1)
+                await lane.aclose()
+                await eventually_async(lambda: len(errors) == 1)
+            go_on.set()
+
+
 def test_a_lane_survives_the_end_of_its_loop() -> None:
     with no_leaks(), ScriptedServer() as server:
         lane = Lane("test", server.host, server.port)

@@ -1,0 +1,199 @@
+"""What lies between a task and a thread, piece by piece."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+
+from aioduco._wire import codec, handoff, idl
+from aioduco._wire.handoff import AwaitedCall, BlockingCall, Deadlines, Home
+from aioduco._wire.source import Source
+from aioduco._wire.worker import Dropped, Worker
+from aioduco.errors import ConnectionLost
+from aioduco.testing import eventually, eventually_async, no_leaks
+
+from .servers import PATIENCE, ScriptedServer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+STOP = idl.functions()["stop"]
+ARGUMENTS = codec.encode(STOP, (True,))
+
+
+def nothing(*_: object) -> None:
+    """Nobody is told."""
+
+
+# Deadlines
+
+
+def awaited(home: Home, deadline: float | None) -> AwaitedCall:
+    return AwaitedCall(home, STOP, ARGUMENTS, deadline, nothing)
+
+
+async def test_a_call_expires_at_its_deadline_and_once_more_after_the_grace(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(handoff, "GRACE", 0.02)
+    seen: list[tuple[AwaitedCall, bool, float]] = []
+    deadlines = Deadlines(lambda call, again: seen.append((call, again, time.monotonic())))
+    home = Home()
+    begin = time.monotonic()
+    never = awaited(home, None)
+    later = awaited(home, begin + 0.06)
+    sooner = awaited(home, begin + 0.03)
+    for call in (never, later, sooner):
+        deadlines.add(call)
+    await eventually_async(lambda: len(seen) == 4)
+    # nobody discards them: they are looked at no more, and not in every turn of the loop
+    for _ in range(10):
+        await asyncio.sleep(0)
+    assert sorted((call.due, again) for call, again, _ in seen) == sorted(
+        (call.deadline + 0.02, again)
+        for call in (sooner, later)
+        for again in (False, True)
+        if call.deadline is not None
+    )
+    assert [call for call, again, _ in seen if again] == [sooner, later]
+    assert all(at >= (call.deadline or 0.0) for call, _, at in seen)
+    assert deadlines.calls == {never}
+    deadlines.stop()
+    assert deadlines.calls == set()
+
+
+async def test_a_call_that_is_over_does_not_expire() -> None:
+    seen: list[AwaitedCall] = []
+    deadlines = Deadlines(lambda call, _: seen.append(call))
+    home = Home()
+    over = awaited(home, time.monotonic() + 0.01)
+    other = awaited(home, time.monotonic() + 0.03)
+    deadlines.add(over)
+    deadlines.add(other)
+    deadlines.discard(over)
+    await eventually_async(lambda: other in seen)
+    assert over not in seen
+    deadlines.stop()
+
+
+def test_deadlines_go_on_with_another_loop() -> None:
+    """The timer of a loop that was closed rings no more."""
+    seen: list[AwaitedCall] = []
+    deadlines = Deadlines(lambda call, _: seen.append(call))
+    home = Home()
+
+    async def first() -> None:
+        deadlines.add(awaited(home, time.monotonic() + 0.01))
+
+    async def second() -> None:
+        call = awaited(home, time.monotonic() + 0.05)
+        deadlines.add(call)
+        await eventually_async(lambda: call in seen)
+
+    asyncio.run(first())
+    asyncio.run(second())
+
+
+# Workers
+
+
+@pytest.fixture
+def worker() -> Iterator[tuple[Worker, ScriptedServer]]:
+    with no_leaks(), ScriptedServer() as server:
+        made = Source("test", server.host, server.port, PATIENCE, None).worker()
+        yield made, server
+        made.dismiss()
+        assert made.join(PATIENCE)
+
+
+def blocking(deadline: float | None = None) -> BlockingCall:
+    return BlockingCall(STOP, ARGUMENTS, deadline, nothing)
+
+
+def test_a_worker_is_claimed_by_one(worker: tuple[Worker, ScriptedServer]) -> None:
+    made, _ = worker
+    assert made.claim()
+    assert not made.claim()
+    call = blocking()
+    made.submit(call)
+    assert call.wait(PATIENCE)
+    assert call.outcome() == 0
+    # free as soon as the caller knows
+    assert made.claim()
+    made._claim.release()
+    assert "idle" in repr(made)
+
+
+def test_a_call_that_meets_the_end_of_its_worker_is_told(
+    worker: tuple[Worker, ScriptedServer],
+) -> None:
+    """Claimed by a signal handler just before the lane closes, handed over just after."""
+    made, server = worker
+    assert made.claim()
+    first = blocking()
+    made.submit(first)
+    assert first.wait(PATIENCE)
+    assert made.claim()
+    said = threading.Event()
+    made.dismiss(said.set)
+    eventually(lambda: made.connection is None)
+    call = blocking()
+    made.submit(call)
+    assert call.wait(PATIENCE)
+    with pytest.raises(ConnectionLost, match="stop was not sent, since its lane was closed"):
+        call.outcome()
+    assert said.wait(PATIENCE)
+    assert made.join(PATIENCE)
+    assert not made.claim()
+    assert server.names == ["stop"]
+
+
+def test_everybody_who_waits_for_the_end_of_a_worker_is_told(
+    worker: tuple[Worker, ScriptedServer],
+) -> None:
+    made, _ = worker
+    assert made.claim()
+    call = blocking()
+    made.submit(call)
+    assert call.wait(PATIENCE)
+    # some before it is gone, some after
+    for _ in range(20):
+        told = threading.Event()
+        made.dismiss(told.set)
+        assert told.wait(PATIENCE)
+    assert made.join(PATIENCE)
+    after = threading.Event()
+    made.dismiss(after.set)
+    assert after.is_set()
+
+
+def test_a_worker_that_never_began_ends_at_once(worker: tuple[Worker, ScriptedServer]) -> None:
+    made, server = worker
+    said = threading.Event()
+    made.dismiss(said.set)
+    assert said.is_set()
+    assert not made.alive
+    assert not made.claim()
+    assert server.connections == 0
+
+
+def test_abandoning_a_call_that_is_over_leaves_the_next_one_alone(
+    worker: tuple[Worker, ScriptedServer],
+) -> None:
+    made, server = worker
+    assert made.claim()
+    call = blocking()
+    made.submit(call)
+    assert call.wait(PATIENCE)
+    assert made.abandon(call, "too late") is Dropped.OVER
+    assert made.abandon(None, "nothing is under way") is Dropped.OVER
+    assert made.claim()
+    again = blocking()
+    made.submit(again)
+    assert again.wait(PATIENCE)
+    assert again.outcome() == 0
+    assert server.connections == 1
