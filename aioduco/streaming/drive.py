@@ -32,13 +32,16 @@ class Driver(Protocol):
     @property
     def state(self) -> State:
         """State of the stream."""
+        raise NotImplementedError
 
     @property
     def reason(self) -> Reason:
         """Why it ends."""
+        raise NotImplementedError
 
     def tick(self) -> bool:
         """Do the work of one tick; returns whether there is another one."""
+        raise NotImplementedError
 
     def close(self) -> None:
         """The program sends nothing more."""

@@ -127,17 +127,19 @@ class JointTrajectory:
         Args:
             actual: where the arm is [rad]; the curve's start if the first point's time is not 0.
         """
-        parts = (self.positions, self.velocities, self.accelerations)
-        times = self.times
-        if times[0] > 0:
-            times = np.concatenate([[0.0], times])
-            first = (np.asarray(actual, dtype=np.float64), np.zeros(6), np.zeros(6))
-            parts = tuple(  # type: ignore[assignment]  # a tuple of three stays one
-                None if part is None else np.vstack([start, part])
-                for start, part in zip(first, parts, strict=True)
-            )
-        positions, velocities, accelerations = parts
-        return Spline(times, positions, velocities, accelerations)
+        if self.times[0] == 0:
+            return Spline(self.times, self.positions, self.velocities, self.accelerations)
+
+        def led(first: NDArray[np.float64], part: NDArray[np.float64]) -> NDArray[np.float64]:
+            return np.vstack([first, part])
+
+        still = np.zeros(6)
+        return Spline(
+            np.concatenate([[0.0], self.times]),
+            led(np.asarray(actual, dtype=np.float64), self.positions),
+            None if self.velocities is None else led(still, self.velocities),
+            None if self.accelerations is None else led(still, self.accelerations),
+        )
 
 
 async def follow(
