@@ -63,7 +63,6 @@ class Worker:
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._started = False
         self._left = False
-        self._left = False
         #: set when the lane is done with this worker
         self.retired = False
         self._retired_at = math.inf
