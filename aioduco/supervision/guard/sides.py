@@ -53,6 +53,7 @@ class Seat:
         self._link: GuardLink | None = None
         self._robot = 0
         self._beat: Beat | None = None
+        self._heard_at = 0.0
         self._losses = 0
         self._lost: Callable[[], None] = _ignore
 
@@ -73,6 +74,12 @@ class Seat:
     def beat(self) -> Beat | None:
         """What was last heard of the heartbeat."""
         return self._beat
+
+    @property
+    def silent(self) -> bool:
+        """Whether nothing was heard of the heartbeat for a heartbeat time: the guard hangs."""
+        limit = self._settings.heartbeat
+        return limit is not None and time.monotonic() - self._heard_at > limit
 
     @property
     def losses(self) -> int:
@@ -167,6 +174,7 @@ class Seat:
         return answer.error if answer.given and not answer.lost else None
 
     def _heard(self, beat: Beat) -> None:
+        self._heard_at = time.monotonic()
         self._beat = beat
 
     def _gone(self) -> None:
@@ -254,9 +262,10 @@ class GuardedHeartbeat:
         beat = self._seat.beat
         if beat is None:
             return HeartbeatState.STARTING if not self._seat.losses else HeartbeatState.LOST
-        if not self._seat.alive and not self._ended:
-            return HeartbeatState.LOST
-        return beat.heartbeat_state
+        state = beat.heartbeat_state
+        if self._ended or state is HeartbeatState.STALLED:
+            return state
+        return HeartbeatState.LOST if not self._seat.alive or self._seat.silent else state
 
     @property
     def heard(self) -> bool:

@@ -1,0 +1,223 @@
+"""The guard: stops and beats outside of the program, and stops when the program is gone."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+import aioduco
+from aioduco import HeartbeatState
+from aioduco.supervision.guard.messages import (
+    Alive,
+    Beat,
+    Done,
+    Message,
+    Rearm,
+    Release,
+    Stop,
+    Watch,
+    pack,
+    unpack,
+)
+from aioduco.testing import Cut, FaultProxy, Place, eventually, eventually_async
+from client.bench import HOME
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from aioduco.supervision.guard.sides import Seat
+    from client.bench import Bench
+
+
+@pytest.fixture
+async def robot(bench: Bench) -> AsyncIterator[aioduco.Robot]:
+    async with aioduco.connect(bench.host, bench.port, guard="process", heartbeat=0.3) as robot:
+        yield robot
+
+
+def seat(robot: aioduco.Robot) -> Seat:
+    guard = robot._supervisor.guard
+    assert guard is not None
+    return guard
+
+
+def state(robot: aioduco.Robot) -> HeartbeatState:
+    assert robot.heartbeat is not None
+    return robot.heartbeat.state
+
+
+def stops(bench: Bench) -> int:
+    return len(bench.received("stop"))
+
+
+def running(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    # a zombie is not running
+    return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        Watch(1, 2, "robot", 7003, None, 1.0, 3.0, 2.0),
+        Alive(1, 12.5),
+        Stop(1, 2, 5.0),
+        Rearm(1),
+        Release(1, 2),
+        Done(2, ""),
+        Beat(1, "beating", 3, 0, 0, 0, 0.33, ""),
+    ],
+)
+def test_messages_survive_the_way(message: Message) -> None:
+    assert unpack(pack(message)) == message
+
+
+@pytest.mark.parametrize("packet", [b"", b"{}", b"[]", b'["Nothing"]', b'["Stop", 1]', b"\xff"])
+def test_what_is_no_message_is_refused(packet: bytes) -> None:
+    with pytest.raises(ValueError, match="no message"):
+        unpack(packet)
+
+
+async def test_the_guard_beats_and_stops(bench: Bench, robot: aioduco.Robot) -> None:
+    pid = seat(robot).pid
+    assert pid is not None
+    await eventually_async(lambda: len(bench.received("rpc_heartbeat")) >= 4)
+    assert state(robot) is HeartbeatState.BEATING
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    await robot.stop()
+    with pytest.raises(aioduco.TaskStopped):
+        await task
+    assert stops(bench) == 1
+    await robot.aclose()
+    eventually(lambda: not running(pid))
+
+
+async def test_stop_now_goes_by_the_guard(bench: Bench, robot: aioduco.Robot) -> None:
+    thread = threading.Thread(target=robot.stop_now)
+    thread.start()
+    await eventually_async(lambda: not thread.is_alive())
+    assert stops(bench) == 1
+    assert robot.statistics().stops == 1
+
+
+async def test_one_guard_for_all_robots(bench: Bench) -> None:
+    async with (
+        aioduco.connect(bench.host, bench.port, guard="process") as one,
+        aioduco.connect(bench.host, bench.port, guard="process") as other,
+    ):
+        pid = seat(one).pid
+        assert pid is not None
+        assert pid == seat(other).pid
+        await one.aclose()
+        assert running(pid)
+        await other.stop()
+        assert stops(bench) == 1
+    eventually(lambda: not running(pid))
+
+
+async def test_the_guards_death_stops_the_arm_and_another_takes_over(
+    bench: Bench, robot: aioduco.Robot
+) -> None:
+    bench.motion_time = 30.0
+    first = seat(robot).pid
+    assert first is not None
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    os.kill(first, signal.SIGKILL)
+    with pytest.raises(aioduco.TaskStopped):
+        await task
+    await eventually_async(lambda: seat(robot).alive and state(robot) is HeartbeatState.BEATING)
+    assert seat(robot).pid != first
+    bench.motion_time = 0.1
+    await robot.motion.movej2(HOME, v=1.0, a=1.0)
+
+
+async def test_without_a_guard_nothing_is_moved(bench: Bench, robot: aioduco.Robot) -> None:
+    pid = seat(robot).pid
+    assert pid is not None
+    os.kill(pid, signal.SIGKILL)
+    eventually(lambda: not seat(robot).alive)  # before the loop has had a chance to replace it
+    with pytest.raises(aioduco.HeartbeatLost):
+        await robot.motion.movej2(HOME, v=1.0, a=1.0)
+    assert not bench.received("movej2")
+
+
+async def test_a_guard_that_hangs_does_not_hold_up_a_stop(
+    bench: Bench, robot: aioduco.Robot
+) -> None:
+    pid = seat(robot).pid
+    assert pid is not None
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        await robot.stop()
+        assert stops(bench) >= 1
+        robot.stop_now()
+        assert stops(bench) >= 2
+        # its heart does not beat, so the controller stops the arm, and nothing is moved
+        await eventually_async(lambda: state(robot) is HeartbeatState.LOST)
+        with pytest.raises(aioduco.HeartbeatLost):
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+    finally:
+        os.kill(pid, signal.SIGCONT)
+
+
+async def test_a_broken_connection_of_the_guard_is_replaced(bench: Bench) -> None:
+    with FaultProxy(bench.host, bench.port) as proxy:
+        async with aioduco.connect(proxy.host, proxy.port, guard="process") as robot:
+            proxy.on("stop", Cut(Place.BEFORE_REQUEST))
+            await robot.stop()
+    assert stops(bench) >= 1
+
+
+async def test_a_hung_loop_has_its_arm_stopped(bench: Bench) -> None:
+    async with aioduco.connect(
+        bench.host, bench.port, guard="process", heartbeat=60.0, loop_stall_limit=0.2
+    ) as robot:
+        before = stops(bench)
+        began = time.monotonic()
+        while stops(bench) == before:  # the loop does not run
+            assert time.monotonic() - began < 10.0
+        await eventually_async(lambda: state(robot) is HeartbeatState.STALLED)
+        with pytest.raises(aioduco.HeartbeatLost):
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        await robot.rearm_heartbeat()
+        await robot.motion.movej2(HOME, v=1.0, a=1.0)
+
+
+async def test_an_unknown_controller_is_told_as_without_a_guard() -> None:
+    robot = aioduco.connect("127.0.0.1", 1, guard="process")
+    with pytest.raises(aioduco.ConnectError, match="127.0.0.1:1"):
+        await robot.open()
+
+
+def test_a_killed_program_leaves_a_standing_arm(bench: Bench) -> None:
+    bench.motion_time = 30.0
+    program = f"""
+import os, anyio, aioduco
+async def main():
+    robot = aioduco.connect({bench.host!r}, {bench.port}, guard="process", heartbeat=60.0)
+    await robot.open()
+    await robot.motion.movej2({HOME}, v=1.0, a=1.0).start()
+    if os.fork() == 0:
+        # a forked child that lives on does not keep the guard waiting
+        os.execv("/bin/sleep", ["sleep", "30"])
+    os.kill(os.getpid(), 9)
+anyio.run(main)
+"""
+    # a session of its own, so that the sleeper can be ended
+    with subprocess.Popen([sys.executable, "-c", program], start_new_session=True) as child:
+        assert child.wait() == -signal.SIGKILL
+        try:
+            eventually(lambda: stops(bench) >= 1 and not bench.moving())
+        finally:
+            os.killpg(child.pid, signal.SIGKILL)
