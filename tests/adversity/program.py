@@ -37,7 +37,7 @@ class Ends:
         await self.task
         while True:
             await motion.run(
-                motion.movej2(RIGHT, v=0.5, a=4.0, r=0.1), motion.movej2(LEFT, v=0.5, a=4.0)
+                motion.movej2(RIGHT, v=0.3, a=4.0, r=0.1), motion.movej2(LEFT, v=0.3, a=4.0)
             )
 
     async def hang(self) -> None:
@@ -66,7 +66,7 @@ async def main(host: str, port: int, heartbeat: float | None, end: str) -> None:
     await robot.open()
     try:
         await robot.bring_up()
-        task = await robot.motion.movej2(LEFT, v=0.5, a=4.0).start()
+        task = await robot.motion.movej2(LEFT, v=0.3, a=4.0).start()
         sys.stdout.write("moving\n")
         sys.stdout.flush()
         await getattr(Ends(robot, task), end)()

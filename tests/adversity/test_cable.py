@@ -37,13 +37,13 @@ def proxy(sim: Simulator) -> Iterator[FaultProxy]:
         yield proxy
 
 
-def connect(proxy: FaultProxy) -> aioduco.Robot:
+def connect(proxy: FaultProxy, heartbeat: float = HEARTBEAT) -> aioduco.Robot:
     return aioduco.connect(
         proxy.host,
         proxy.port,
         call_timeout=0.3,
         connect_timeout=0.3,
-        heartbeat=HEARTBEAT,
+        heartbeat=heartbeat,
         stop_timeout=1.0,
         standstill_timeout=1.0,
     )
@@ -95,12 +95,12 @@ async def test_for_a_moment(
     sim: Simulator, proxy: FaultProxy, pull: Callable[[FaultProxy], None]
 ) -> None:
     """Shorter than the heartbeat time: the arm goes on, and the program with it."""
-    async with connect(proxy) as robot:
+    async with connect(proxy, heartbeat=2.0) as robot:
         await robot.bring_up()
         task = await robot.motion.movej2(LEFT, v=0.4, a=4.0).start()
         await eventually_async(lambda: sim.moving)
         pull(proxy)
-        await anyio.sleep_until(anyio.current_time() + HEARTBEAT / 8)
+        await anyio.sleep_until(anyio.current_time() + 0.05)
         proxy.clear()
         assert await task is Outcome.FINISHED
         await robot.motion.movej2(RIGHT, v=2.0, a=8.0)

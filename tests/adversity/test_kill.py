@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 #: s; the shortest that a controller takes
 HEARTBEAT = 0.2
-#: s of simulated time in which an arm at 0.5 rad/s with 4 rad/s² comes to rest, amply
+#: s of simulated time in which an arm at 0.3 rad/s with 4 rad/s² comes to rest, amply
 BRAKING = 0.6
 
 
