@@ -196,7 +196,7 @@ async def test_a_hung_loop_has_its_arm_stopped(bench: Bench) -> None:
 
 async def test_an_unknown_controller_is_told_as_without_a_guard() -> None:
     robot = aioduco.connect("127.0.0.1", 1, guard="process")
-    with pytest.raises(aioduco.ConnectError, match="127.0.0.1:1"):
+    with pytest.raises(aioduco.ConnectError, match=r"127\.0\.0\.1:1"):
         await robot.open()
 
 

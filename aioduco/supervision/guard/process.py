@@ -78,6 +78,8 @@ class Ward:
         self.control = Control(lanes[0], lanes[1], lanes[1])
         self.life = SignOfLife()
         self.heartbeat: Heartbeat | None = None
+        #: stops on their way: pointless as soon as the robot is released
+        self.stopping: set[anyio.CancelScope] = set()
 
     async def open(self) -> None:
         """Open the connections and beat.
@@ -113,6 +115,8 @@ class Ward:
 
     async def aclose(self) -> None:
         """End the heartbeat and close the connections."""
+        for scope in self.stopping:
+            scope.cancel()
         if self.heartbeat is not None:
             self.heartbeat.end()
         for lane in self._lanes:
@@ -194,12 +198,18 @@ class Guard:
         if ward is None:
             self.tell(Done(request.token, "the guard does not know this robot"))
             return
-        try:
-            await ward.control.stop(request.timeout)
-        except DucoError as exc:
-            self.tell(Done(request.token, shortened(str(exc))))
-        else:
-            self.tell(Done(request.token, ""))
+        error = "the robot was released meanwhile"
+        with anyio.CancelScope() as scope:
+            ward.stopping.add(scope)
+            try:
+                await ward.control.stop(request.timeout)
+            except DucoError as exc:
+                error = shortened(str(exc))
+            else:
+                error = ""
+            finally:
+                ward.stopping.discard(scope)
+        self.tell(Done(request.token, error))
 
     async def _release(self, request: Release) -> None:
         ward = self._wards.pop(request.robot, None)
