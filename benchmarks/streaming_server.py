@@ -1,0 +1,151 @@
+"""A controller without an arm for the benchmark of streams: it takes points, and keeps account.
+
+It answers at once, takes a realtime point each millisecond by its own clock, and says in
+`get_system_value_list(name)` what came of it since it was last asked. It prints its port as a
+line of JSON, and ends when its standard input does.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+import time
+from typing import Any
+
+import numpy as np
+import rpc_server
+import thriftpy2
+
+from aioduco._wire import idl
+
+CYCLE = 0.001
+#: a servo stream without a point for longer counts as tripped, as a realtime queue does
+TRIP = 0.02
+
+
+class Queue:
+    """The realtime queue; what was taken from it is reckoned when somebody looks."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.reset()
+
+    def reset(self) -> None:
+        self.began: float | None = None
+        self.filled = self.taken = self.starved = 0
+        self.longest = self.dry = 0
+
+    def advance(self) -> None:
+        if self.began is None:
+            return
+        due = int((time.monotonic() - self.began) / CYCLE) - self.starved
+        missing = max(0, due - self.filled)
+        self.taken = due - missing
+        self.starved += missing
+        self.dry = self.dry + missing if missing else 0
+        self.longest = max(self.longest, self.dry)
+
+
+class Handlers(rpc_server.Handlers):
+    """What streams call."""
+
+    def __init__(self, structs: Any) -> None:
+        super().__init__(structs)
+        self.queue = Queue()
+        self.place = [0.0] * 6
+        self.times: list[float] = []
+        self.points: list[list[float]] = []
+
+    def servoj(self, *args: Any) -> int:
+        self.times.append(time.monotonic())
+        self.points.append(args[0])
+        return 1000
+
+    def get_actual_joints_position(self) -> list[float]:
+        return self.points[-1] if self.points else self.place
+
+    def get_robot_state(self) -> list[int]:
+        return [6, 2, 5, 1]
+
+    def stop(self, _block: bool) -> int:
+        self.times.append(-1.0)
+        return 4
+
+    def clear_realtime_data_queue(self) -> int:
+        with self.queue.lock:
+            self.queue.reset()
+        return 4
+
+    def start_realtime_mode(self, *_: object) -> int:
+        with self.queue.lock:
+            self.queue.began = time.monotonic()
+        return 4
+
+    def end_realtime_mode(self) -> int:
+        with self.queue.lock:
+            self.queue.advance()
+            self.queue.began = None
+        return 4
+
+    def realtime_data_enqueue(self, realtime_data: list[Any], _block: bool) -> int:
+        with self.queue.lock:
+            self.queue.advance()
+            self.queue.filled += len(realtime_data)
+        return 4
+
+    def get_realtime_data_queue_size(self) -> int:
+        with self.queue.lock:
+            self.queue.advance()
+            return self.queue.filled - self.queue.taken
+
+    def get_system_value_list(self, name: str) -> list[float]:
+        """The account that is named, which begins anew."""
+        found = getattr(self, f"_{name}")()
+        self.times, self.points = [], []
+        return [float(value) for value in found]
+
+    def _arrivals(self) -> list[float]:
+        """Points, gaps between them at p50, p99 and at most, and gaps beyond which an arm trips."""
+        gaps = np.diff([moment for moment in self.times if moment >= 0])
+        if not len(gaps):
+            return [0.0] * 5
+        p50, p99 = np.percentile(gaps, [50, 99])
+        return [len(gaps) + 1, p50, p99, gaps.max(), np.count_nonzero(gaps > TRIP)]
+
+    def _motion(self) -> list[float]:
+        """Points, and their largest change of first, second and third order, per tick."""
+        steps = np.diff(np.array([self.points[0]] * 3 + self.points), axis=0)
+        orders = [np.abs(np.diff(steps, n=order, axis=0)).max() for order in (0, 1, 2)]
+        return [len(self.points), *orders]
+
+    def _ending(self) -> list[float]:
+        """Ticks from the fastest step to rest, steps left at the end, and stops received."""
+        steps = np.abs(np.diff(np.array(self.points), axis=0)).max(axis=1)
+        stops = self.times.count(-1.0)
+        slowing = len(steps) - 1 - int(np.flatnonzero(steps >= steps.max() * 0.999)[-1])
+        return [slowing, steps[-1], stops]
+
+    def _starvation(self) -> list[float]:
+        """Points taken, cycles without one, and the most of them in a row."""
+        with self.queue.lock:
+            found: list[float] = [self.queue.taken, self.queue.starved, self.queue.longest]
+            self.queue.reset()
+        return found
+
+
+def main() -> None:
+    # Threads take turns at once: a controller's queue does not wait for Python's lock.
+    sys.setswitchinterval(0.0005)
+    module = thriftpy2.load(str(idl.path()), module_name="streaming_server_thrift")
+    handlers = Handlers(module)
+    port = rpc_server.listen(lambda sock: rpc_server.answer_calls(sock, module.RPCRobot, handlers))
+    print(json.dumps({"thrift": port}), flush=True)
+    sys.stdin.read()
+    # threads that wait for bytes need no farewell
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()
