@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.api import ranges
+from aioduco.api.points import listed
 from aioduco.api.section import Section, done
-from aioduco.errors import ParameterError
 from aioduco.models.op import wire_op
 
 if TYPE_CHECKING:
@@ -107,8 +107,5 @@ class Compound(Section):
 
 
 def _ops(ops: Sequence[Op]) -> list[rpc.Op]:
-    try:
-        given = list(ops)
-    except TypeError as exc:
-        raise ParameterError("op_list", ops, "a list of Op") from exc
+    given = listed("op_list", ops, "a list of Op")
     return [wire_op(f"op_list[{number}]", op) for number, op in enumerate(given)]

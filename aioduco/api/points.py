@@ -1,8 +1,9 @@
-"""Lists of points with outputs: those of a spline and of the track pool."""
+"""Lists that are given: points of a spline, of the track pool, of the realtime queue."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Set
+from typing import TYPE_CHECKING, TypeVar
 
 from aioduco.errors import ParameterError
 from aioduco.models.op import PointOp
@@ -13,7 +14,23 @@ if TYPE_CHECKING:
     from aioduco.models.pose import Joints, Pose
     from aioduco.models.rules import Integer
 
-__all__ = ["points_with_outputs"]
+__all__ = ["listed", "points_with_outputs"]
+
+T = TypeVar("T")
+
+
+def listed(name: str, values: Iterable[T], expected: str) -> list[T]:
+    """The elements of whatever ordered thing was given.
+
+    Raises:
+        ParameterError: it is nothing of that kind.
+    """
+    if isinstance(values, (str, bytes, bytearray, Mapping, Set)):
+        raise ParameterError(name, values, expected)
+    try:
+        return list(values)
+    except TypeError as exc:
+        raise ParameterError(name, values, expected) from exc
 
 
 def points_with_outputs(
@@ -31,10 +48,7 @@ def points_with_outputs(
         ParameterError: something in it is no such point, or their number is out of range.
     """
     expected = f"{count.low} to {count.high} points, each a PointOp"
-    try:
-        given = list(points)
-    except TypeError as exc:
-        raise ParameterError(name, points, expected) from exc
+    given = listed(name, points, expected)
     if not count.low <= len(given) <= count.high:
         raise ParameterError(name, f"{len(given)} points", expected)
     for number, point in enumerate(given):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.api import ranges
+from aioduco.api.points import listed
 from aioduco.api.section import Section, done
 from aioduco.errors import ParameterError
 from aioduco.models.realtime import RealtimePoint
@@ -96,10 +97,7 @@ class Realtime(Section):
         Manual section 1.3.15.
         """
         expected = "a RealtimePoint, of the mode of the first one"
-        try:
-            given = list(points)
-        except TypeError as exc:
-            raise ParameterError("points", points, f"a list, each {expected}") from exc
+        given = listed("points", points, f"a list, each {expected}")
         if not given:
             raise ParameterError("points", given, "at least one point")
         for number, point in enumerate(given):

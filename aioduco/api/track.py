@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from aioduco.api import ranges
 from aioduco.api.points import points_with_outputs
 from aioduco.api.section import Section, done
-from aioduco.errors import RobotStateError, TrackPoolFull
+from aioduco.errors import DucoError, OutcomeUnknown, RobotStateError, TrackPoolFull
 from aioduco.models.pose import Joints, Pose
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Awaitable, Callable, Iterable, Sequence
 
     from numpy.typing import NDArray
 
@@ -72,8 +72,7 @@ class Track(Section):
         given = ranges.TRACK_POINTS.listed("points", points)
         kind = _kind(given)
         points_ = _RULES[kind or self._kind]("points", given)
-        self._puts(kind)
-        _taken("trackEnqueue", await self._rpc.trackEnqueue(points_, True))
+        await self._put(kind, "trackEnqueue", self._rpc.trackEnqueue, points_)
 
     async def trackEnqueueOp(self, points: Iterable[PointOp]) -> None:  # noqa: N802  # as above
         """Put points into the pool, each with outputs that are set there (带 Op 的轨迹点入池).
@@ -92,8 +91,7 @@ class Track(Section):
         """
         given = points_with_outputs("points", points, ranges.TRACK_COUNT, Joints, Pose)
         points_ = [point.wire(f"points[{number}]") for number, point in enumerate(given)]
-        self._puts(type(given[0].pos))
-        _taken("trackEnqueueOp", await self._rpc.trackEnqueueOp(points_, True))
+        await self._put(type(given[0].pos), "trackEnqueueOp", self._rpc.trackEnqueueOp, points_)
 
     async def trackClearQueue(self) -> None:  # noqa: N802  # as above
         """Empty the pool (清空轨迹池).
@@ -174,8 +172,14 @@ class Track(Section):
             lambda rpc: rpc.trackCartMotion(speed_, acc_, False, tool_, wobj_, radius_)
         )
 
-    def _puts(self, kind: _Kind | None) -> None:
-        """Points are about to be put into the pool."""
+    async def _put(
+        self,
+        kind: _Kind | None,
+        function: str,
+        enqueue: Callable[[Any, bool], Awaitable[int]],
+        points: Sequence[Any],
+    ) -> None:
+        """Put points into the pool."""
         if kind is not None and self._kind not in {kind, None}:
             raise RobotStateError(
                 f"points of type {kind.__name__} were not sent: this program has put points of "
@@ -184,7 +188,14 @@ class Track(Section):
         if self._followed:
             # The arm may follow them by itself, with no task that tells of it.
             self._supervisor.keeper.loose = True
-        self._kind = kind or self._kind
+        before, self._kind = self._kind, kind or self._kind
+        try:
+            _taken(function, await enqueue(points, True))
+        except (OutcomeUnknown, TrackPoolFull):
+            raise  # some may be in the pool
+        except DucoError:
+            self._kind = before
+            raise
 
     def _follows(self, function: str, kind: _Kind) -> None:
         """The arm is about to follow the pool."""

@@ -1,0 +1,121 @@
+"""One call of each function: our arguments, what arrives on the wire, what comes back."""
+
+from __future__ import annotations
+
+import inspect
+import json
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import aioduco
+from aioduco.supervision.command import MotionCommand
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+#: never connected to: for what is refused, or made, before anything is sent
+NOBODY = aioduco.connect("192.0.2.1")
+
+DATA = json.loads((Path(__file__).parents[1] / "data" / "manual-3.8.json").read_text("utf-8"))
+#: the manual's functions, by their names on the wire
+MANUAL: dict[str, dict[str, Any]] = {one["wire"]: one for one in DATA["functions"] if one["wire"]}
+
+#: what the manual calls our parameters; the first name that the function has
+NAMES = {
+    "joints": ("joints_list",),
+    "velocities": ("joints_list",),
+    "pose": ("p", "pose_list", "p2"),
+    "twist": ("pose_list",),
+    "offset": ("pose_offset",),
+    "via": ("p1",),
+    "center": ("p1",),
+    "poses": ("p_list",),
+    "points": ("pose_list", "points", "realtime_data"),
+    "r": ("r", "rad"),
+    "radius": ("rad",),
+    "length": ("len",),
+    "q_near": ("q_near", "qnear"),
+    "jog": ("param",),
+    "v": ("v", "vel"),
+    "epose": ("epose", "epos"),
+}
+
+
+@dataclass(frozen=True)
+class Case:
+    """A call of a function.
+
+    Attributes:
+        section: the attribute of the robot.
+        name: the function.
+        args: our arguments, each as it can be given, all of them.
+        wire: what arrives.
+        answer: what the controller answers.
+        result: what comes back, if the function returns something.
+        moves: whether it makes a motion.
+    """
+
+    section: str
+    name: str
+    args: dict[str, Any]
+    wire: tuple[Any, ...]
+    answer: Any = 4
+    result: Any = None
+    moves: bool = False
+
+    def __str__(self) -> str:
+        return self.name
+
+    def method(self, robot: aioduco.Robot) -> Callable[..., Any]:
+        """The function of a robot."""
+        method: Callable[..., Any] = getattr(getattr(robot, self.section), self.name)
+        return method
+
+    @property
+    def parameters(self) -> dict[str, inspect.Parameter]:
+        """Our parameters."""
+        return dict(inspect.signature(self.method(NOBODY)).parameters)
+
+    def manual_name(self, parameter: str) -> str | None:
+        """What the manual calls a parameter of ours; None if it has no such one."""
+        function = MANUAL.get(self.name)
+        if function is None:
+            return None
+        known = {one["name"] for one in function["parameters"] if not one.get("out")}
+        for name in (parameter, *NAMES.get(parameter, ())):
+            if name in known:
+                return name
+        return None
+
+
+def refusal(case: Case, **changed: Any) -> BaseException | None:
+    """What a call with other arguments raises before anything could be sent; None if nothing."""
+    nobody = aioduco.connect(NOBODY.host)  # a new one: what it remembers is its own
+    try:
+        made = case.method(nobody)(**(case.args | changed))
+    except Exception as exc:
+        return exc
+    if isinstance(made, MotionCommand):
+        made.hand_over()
+        return None
+    try:
+        made.send(None)
+    except aioduco.ConnectionLost:
+        return None  # it got as far as the connection, so nothing was wrong with it
+    except aioduco.RobotStateError as exc:
+        return None if "the robot is not open" in str(exc) else exc
+    except Exception as exc:
+        return exc
+    finally:
+        made.close()
+    return None
+
+
+@cache
+def cases() -> tuple[Case, ...]:
+    """All of them."""
+    from api import motion_cases, section_cases  # noqa: PLC0415  # they are made of what is here
+
+    return (*motion_cases.CASES, *section_cases.CASES)

@@ -1,0 +1,25 @@
+"""Fixtures: a controller with all motions, and a robot connected to it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+import aioduco
+from api.desk import Desk
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+
+
+@pytest.fixture
+def desk() -> Iterator[Desk]:
+    with Desk() as desk:
+        yield desk
+
+
+@pytest.fixture
+async def robot(desk: Desk) -> AsyncIterator[aioduco.Robot]:
+    async with aioduco.connect(desk.host, desk.port) as robot:
+        yield robot

@@ -1,0 +1,102 @@
+"""A controller for tests of the sections: the bench, with all motions, and those that go on."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+from client.bench import Bench, BenchTask
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+#: where the time in ms stands among the arguments of what goes on; None if it has none
+HELD: dict[str, int | None] = {
+    "speedj": 2,
+    "speedl": 2,
+    "move_jog": None,
+    "move_jog_eaxis": None,
+    "teach_mode": None,
+}
+ENDINGS = {"speed_stop", "stop_manual_move", "end_teach_mode"}
+FOREVER = 1e9
+
+
+class Desk(Bench):
+    """A controller with tasks, some of which go on.
+
+    Attributes:
+        early: whether the task of a motion that goes on is finished as soon as it has begun.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.early = False
+        self._going: BenchTask | None = None
+        for name, index in HELD.items():
+            self.answer(name, self._goes_on(name, index))
+        for name in ENDINGS:
+            self.answer(name, self._ending(name))
+
+    def moves(self, name: str) -> None:
+        """Make a function start a motion that ends by itself."""
+
+        def start(*args: Any) -> int:
+            with self._lock:
+                now = time.monotonic()
+                return self._add(BenchTask(name, now, now + self.motion_time))
+
+        self.answer(name, start)
+
+    def moving(self) -> bool:
+        """Whether the arm moves."""
+        with self._lock:
+            now = time.monotonic()
+            if self._going is not None and now < self._going.end:
+                return self._going.name != "teach_mode"  # nobody pushes it
+        return super().moving()
+
+    @property
+    def going_on(self) -> bool:
+        """Whether something goes on."""
+        with self._lock:
+            return self._going is not None and time.monotonic() < self._going.end
+
+    def _goes_on(self, name: str, index: int | None) -> Callable[..., int]:
+        def start(*args: Any) -> int:
+            with self._lock:
+                now = time.monotonic()
+                ms = -1 if index is None else args[index]
+                end = FOREVER if ms < 0 else now + ms / 1000
+                self._over(now)
+                self._going = BenchTask(name, now, end)
+                task = BenchTask(name, now, now if self.early else end)
+                return self._add(task)
+
+        return start
+
+    def _over(self, now: float) -> None:
+        """What goes on is over."""
+        going, self._going = self._going, None
+        if going is None or now >= going.end:
+            return
+        for task in self.tasks.values():
+            if task.name == going.name and not task.state.ended:
+                task.end = now
+
+    def _ending(self, name: str) -> Callable[[bool], int]:
+        def end(block: bool) -> int:
+            with self._lock:
+                now = time.monotonic()
+                self._over(now)
+                return self._add(BenchTask(name, now, now, motion=False))
+
+        return end
+
+    def _stop(self, block: bool) -> int:
+        with self._lock:
+            task_id = super()._stop(block)
+            # Hand guiding is a mode of its own: this one outlives a stop.
+            if self._going is not None and self._going.name != "teach_mode":
+                self._going = None
+            return task_id

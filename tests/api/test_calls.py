@@ -1,0 +1,102 @@
+"""Each function on the wire: what arrives, what comes back, what is refused before it is sent."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+import aioduco
+from aioduco.supervision.command import MotionCommand
+from api.cases import MANUAL, NOBODY, Case, cases, refusal
+from api.desk import HELD
+
+if TYPE_CHECKING:
+    from api.desk import Desk
+
+#: parameters of the manual that ours do not have, and why
+WITHOUT = {("move_eaxis", "def_acc"): "the wire has none"}
+
+CALLS = [case for case in cases() if not case.moves]
+MOTIONS = [case for case in cases() if case.moves]
+
+
+@pytest.mark.parametrize("case", CALLS, ids=str)
+async def test_a_call(robot: aioduco.Robot, desk: Desk, case: Case) -> None:
+    desk.answer(case.name, case.answer)
+    result = await case.method(robot)(**case.args)
+    (call,) = desk.received(case.name)
+    assert call.args == case.wire
+    assert result == case.result
+    assert type(result) is type(case.result)
+
+
+@pytest.mark.parametrize("case", [one for one in CALLS if one.answer == 4], ids=str)
+@pytest.mark.parametrize(
+    ("answer", "error"), [(7, aioduco.TaskIllegal), (8, aioduco.TaskParameterMismatch)]
+)
+async def test_a_call_that_is_refused(
+    robot: aioduco.Robot, desk: Desk, case: Case, answer: int, error: type[Exception]
+) -> None:
+    desk.answer(case.name, answer)
+    with pytest.raises(error, match=case.name):
+        await case.method(robot)(**case.args)
+
+
+@pytest.mark.parametrize("case", MOTIONS, ids=str)
+async def test_a_motion(robot: aioduco.Robot, desk: Desk, case: Case) -> None:
+    desk.motion_time = 0.01
+    if case.name not in HELD:
+        desk.moves(case.name)
+    motion = case.method(robot)(**case.args)
+    assert isinstance(motion, MotionCommand)
+    assert desk.received(case.name) == ()  # a motion is a value until it is awaited
+    assert await motion is aioduco.Outcome.FINISHED
+    (call,) = desk.received(case.name)
+    assert call.args == case.wire
+    assert not robot.tasks
+    assert not desk.moving()
+
+
+@pytest.mark.parametrize("case", MOTIONS, ids=str)
+async def test_cancelling_a_motion_leaves_a_standing_arm(
+    robot: aioduco.Robot, desk: Desk, case: Case
+) -> None:
+    desk.motion_time = 30.0
+    if case.name not in HELD:
+        desk.moves(case.name)
+    task = await case.method(robot)(**case.args | _forever(case)).start()
+    with pytest.raises(ZeroDivisionError):
+        async with case.method(robot)(**case.args | _forever(case)):
+            _ = 1 / 0
+    assert task.done
+    assert not desk.moving()
+    assert "stop" in desk.commands
+
+
+def _forever(case: Case) -> dict[str, None]:
+    return {"time": None} if "time" in case.parameters else {}
+
+
+@pytest.mark.parametrize("case", cases(), ids=str)
+def test_the_sample_is_whole_and_taken(case: Case) -> None:
+    assert set(case.args) == set(case.parameters)
+    assert refusal(case) is None
+
+
+@pytest.mark.parametrize("case", cases(), ids=str)
+def test_parameters_are_those_of_the_manual_in_its_order(case: Case) -> None:
+    function = MANUAL.get(case.name)
+    if function is None:
+        assert "Not in the manual" in str(case.method(NOBODY).__doc__) or "manual 4.3" in str(
+            case.method(NOBODY).__doc__
+        )
+        return
+    names = [one["name"] for one in function["parameters"] if not one.get("out")]
+    expected = [n for n in names if n != "block" and (case.name, n) not in WITHOUT]
+    ours = {case.manual_name(name): one for name, one in case.parameters.items()}
+    assert set(expected) == set(ours) - {None}
+    positional = [
+        name for name, one in ours.items() if name is not None and one.kind is not one.KEYWORD_ONLY
+    ]
+    assert positional == [name for name in names if name in positional]
