@@ -6,7 +6,7 @@ import socket
 import threading
 import time
 import warnings
-from typing import Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from aioduco._wire import codec, idl
 from aioduco._wire.framing import Malformed
@@ -23,6 +23,9 @@ from aioduco.errors import (
     OutcomeUnknown,
     ProtocolError,
 )
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 #: time limit of calls through `Connection.rpc`, in seconds
 _CALL_TIMEOUT: Final = 2.0
@@ -188,13 +191,21 @@ class Connection:
         function = idl.functions()[name]
         return self.exchange(function, codec.encode(function, args), deadline)
 
-    def exchange(self, function: idl.Function, arguments: bytes, deadline: float | None) -> Any:
+    def exchange(
+        self,
+        function: idl.Function,
+        arguments: bytes,
+        deadline: float | None,
+        meanwhile: Callable[[], object] | None = None,
+    ) -> Any:
         """Send a call whose arguments are encoded, and wait for its answer.
 
         Args:
             function: the function of the wire.
             arguments: what `codec.encode` made of the arguments.
             deadline: time of `time.monotonic()` by which the answer must be whole.
+            meanwhile: called once the call is sent: work to be done while the controller does
+                its own.
 
         Returns:
             The result, as `call` does.
@@ -214,6 +225,8 @@ class Connection:
         try:
             _check_silent(stream)
             self._send(stream, codec.message(function, self._sequence, arguments), deadline)
+            if meanwhile is not None:
+                meanwhile()
             data = self._receive(stream, reply, deadline)
             value = self._decode(reply, data)
         except BaseException as exc:

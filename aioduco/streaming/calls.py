@@ -55,11 +55,16 @@ class Point:
         """The arguments with a set-point in them, as `codec.encode` would write them."""
         return self._pack(self._head, *values, self._tail)
 
-    def send(self, values: Sequence[float]) -> int:
-        """Send a set-point and return the controller's answer."""
+    def send(self, values: Sequence[float], meanwhile: Callable[[], object] | None = None) -> int:
+        """Send a set-point and return the controller's answer.
+
+        Args:
+            values: the set-point.
+            meanwhile: what to do while the controller answers.
+        """
         arguments = self._pack(self._head, *values, self._tail)
         deadline = time.monotonic() + self._timeout
-        answer: int = self._connection.exchange(self._function, arguments, deadline)
+        answer: int = self._connection.exchange(self._function, arguments, deadline, meanwhile)
         return answer
 
 

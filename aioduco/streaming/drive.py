@@ -39,8 +39,12 @@ class Driver(Protocol):
         """Why it ends."""
         raise NotImplementedError
 
-    def tick(self) -> bool:
-        """Do the work of one tick; returns whether there is another one."""
+    def tick(self, hurry: bool) -> bool:
+        """Do the work of one tick; returns whether there is another one.
+
+        Args:
+            hurry: the next tick is due before an answer can be here.
+        """
         raise NotImplementedError
 
     def close(self) -> None:
@@ -207,6 +211,7 @@ class Each:
         self._point = Point(connection, self._name, args, self._feed.timeout)
         self._watch = Watch(connection, config["watch"], self._feed.timeout)
         self._round_trip = block.histograms["round_trip"].record
+        self._ahead: tuple[float, ...] | None = None
         self._task = 0
         self._sent = 0
 
@@ -220,22 +225,31 @@ class Each:
         """Why it ends."""
         return self._feed.source.reason
 
-    def tick(self) -> bool:
-        """Do the work of one tick; returns whether there is another one."""
+    def tick(self, hurry: bool) -> bool:
+        """Do the work of one tick; returns whether there is another one.
+
+        In a hurry the next set-point is reckoned while the controller answers. Otherwise that is
+        left for its own tick, in which it may be fresher.
+        """
         feed = self._feed
-        feed.begin()
-        values = feed.step()
+        values, self._ahead = self._ahead, None
+        if values is None:
+            feed.begin()
+            values = feed.step()
         if values is not None:
             start = time.monotonic_ns()
-            self._task = self._point.send(values)
+            self._task = self._point.send(values, self._look_ahead if hurry else None)
             self._round_trip(time.monotonic_ns() - start)
             self._sent += 1
             if self._task < 0:
                 return self._finish(Reason.REFUSED, f"{self._name} answered {self._task}")
-        if self.state is State.ENDED:
+        if self.state is State.ENDED and self._ahead is None:
             return False
         reason, text = self._watch.look(self._task)
         return not reason or self._finish(reason, text)
+
+    def _look_ahead(self) -> None:
+        self._ahead = self._feed.step()
 
     def _finish(self, reason: Reason, text: str) -> bool:
         # The controller does not follow any more: there is nothing left to decelerate.
@@ -253,6 +267,7 @@ class Each:
 
     def end(self, reason: Reason) -> None:
         """Send nothing more."""
+        self._ahead = None
         self._feed.source.end(reason)
 
     def publish(self) -> None:

@@ -44,6 +44,7 @@ _STOPS = (
     Reason.CONNECTION,
     Reason.FAILED,
 )
+_ANSWER = 50_000  # ns: no controller answers sooner
 _LOOK = 5_000_000  # ns between two looks at whether the program lives
 _REPORT = 10_000_000  # ns between two reports of the set-point
 
@@ -150,7 +151,7 @@ class Lane:
             interval(now - before)
             before = now
             self._obey(driver, now)
-            more = driver.tick()
+            more = driver.tick(now + _ANSWER >= due + schedule.period)
             status[Status.TICKS] += 1
             status[Status.BEAT] = now
             self._publish(driver, now)

@@ -67,7 +67,7 @@ class Queue:
         """Why it ends."""
         return self._feed.source.reason
 
-    def tick(self) -> bool:
+    def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - what is late is made up by the queue
         """Do the work of one tick; returns whether there is another one."""
         if not self._running and not self._feed.begin():
             self._feed.step()
@@ -200,7 +200,7 @@ class Pool:
         self.state = State.WAITING
         self.reason = Reason.NONE
 
-    def tick(self) -> bool:
+    def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - what is late is made up by the queue
         """Do the work of one tick; returns whether there is another one."""
         match self.state:
             case State.WAITING:

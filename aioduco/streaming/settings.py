@@ -112,7 +112,7 @@ class LaneOptions:
     cpus: tuple[int, ...] = ()
     priority: int = 0
     spin: float = 0.0
-    timeout: float = 0.5
+    timeout: float = 1.0
     connect_timeout: float = 10.0
     watch: float = 0.1
 
