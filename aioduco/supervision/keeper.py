@@ -162,13 +162,24 @@ class Keeper:
         concerned = bool(held) or name in self.modes
         try:
             await (step() if step is not None else self._controlled(name))
-            self.modes.pop(name, None)
-            await self._control.standstill(self._settings.standstill_timeout)
+            await self._come_to_rest(name)
         except BaseException:
             if concerned:
                 await insist(self.halt)
+                await insist(self._settled)
             raise
-        await self._settled(*held)
+        with anyio.move_on_after(_SETTLE):
+            for task in held:
+                await task.wait()
+
+    async def _come_to_rest(self, name: str) -> None:
+        """See the arm stand after it was told to; what has no effect becomes a stop."""
+        self.modes.pop(name, None)
+        try:
+            await self._control.standstill(self._settings.standstill_timeout)
+        except StopUnconfirmed as exc:
+            _log.warning("%s had no effect, so the arm is stopped: %s", name, exc)
+            await self.halt()
 
     async def pause(self) -> None:
         """Pause all tasks, and see the arm stand."""

@@ -27,11 +27,15 @@ class Desk(Bench):
 
     Attributes:
         early: whether the task of a motion that goes on is finished as soon as it has begun.
+        deaf: whether the functions that end what goes on are without effect.
+        forgets_time: whether motions at a velocity go on after their time.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self.early = False
+        self.forgets_time = False
+        self.deaf = False
         self._going: BenchTask | None = None
         for name, index in HELD.items():
             self.answer(name, self._goes_on(name, index))
@@ -67,13 +71,19 @@ class Desk(Bench):
             with self._lock:
                 now = time.monotonic()
                 ms = -1 if index is None else args[index]
-                end = FOREVER if ms < 0 else now + ms / 1000
+                end = FOREVER if ms < 0 or self.forgets_time else now + ms / 1000
                 self._over(now)
                 self._going = BenchTask(name, now, end)
                 task = BenchTask(name, now, now if self.early else end)
                 return self._add(task)
 
         return start
+
+    def halted(self) -> None:
+        """What goes on is over, and nobody told it to end."""
+        with self._lock:
+            now = time.monotonic()
+            self._over(now)
 
     def _over(self, now: float) -> None:
         """What goes on is over."""
@@ -88,7 +98,8 @@ class Desk(Bench):
         def end(block: bool) -> int:
             with self._lock:
                 now = time.monotonic()
-                self._over(now)
+                if not self.deaf:
+                    self._over(now)
                 return self._add(BenchTask(name, now, now, motion=False))
 
         return end
