@@ -7,8 +7,8 @@ the ways that share a connection or a pool.
 
 from __future__ import annotations
 
+import os
 import random
-import threading
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +28,8 @@ HOST = "127.0.0.1"
 SPEED, ACCELERATION = 1.0, 100.0
 
 Figures = dict[str, Any]
+
+SCHEDULING = {os.SCHED_OTHER: "normal", os.SCHED_FIFO: "real-time (chrt -f)"}
 
 
 class Bench:
@@ -110,15 +112,20 @@ async def ends(bench: Bench, count: int) -> dict[str, Figures]:
         "ask, sleep 10 ms": loop(0.01),
         "ask, sleep 50 ms": loop(0.05),
     }
-    figures: dict[str, Figures] = {}
-    for name, case in cases.items():
-        polls, others = bench.robot.statistics().polls, bench.lane.statistics().calls
-        late = [await case(bench) for _ in range(count)]
-        # Each motion also takes a call before it and one after it; here the start is one, too.
-        own = bench.lane.statistics().calls - others - (2 if "aioduco" in name else 3) * count
-        asked = bench.robot.statistics().polls - polls + own
-        figures[name] = spread(late) | {"polls_each": round(asked / count, 1), "motions": count}
-    return figures
+    late: dict[str, list[float]] = {name: [] for name in cases}
+    asked = dict.fromkeys(cases, 0)
+    # In turn: whatever else the machine does meanwhile meets all of them alike.
+    for _ in range(count):
+        for name, case in cases.items():
+            polls, others = bench.robot.statistics().polls, bench.lane.statistics().calls
+            late[name].append(await case(bench))
+            # A motion also takes a call before it and one after it; beside the robot, its start.
+            own = bench.lane.statistics().calls - others - (2 if "aioduco" in name else 3)
+            asked[name] += bench.robot.statistics().polls - polls + own
+    return {
+        name: spread(late[name]) | {"polls_each": round(asked[name] / count, 1), "motions": count}
+        for name in cases
+    }
 
 
 MOVEL: tuple[Any, ...] = ([0.5, 0, 0.5, 0, 0, 0], 0.1, 1.0, 0.0, [], "", "", False, rpc.Op(), False)
@@ -201,8 +208,9 @@ async def measure(port: int, quick: bool) -> dict[str, Any]:
             bench = Bench(robot, lane)
             return {
                 "stop": await stopping(bench, 300 if quick else 3000),
-                "end": await ends(bench, 15 if quick else 150),
-                "threads": threading.active_count(),
+                "end": await ends(bench, 15 if quick else 100),
+                # A machine that does other things needs `chrt -f 5` for figures of its own.
+                "scheduling": SCHEDULING.get(os.sched_getscheduler(0), "other"),
             }
     finally:
         await lane.aclose()
