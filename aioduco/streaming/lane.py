@@ -28,13 +28,19 @@ from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError
 from aioduco.streaming.drive import Driver, Each
 from aioduco.streaming.pacing import Schedule, sharpen_sleep, sleep_until
+from aioduco.streaming.probe import Probe
 from aioduco.streaming.queued import Pool, Queue
 from aioduco.streaming.shared import Block, Command, Control, Status, Unmet
 from aioduco.streaming.source import Reason, State
 
 __all__ = ["Lane", "main"]
 
-_DRIVERS: dict[str, type[Each | Queue | Pool]] = {"each": Each, "queue": Queue, "pool": Pool}
+_DRIVERS: dict[str, type[Each | Queue | Pool | Probe]] = {
+    "each": Each,
+    "queue": Queue,
+    "pool": Pool,
+    "probe": Probe,
+}
 
 #: ends after which the lane stops the robot itself: nobody else knows, or nobody else can
 _STOPS = (

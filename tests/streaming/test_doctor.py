@@ -1,0 +1,89 @@
+"""The examination of machine and network."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from aioduco.errors import StreamLost
+from aioduco.streaming.doctor import RATES, Examination, examine, holdable
+from aioduco.streaming.report import StreamStatistics, plot
+from aioduco.streaming.source import Reason, State
+from aioduco.streaming.statistics import Percentiles
+from aioduco.testing import no_leaks
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from .conftest import Controller
+
+NOTHING = Percentiles(0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def figures(late: float, work: float) -> StreamStatistics:
+    return StreamStatistics(
+        state=State.ENDED,
+        reason=Reason.CLOSED,
+        ticks=1000,
+        sent=0,
+        missed=0,
+        starved=0,
+        limited=0,
+        overwritten=0,
+        drained=0,
+        queued=0,
+        depth=0,
+        memory=0,
+        unmet=(),
+        lateness=Percentiles(1000, late, late, late, late, late),
+        interval=NOTHING,
+        round_trip=Percentiles(1000, work, work, work, work, work),
+        work=Percentiles(1000, work, work, work, work, work),
+        age=NOTHING,
+        queue=NOTHING,
+        buckets={"lateness": [(1000, 2000, 3)]},
+    )
+
+
+async def test_nothing_is_moved_and_a_rate_is_found(controller: Controller) -> None:
+    async with no_leaks():
+        found = await examine(controller.server.host, controller.server.port, seconds=0.2)
+    assert set(controller.names()) == {"get_robot_state"}
+    assert found.plain.round_trip.samples > 10
+    assert found.rate in (0.0, *RATES)
+
+
+@pytest.mark.parametrize(
+    ("late", "work", "rate"),
+    [(1e-4, 2e-4, 1000.0), (5e-4, 6e-4, 500.0), (3e-3, 4e-3, 125.0), (0.1, 0.0, 0.0)],
+)
+def test_a_rate_is_held_if_lateness_and_work_fit(late: float, work: float, rate: float) -> None:
+    assert holdable(figures(late, work)) == rate
+
+
+def test_advice_says_what_would_help() -> None:
+    poor = Examination(figures(0.01, 0.01), None, 1, "powersave", 30.0, 0.0)
+    text = " ".join(poor.advice)
+    for word in ("one processor", "powersave", "SCHED_FIFO", "realtime queue"):
+        assert word in text
+    better = Examination(figures(5e-4, 6e-4), figures(1e-4, 2e-4), 4, "performance", 500.0, 1000.0)
+    assert better.advice == ("with LaneOptions(priority=50) 1000 Hz can be held instead of 500 Hz",)
+    assert Examination(figures(0, 0), figures(0, 0), 4, "", 1000.0, 1000.0).advice == ()
+
+
+async def test_without_a_controller_it_says_so() -> None:
+    with pytest.raises(StreamLost, match="cannot connect"):
+        await examine("127.0.0.1", 1, seconds=0.1)
+
+
+def test_figures_as_text_table_json_and_picture(tmp_path: Path) -> None:
+    shown = figures(1e-4, 2e-4)
+    assert "late p50 100 µs" in repr(shown)
+    table = shown.__rich__()
+    assert [column.header for column in table.columns][1:5] == ["p50", "p99", "p99.9", "max"]
+    assert table.row_count == 3
+    shown.save(tmp_path / "figures.json")
+    assert '"reason": "CLOSED"' in (tmp_path / "figures.json").read_text()
+    plot(shown, tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
