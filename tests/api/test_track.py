@@ -1,0 +1,123 @@
+"""The track pool: it knows what it holds, and says when it is full."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+import aioduco
+from aioduco import Joints, PointOp, Pose
+from aioduco.testing import Cut, FaultProxy, Place
+from api.motion_cases import HOME, POSE
+
+if TYPE_CHECKING:
+    from api.desk import Desk
+
+
+@pytest.fixture
+def pool(desk: Desk) -> Desk:
+    for name in ("trackEnqueue", "trackEnqueueOp", "trackClearQueue"):
+        desk.answer(name, 4)
+    desk.answer("getQueueSize", 3)
+    desk.motion_time = 0.02
+    for name in ("trackJointMotion", "trackCartMotion"):
+        desk.moves(name)
+    return desk
+
+
+async def test_the_usual_order(robot: aioduco.Robot, pool: Desk) -> None:
+    await robot.track.trackClearQueue()
+    await robot.track.trackEnqueue(Joints(*HOME) for _ in range(10))
+    await robot.track.trackJointMotion(1.0, 2.0)
+    assert pool.commands == ["trackClearQueue", "trackEnqueue", "trackJointMotion"]
+
+
+async def test_a_full_pool_is_an_error_of_its_own(robot: aioduco.Robot, pool: Desk) -> None:
+    for name in ("trackEnqueue", "trackEnqueueOp"):
+        pool.answer(name, -1)
+    with pytest.raises(aioduco.TrackPoolFull, match="1000 points") as caught:
+        await robot.track.trackEnqueue([Pose(*POSE)])
+    assert isinstance(caught.value, aioduco.Refused)
+    assert caught.value.code == -1
+    with pytest.raises(aioduco.TrackPoolFull):
+        await robot.track.trackEnqueueOp([PointOp(POSE)])
+
+
+async def test_poses_are_not_followed_as_joints(robot: aioduco.Robot, pool: Desk) -> None:
+    await robot.track.trackEnqueue([Pose(*POSE)])
+    with pytest.raises(aioduco.RobotStateError, match="Pose into the pool"):
+        robot.track.trackJointMotion(1.0, 2.0)
+    await robot.track.trackCartMotion(0.1, 0.2)
+    await robot.track.trackClearQueue()
+    await robot.track.trackEnqueueOp([PointOp(Joints(*HOME))])
+    with pytest.raises(aioduco.RobotStateError, match="Joints into the pool"):
+        robot.track.trackCartMotion(0.1, 0.2)
+    assert "trackJointMotion" not in pool.commands
+
+
+async def test_the_pool_holds_one_kind_until_it_is_empty(robot: aioduco.Robot, pool: Desk) -> None:
+    await robot.track.trackEnqueue([Joints(*HOME)])
+    with pytest.raises(aioduco.RobotStateError, match="were not sent"):
+        await robot.track.trackEnqueue([Pose(*POSE)])
+    with pytest.raises(aioduco.RobotStateError, match="trackClearQueue"):
+        await robot.track.trackEnqueueOp([PointOp(POSE)])
+    assert await robot.track.getQueueSize() == 3
+    with pytest.raises(aioduco.RobotStateError, match="trackClearQueue"):
+        await robot.track.trackEnqueue([Pose(*POSE)])
+    pool.answer("getQueueSize", 0)
+    assert await robot.track.getQueueSize() == 0
+    await robot.track.trackEnqueue([Pose(*POSE)])
+    assert len(pool.received("trackEnqueue")) == 2
+
+
+async def test_plain_numbers_are_taken_for_what_the_pool_holds(
+    robot: aioduco.Robot, pool: Desk
+) -> None:
+    far = [[7.0, 0.1, 0.6, 3.1, 0.0, -1.5]]
+    await robot.track.trackEnqueue(np.array(far))
+    await robot.track.trackEnqueue([Joints(*HOME)])
+    with pytest.raises(aioduco.ParameterError, match=r"points\[0\]\[0\] is 7.0.*rad"):
+        await robot.track.trackEnqueue(far)
+    await robot.track.trackEnqueue([HOME])
+    assert pool.received("trackEnqueue")[-1].args == ([HOME], True)
+
+
+async def test_kinds_do_not_mix(robot: aioduco.Robot, pool: Desk) -> None:
+    with pytest.raises(aioduco.ParameterError, match=r"points\[1\]"):
+        await robot.track.trackEnqueue([Joints(*HOME), Pose(*POSE)])
+    with pytest.raises(aioduco.ParameterError, match=r"points\[1\]"):
+        await robot.track.trackEnqueueOp([PointOp(POSE), PointOp(Joints(*HOME))])
+    with pytest.raises(aioduco.ParameterError, match="1001 points"):
+        await robot.track.trackEnqueue([Pose(*POSE)] * 1001)
+    assert pool.commands == []
+
+
+async def test_points_that_were_not_taken_leave_no_trace(robot: aioduco.Robot, pool: Desk) -> None:
+    pool.answer("trackEnqueue", 7)
+    with pytest.raises(aioduco.TaskIllegal):
+        await robot.track.trackEnqueue([Joints(*HOME)])
+    pool.answer("trackEnqueue", 4)
+    await robot.track.trackEnqueue([Pose(*POSE)])
+
+
+async def test_points_whose_fate_is_unknown_count(pool: Desk) -> None:
+    async with (
+        FaultProxy(pool.host, pool.port) as proxy,
+        aioduco.connect(proxy.host, proxy.port) as robot,
+    ):
+        proxy.on("trackEnqueue", Cut(Place.AFTER_REQUEST))
+        with pytest.raises(aioduco.OutcomeUnknown):
+            await robot.track.trackEnqueue([Joints(*HOME)])
+        with pytest.raises(aioduco.RobotStateError):
+            await robot.track.trackEnqueue([Pose(*POSE)])
+
+
+async def test_points_after_the_arm_followed_some_are_stopped_at_the_end(pool: Desk) -> None:
+    """The arm may follow them by itself (manual 1.3.12), and no task tells of it."""
+    async with aioduco.connect(pool.host, pool.port) as robot:
+        await robot.track.trackEnqueue([Joints(*HOME)])
+        await robot.track.trackJointMotion(1.0, 2.0)
+        await robot.track.trackEnqueue([Joints(*HOME)])
+    assert pool.commands[-1] == "stop"
