@@ -12,7 +12,7 @@ Units are SI: metres, radians, seconds, kilograms, newtons; `deg()` and `mm()` c
 
 from __future__ import annotations
 
-from aioduco import errors
+from aioduco import errors, events
 from aioduco._version import __version__
 from aioduco.errors import *  # noqa: F403  # all of them, as errors.__all__ lists them
 from aioduco.models.enums import (
@@ -42,6 +42,7 @@ from aioduco.models.state import IOStatus, RobotStates, RobotStatus
 from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.robot import Robot, connect
 from aioduco.supervision.command import HeldMotion, MotionCommand
+from aioduco.supervision.feed import Snapshot
 from aioduco.supervision.pulse import HeartbeatState
 from aioduco.supervision.task import OnCancel, Task
 
@@ -92,6 +93,8 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     "RobotStates",
     "RobotStatus",
     "SafetyState",
+    "Snapshot",
     "TaskState",
+    "events",
 ]
 __all__ += errors.__all__

@@ -14,6 +14,7 @@ __all__ = [
     "ConnectionLost",
     "ControllerError",
     "DucoError",
+    "FeedOverflow",
     "FirstPointTooFar",
     "GoalToleranceViolated",
     "GuardLost",
@@ -24,6 +25,7 @@ __all__ = [
     "OutcomeUnknown",
     "ParameterError",
     "PathToleranceViolated",
+    "PersonNeeded",
     "ProtocolError",
     "Refused",
     "RobotStateError",
@@ -182,6 +184,10 @@ class RobotStateError(DucoError):
     """The robot is not in a state in which this can be done."""
 
 
+class PersonNeeded(RobotStateError):
+    """Only a person can lead the robot out of its state; the message says what to do."""
+
+
 class GuardLost(DucoError):
     """The guard's process could not be started, or is gone. The arm is stopped by other ways."""
 
@@ -195,6 +201,10 @@ class StopUnconfirmed(DucoError):
 
     The one error that calls for a hand on the emergency stop.
     """
+
+
+class FeedOverflow(DucoError):
+    """A subscriber that is to have every item did not take them in time: some are missing."""
 
 
 class StaleState(DucoError):

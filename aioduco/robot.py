@@ -12,6 +12,7 @@ from aioduco.errors import HeartbeatLost, ParameterError
 from aioduco.supervision.settings import Settings
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from types import TracebackType
     from typing import Self
 
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from aioduco.api.track import Track
     from aioduco.api.version import Version
     from aioduco.models.state import RobotStates
+    from aioduco.supervision.events import Events
+    from aioduco.supervision.feed import Feed, Snapshot
     from aioduco.supervision.heartbeat import HeartbeatStatistics
     from aioduco.supervision.settings import GuardKind
     from aioduco.supervision.supervisor import SupervisorStatistics
@@ -51,6 +54,8 @@ def connect(
     stop_timeout: float = 5.0,
     standstill_timeout: float = 5.0,
     guard: GuardKind | None = None,
+    state_rate: float = 50.0,
+    lag_limit: float | None = 0.25,
     trace: Trace | None = None,
 ) -> Robot:
     """Name a robot; `async with` connects to it, and leaves it standing.
@@ -77,6 +82,9 @@ def connect(
         guard: "process" to have stop and heartbeat in a small process of their own, one for all
             robots of the program: the arm is stopped at once when the program dies, and a busy
             program cannot delay a stop. None: on threads of the program.
+        state_rate: samples of the state a second, once `robot.feed` is used, up to 1000 [Hz].
+        lag_limit: seconds for which the event loop may be blocked without a warning that says
+            where; None for no warnings.
         trace: a hook that sees each call and each connection, see `aioduco.trace`.
 
     Returns:
@@ -100,6 +108,8 @@ def connect(
             stop_timeout=stop_timeout,
             standstill_timeout=standstill_timeout,
             guard=guard,
+            state_rate=state_rate,
+            lag_limit=lag_limit,
             trace=trace,
         ),
     )
@@ -250,6 +260,57 @@ class Robot:
         from aioduco.supervision.bringup import bring_up  # noqa: PLC0415  # loaded with Thrift
 
         return await bring_up(self._supervisor, timeout)
+
+    async def recover(self, *, timeout: float = 30.0) -> RobotStates:
+        """Lead the arm out of a stop: clear, power off and on where that is needed, enable.
+
+        As `bring_up`; besides, a program that runs in the controller is ended, and a heartbeat
+        that was withheld beats again. Nothing moves by this.
+
+        Args:
+            timeout: seconds in which the arm must be ready.
+
+        Returns:
+            The states: enabled, with no program running.
+
+        Raises:
+            PersonNeeded: a person has to do something first: it says what.
+            RobotStateError: the arm is not ready in time.
+            HeartbeatLost: no heartbeat was answered.
+        """
+        from aioduco.supervision.bringup import recover  # noqa: PLC0415  # loaded with Thrift
+
+        states = await recover(self._supervisor, timeout)
+        await self.rearm_heartbeat()
+        return states
+
+    @property
+    def feed(self) -> Feed:
+        """Samples of the robot's state at a steady rate; it begins when it is first used."""
+        return self._supervisor.feed
+
+    @property
+    def events(self) -> Events:
+        """What happens to the robot, as it is seen."""
+        return self._supervisor.events
+
+    async def wait_for(
+        self, predicate: Callable[[Snapshot], bool], *, timeout: float | None = None
+    ) -> Snapshot:
+        """Wait for a sample of the state that the predicate holds for, and return it.
+
+            await robot.wait_for(lambda s: s.io.digital_inputs[2], timeout=5.0)
+
+        Args:
+            predicate: called with each new sample.
+            timeout: seconds for which to wait; None for as long as it takes.
+
+        Raises:
+            TimeoutError: none came in time.
+            RobotStateError: the robot was closed meanwhile.
+        """
+        self._supervisor.check_open("wait_for")
+        return await self._supervisor.feed.wait_for(predicate, timeout=timeout)
 
     async def stop(self) -> None:
         """Stop the arm, all tasks included (停止所有任务), and wait until it stands.

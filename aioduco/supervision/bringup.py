@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco.errors import DucoError, RobotStateError, StaleState, TaskError
+from aioduco.errors import DucoError, PersonNeeded, RobotStateError, StaleState, TaskError
 from aioduco.models.enums import ProgramState, RobotState, SafetyState
 
 if TYPE_CHECKING:
@@ -59,10 +59,16 @@ class BringUp:
 
     After a safety stop the arm is powered off and on, once. A step is asked for once; until the
     states follow, it is waited for.
+
+    Args:
+        end_programs: whether a program that runs is ended, instead of being left to a person.
+        call: what a person calls again afterwards, for messages.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, end_programs: bool = False, call: str = "bring_up") -> None:
         self._asked: set[Step] = set()
+        self._end_programs = end_programs
+        self._call = call
 
     def next(self, states: RobotStates, *, emergency_stop: bool, collision: bool) -> Step:
         """Return what is to be done now.
@@ -73,7 +79,8 @@ class BringUp:
             collision: whether a collision is reported.
 
         Raises:
-            RobotStateError: a person has to do something first; it says what.
+            PersonNeeded: a person has to do something first; it says what.
+            RobotStateError: a program runs that is not to be ended.
         """
         self._refuse_what_needs_hands(states, emergency_stop)
         stopped = states.safety in _STOPS
@@ -90,7 +97,7 @@ class BringUp:
             step = Step.WAIT
         elif states.robot is RobotState.DISABLE:
             step = Step.ENABLE
-        elif states.program in _PAUSED:
+        elif states.program in _PAUSED or states.program in _BUSY:
             step = Step.STOP
         elif states.robot is RobotState.ENABLE and states.program is ProgramState.STOPPED:
             step = Step.DONE
@@ -102,28 +109,38 @@ class BringUp:
         self._asked.add(step)
         return step
 
-    @staticmethod
-    def _refuse_what_needs_hands(states: RobotStates, emergency_stop: bool) -> None:
+    def _refuse_what_needs_hands(self, states: RobotStates, emergency_stop: bool) -> None:
+        again = f"then call {self._call}() again"
         if emergency_stop:
-            raise RobotStateError(
+            raise PersonNeeded(
                 "an emergency stop is pressed: see that nobody is near the arm, release the "
-                "button, then call bring_up() again"
+                f"button, {again}"
             )
         if (reason := _HANDS.get(states.safety)) is not None:
-            raise RobotStateError(f"{reason}; then call bring_up() again")
+            raise PersonNeeded(f"{reason}; {again}")
         if states.robot is RobotState.UPDATE:
-            raise RobotStateError("the robot is being updated: wait until that has ended")
-        if states.robot is RobotState.ENABLE and states.program in _BUSY:
+            raise PersonNeeded(f"the robot is being updated: wait until that has ended, {again}")
+        busy = states.robot is RobotState.ENABLE and states.program in _BUSY
+        if busy and not self._end_programs:
             raise RobotStateError(
                 f"the controller is busy (program {states.program.name}): end the program at the "
-                "pendant, or call robot.stop(), then call bring_up() again"
+                f"pendant, or call robot.stop() or robot.recover(), {again}"
             )
 
 
 async def bring_up(supervisor: Supervisor, timeout: float) -> RobotStates:
     """Bring the robot into a state in which it can move; `Robot.bring_up` describes it."""
     supervisor.check_open("bring_up")
-    decide = BringUp()
+    return await _go(supervisor, BringUp(), timeout)
+
+
+async def recover(supervisor: Supervisor, timeout: float) -> RobotStates:
+    """Lead the robot out of a stop; `Robot.recover` describes it."""
+    supervisor.check_open("recover")
+    return await _go(supervisor, BringUp(end_programs=True, call="recover"), timeout)
+
+
+async def _go(supervisor: Supervisor, decide: BringUp, timeout: float) -> RobotStates:
     due = time.monotonic()
     until = due + timeout
     seen = "nothing was heard of it"

@@ -34,12 +34,18 @@ class Settings:
     stop_timeout: float = 5.0
     standstill_timeout: float = 5.0
     guard: GuardKind | None = None
+    state_rate: float = 50.0
+    lag_limit: float | None = 0.25
     trace: Trace | None = None
 
     def __post_init__(self) -> None:
         for name in ("call_timeout", "connect_timeout", "stop_timeout", "standstill_timeout"):
             _positive(name, getattr(self, name))
         _positive("loop_stall_limit", self.loop_stall_limit)
+        if not (_number(self.state_rate) and 0 < self.state_rate <= 1000):
+            raise ParameterError("state_rate", self.state_rate, "a number above 0, up to 1000 Hz")
+        if self.lag_limit is not None:
+            _positive("lag_limit", self.lag_limit)
         if self.heartbeat is not None and not (
             _number(self.heartbeat) and 0.2 <= self.heartbeat <= 60.0
         ):

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import logging
 import time
+from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
 import anyio
 
 from aioduco._wire.connection import Connection
+from aioduco._wire.handoff import doorbell
 from aioduco._wire.lane import Lane
 from aioduco.errors import DucoError, RobotStateError, StopUnconfirmed
 from aioduco.supervision.background import Background
+from aioduco.supervision.changes import LoopBlocked
 from aioduco.supervision.control import Control
+from aioduco.supervision.events import Events
+from aioduco.supervision.feed import Feed
 from aioduco.supervision.guard.sides import (
     GuardedControl,
     GuardedHeartbeat,
@@ -22,11 +27,15 @@ from aioduco.supervision.guard.sides import (
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatStatistics, SignOfLife
 from aioduco.supervision.insist import insist
 from aioduco.supervision.keeper import Keeper
+from aioduco.supervision.lag import LagMonitor
 from aioduco.supervision.launcher import Launcher
 from aioduco.supervision.opening import open_lines
+from aioduco.supervision.pulse import HeartbeatState
 from aioduco.supervision.samples import Samples
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from aioduco._wire.lane import LaneStatistics
     from aioduco.supervision.heartbeat import Heart
     from aioduco.supervision.settings import Settings
@@ -85,6 +94,8 @@ class Supervisor:
         launcher: starts motions and other tasks.
         heartbeat: the heartbeat; None without one.
         guard: the robot's place with the guard; None without one.
+        feed: samples of the robot's state.
+        events: what happens to the robot.
     """
 
     def __init__(self, host: str, port: int, settings: Settings) -> None:
@@ -97,6 +108,7 @@ class Supervisor:
         self._stop_lane = self._lane("stop")
         self._control_lane = self._lane("control")
         self._motion_lane = self._lane("motion")
+        self._feed_lane = self._lane("feed")
         self._background = Background(self._crashed)
         self.guard: Seat | None = None
         self.heartbeat: Heart | None = None
@@ -119,8 +131,14 @@ class Supervisor:
         self.launcher = Launcher(
             self._motion_lane, self.keeper, self._background, self.heartbeat, settings
         )
+        self.feed = Feed(self._feed_lane, self.samples, self._background, settings.state_rate)
+        self.events = Events(self.feed, self._feed_lane, self._background, self._heartbeat_state)
+        self._lag: LagMonitor | None = None
         self._opened = False
         self._closed = False
+
+    def _heartbeat_state(self) -> HeartbeatState:
+        return HeartbeatState.OFF if self.heartbeat is None else self.heartbeat.state
 
     def _lane(self, name: str, size: int = 1) -> Lane:
         return Lane(
@@ -139,7 +157,14 @@ class Supervisor:
     @property
     def lanes(self) -> tuple[Lane, ...]:
         """All lanes, that of the stop first."""
-        return (self._stop_lane, self._control_lane, self.poll, self._motion_lane, self.calls)
+        return (
+            self._stop_lane,
+            self._control_lane,
+            self.poll,
+            self._motion_lane,
+            self._feed_lane,
+            self.calls,
+        )
 
     @property
     def state(self) -> str:
@@ -190,6 +215,20 @@ class Supervisor:
         self._opened = True
         self._background.start(self._live(time.monotonic()), "aioduco sign of life")
         self._background.start(self.keeper.poller.run(), "aioduco poller")
+        if self.settings.lag_limit is not None:
+            self._lag = LagMonitor(self._life, self.settings.lag_limit, self._loop_blocked())
+            self._lag.start()
+
+    def _loop_blocked(self) -> Callable[[float, str], None]:
+        """What the lag monitor calls, on its thread."""
+        seen: deque[LoopBlocked] = deque()
+        ring = doorbell(lambda: self.events.tell(seen.popleft()))
+
+        def blocked(seconds: float, where: str) -> None:
+            seen.append(LoopBlocked(time.monotonic(), seconds, where))
+            ring()
+
+        return blocked
 
     async def aclose(self) -> None:
         """Leave by the ladder: stop what moves, see it stand, end the heartbeat, close.
@@ -213,6 +252,8 @@ class Supervisor:
         finally:
             if self.heartbeat is not None:
                 self.heartbeat.end()
+            self.feed.close()
+            self.events.close()
             cancelled.append((await insist(self._background.aclose))[1])
             cancelled.append((await insist(self._close_lines))[1])
         for cancellation in cancelled:
@@ -222,12 +263,16 @@ class Supervisor:
     async def _close_lines(self) -> None:
         if self.heartbeat is not None:
             self.heartbeat.end()
+        if self._lag is not None:
+            self._lag.end()
         if self.guard is not None:
             await self.guard.give_up()
         for lane in self.lanes:
             await lane.aclose()
         if self.heartbeat is not None:
             self.heartbeat.join(_GRACE)
+        if self._lag is not None:
+            self._lag.join(_GRACE)
 
     async def under_guard(self) -> None:
         """Have the guard look after the robot, if there is to be one."""

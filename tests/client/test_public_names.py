@@ -15,7 +15,7 @@ NAMES = {
     "what motions are made of": "ExternalAxis ExternalAxisScheme ExternalAxisState FileKind Jog "
     "JogDirections JogFrame RealtimeMode RealtimePoint WeavePlane WeaveShape",
     "states": "HeartbeatState IOStatus OperationMode ProgramState RobotState RobotStates "
-    "RobotStatus SafetyState TaskState",
+    "RobotStatus SafetyState Snapshot TaskState events",
     "errors": " ".join(errors.__all__),
 }
 

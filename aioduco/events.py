@@ -1,0 +1,43 @@
+"""What can happen to a robot: the classes of the items that `robot.events` gives.
+
+    with robot.events.subscribe() as stream:
+        async for event in stream:
+            if isinstance(event, events.CollisionDetected):
+                ...
+"""
+
+from __future__ import annotations
+
+from aioduco.supervision.changes import (
+    CollisionDetected,
+    CollisionReset,
+    ConnectionBack,
+    ConnectionGone,
+    EmergencyStopPressed,
+    EmergencyStopReleased,
+    ErrorsChanged,
+    Event,
+    HeartbeatChanged,
+    LoopBlocked,
+    ModeChanged,
+    ProgramStateChanged,
+    RobotStateChanged,
+    SafetyStateChanged,
+)
+
+__all__ = [
+    "CollisionDetected",
+    "CollisionReset",
+    "ConnectionBack",
+    "ConnectionGone",
+    "EmergencyStopPressed",
+    "EmergencyStopReleased",
+    "ErrorsChanged",
+    "Event",
+    "HeartbeatChanged",
+    "LoopBlocked",
+    "ModeChanged",
+    "ProgramStateChanged",
+    "RobotStateChanged",
+    "SafetyStateChanged",
+]

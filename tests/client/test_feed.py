@@ -1,0 +1,264 @@
+"""The feed of the state: its age, its subscribers, its waits; and what it makes of changes."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from typing import TYPE_CHECKING
+
+import anyio
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import aioduco
+from aioduco import HeartbeatState, OperationMode, RobotState, SafetyState
+from aioduco.errors import FeedOverflow
+from aioduco.supervision import changes
+from aioduco.supervision.buffer import Buffer, Policy
+from aioduco.testing import DropReply, FaultProxy, eventually_async
+
+if TYPE_CHECKING:
+    from aioduco.supervision.changes import Event
+    from aioduco.supervision.feed import Subscription
+    from client.bench import Bench
+
+ACTIONS = st.lists(st.booleans(), max_size=60)
+
+
+@given(size=st.integers(1, 8), actions=ACTIONS)
+def test_drop_oldest_keeps_the_newest_in_order(size: int, actions: list[bool]) -> None:
+    buffer = Buffer[int]("drop_oldest", size)
+    model: deque[int] = deque(maxlen=size)
+    given_, taken = 0, 0
+    for put in actions:
+        if put:
+            buffer.put(given_)
+            model.append(given_)
+            given_ += 1
+        elif buffer.ready:
+            assert buffer.take() == model.popleft()
+            taken += 1
+        assert len(buffer) == len(model)
+        assert given_ == taken + len(buffer) + buffer.dropped  # none is lost uncounted
+
+
+@given(size=st.integers(1, 4), actions=ACTIONS)
+def test_every_one_comes_or_the_gap_is_told(size: int, actions: list[bool]) -> None:
+    buffer = Buffer[int]("every", size)
+    given_, expected, told = 0, 0, 0
+    for put in actions:
+        if put:
+            buffer.put(given_)
+            given_ += 1
+        elif buffer.ready:
+            try:
+                value = buffer.take()
+            except FeedOverflow:
+                told = buffer.dropped
+                expected = given_  # goes on behind the gap
+            else:
+                assert value == expected
+                expected += 1
+    assert (buffer.dropped > told) <= buffer.ready
+
+
+@given(values=st.lists(st.integers(), min_size=1))
+def test_latest_is_the_newest(values: list[int]) -> None:
+    buffer = Buffer[int]("latest", 5)
+    for value in values:
+        buffer.put(value)
+    assert buffer.take() == values[-1]
+    assert buffer.dropped == len(values) - 1
+    with pytest.raises(IndexError):
+        buffer.take()
+
+
+@pytest.mark.parametrize(("policy", "size"), [("newest", 4), ("every", 0), ("every", 1.5)])
+def test_bad_buffers_are_refused(policy: Policy, size: int) -> None:
+    with pytest.raises(aioduco.ParameterError):
+        Buffer[int](policy, size)
+
+
+async def test_it_begins_when_it_is_used(bench: Bench, robot: aioduco.Robot) -> None:
+    assert not bench.received("getRobotStatus")
+    sample = await robot.feed.latest()
+    assert sample.sequence == 0
+    assert sample.states.robot is RobotState.ENABLE
+    assert sample.io.digital_inputs == (True,) * 16
+    assert 0 <= sample.age < 0.5
+    with pytest.raises(ValueError, match="read-only"):
+        sample.status.joint_speeds[0] = 1.0
+
+
+async def test_the_rate_is_held_and_measured(bench: Bench) -> None:
+    async with (
+        aioduco.connect(bench.host, bench.port, state_rate=100.0) as robot,
+    ):
+        with robot.feed.subscribe("every", size=1000) as samples:
+            numbers = []
+            async for sample in samples:
+                numbers.append(sample.sequence)
+                if len(numbers) == 40:
+                    break
+        assert numbers == list(range(numbers[0], numbers[0] + 40))
+        figures = robot.feed.statistics()
+        assert figures.measured_rate == pytest.approx(100.0, rel=0.3)
+        assert figures.failures == 0
+
+
+async def _until_stale(robot: aioduco.Robot, ages: list[float]) -> None:
+    while True:
+        ages.append((await robot.feed.latest(max_age=0.3)).age)
+
+
+async def test_an_old_sample_is_never_returned(bench: Bench) -> None:
+    with FaultProxy(bench.host, bench.port) as proxy:
+        async with aioduco.connect(
+            proxy.host, proxy.port, call_timeout=0.2, heartbeat=None
+        ) as robot:
+            await robot.feed.latest()
+            for name in ("get_robot_state", "getRobotStatus", "getRobotIOStatus"):
+                proxy.on(name, DropReply(), times=None)
+            ages: list[float] = []
+            with pytest.raises(aioduco.StaleState, match="does not answer"):
+                await _until_stale(robot, ages)
+            assert max(ages, default=0.0) < 0.35
+
+
+async def test_subscribers_do_not_hold_each_other_up(robot: aioduco.Robot) -> None:
+    with (
+        robot.feed.subscribe("latest") as slow,
+        robot.feed.subscribe("drop_oldest", size=2) as medium,
+        robot.feed.subscribe("every", size=200) as quick,
+    ):
+        seen = 0
+        async for _ in quick:
+            seen += 1
+            if seen == 10:
+                break
+        assert quick.dropped == 0
+        assert slow.dropped == 9
+        assert medium.dropped == 8
+        assert (await anext(slow)).sequence == (await anext(medium)).sequence + 1
+        assert robot.feed.statistics().dropped == 17
+    assert robot.feed.statistics().subscribers == 0
+
+
+async def test_wait_for(bench: Bench, robot: aioduco.Robot) -> None:
+    async with anyio.create_task_group() as tasks:
+
+        async def wait() -> None:
+            sample = await robot.wait_for(lambda s: s.status.collision, timeout=10.0)
+            assert sample.status.collision
+
+        tasks.start_soon(wait)
+        await robot.feed.latest()
+        bench.collision = True
+    with pytest.raises(TimeoutError):
+        await robot.wait_for(lambda s: s.status.emergency_stop, timeout=0.1)
+
+
+async def test_waiting_ends_with_the_robot(bench: Bench) -> None:
+    robot = aioduco.connect(bench.host, bench.port)
+    await robot.open()
+    raised: list[BaseException] = []
+
+    async def wait() -> None:
+        try:
+            await robot.wait_for(lambda _: False)
+        except aioduco.RobotStateError as exc:
+            raised.append(exc)
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(wait)
+        await robot.feed.latest()
+        await robot.aclose()
+    assert len(raised) == 1
+
+
+# -- events ------------------------------------------------------------------------------------
+
+
+async def some(events: Subscription[Event], *kinds: type[Event]) -> dict[type[Event], Event]:
+    """Events until each of the kinds has been seen."""
+    seen: dict[type[Event], Event] = {}
+    with anyio.fail_after(10.0):
+        while not set(kinds) <= set(seen):
+            event = await anext(events)
+            seen[type(event)] = event
+    return seen
+
+
+async def test_events_of_the_state(bench: Bench, robot: aioduco.Robot) -> None:
+    with robot.events.subscribe() as events:
+        await eventually_async(lambda: bool(bench.received("get_last_error")))
+        bench.collision = True
+        bench.states = [4, 0, 9, 0]
+        bench.errors = ["Joint 4 检测到碰撞"]
+        seen = await some(
+            events,
+            changes.CollisionDetected,
+            changes.SafetyStateChanged,
+            changes.RobotStateChanged,
+            changes.ModeChanged,
+            changes.ErrorsChanged,
+        )
+        safety = seen[changes.SafetyStateChanged]
+        assert isinstance(safety, changes.SafetyStateChanged)
+        assert (safety.before, safety.after) == (SafetyState.RUN, SafetyState.STOP0)
+        mode = seen[changes.ModeChanged]
+        assert isinstance(mode, changes.ModeChanged)
+        assert mode.after is OperationMode.MANUAL
+        errors = seen[changes.ErrorsChanged]
+        assert isinstance(errors, changes.ErrorsChanged)
+        assert errors.added == ("Joint 4 检测到碰撞",)
+        bench.collision = False
+        bench.emergency_stop = True
+        await some(events, changes.CollisionReset, changes.EmergencyStopPressed)
+        bench.emergency_stop = False
+        await some(events, changes.EmergencyStopReleased)
+
+
+async def test_events_of_the_lines(bench: Bench) -> None:
+    with FaultProxy(bench.host, bench.port) as proxy:
+        async with aioduco.connect(
+            proxy.host, proxy.port, heartbeat=0.3, call_timeout=0.2
+        ) as robot:
+            with robot.events.subscribe() as events:
+                await robot.feed.latest()
+                proxy.refuse()
+                proxy.cut()
+                seen = await some(events, changes.ConnectionGone, changes.HeartbeatChanged)
+                beat = seen[changes.HeartbeatChanged]
+                assert isinstance(beat, changes.HeartbeatChanged)
+                assert beat.after is HeartbeatState.LOST
+                proxy.accept()
+                seen = await some(events, changes.ConnectionBack, changes.HeartbeatChanged)
+                back = seen[changes.ConnectionBack]
+                assert isinstance(back, changes.ConnectionBack)
+                assert back.seconds > 0
+                beat = seen[changes.HeartbeatChanged]
+                assert isinstance(beat, changes.HeartbeatChanged)
+                assert beat.after is HeartbeatState.BEATING
+
+
+def block_the_loop(seconds: float) -> None:
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        pass
+
+
+async def test_what_blocks_the_loop_is_named(
+    bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with aioduco.connect(bench.host, bench.port, lag_limit=0.15) as robot:
+        with robot.events.subscribe() as events:
+            await robot.feed.latest()
+            block_the_loop(0.5)
+            seen = await some(events, changes.LoopBlocked)
+        event = seen[changes.LoopBlocked]
+        assert isinstance(event, changes.LoopBlocked)
+        assert event.seconds > 0.3
+        assert "block_the_loop" in event.where
+        await eventually_async(lambda: "block_the_loop" in caplog.text)
