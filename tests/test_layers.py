@@ -30,7 +30,8 @@ MAY_IMPORT: dict[str, set[str]] = {
     "api": BASE | {"models", "supervision"},
     "streaming": CLIENT - {"streaming"},
     "robot": CLIENT,
-    "__init__": CLIENT | {"robot"},
+    "events": {"supervision"},
+    "__init__": CLIENT | {"robot", "events"},
     # the simulator is the other side: it knows the wire and the arms, and nothing of the client
     "sim": BASE | {"models", "kinematics", "_wire"},
     "testing": BASE | {"models", "_wire", "sim"},
@@ -47,7 +48,7 @@ ONLY_IN: dict[str, set[str]] = {
     "ruckig": {"sim/planner", "streaming"},
     "eaik": {"kinematics/eaik.py"},
     "typer": {"cli"},
-    "rich": {"cli", "streaming/report.py"},
+    "rich": {"cli", "streaming/report.py", "streaming/doctor.py"},
     "matplotlib": {"cli", "streaming/report.py"},
     # the thread hand-off, and tasks that outlive the task that started them
     "asyncio": {"_wire/handoff.py", "supervision/background.py"},
