@@ -164,7 +164,8 @@ class Section:
         """
         name, args = noted(call)
         self._supervisor.check_open(name)
-        await self._supervisor.launcher.perform(name, args, timeout)
+        limit = ranges.TIMEOUT("timeout", timeout)
+        await self._supervisor.launcher.perform(name, args, limit)
 
 
 def noted(call: Call) -> tuple[str, tuple[Any, ...]]:

@@ -56,9 +56,11 @@ class State(Section):
         return tuple(await self._rpc.get_last_error())
 
     async def get_noneblock_taskstate(self, task_id: int) -> TaskState:
-        """Read the state of a task by its id (任务状态). Manual section 1.3.8.
+        """Read the state of a task by its id (任务状态).
 
         A motion's task follows its own state; this is for tasks of other programs.
+
+        Manual section 1.3.8, which prints its name as get_noblock_taskstate.
         """
         id_ = ranges.TASK_ID("task_id", task_id)
         return TaskState(await self._rpc.get_noneblock_taskstate(id_))
@@ -110,6 +112,9 @@ class State(Section):
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
 
+        Returns:
+            The pose.
+
         Manual section 1.3.7.
         """
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
@@ -131,7 +136,7 @@ class State(Section):
         return vector(await self._rpc.get_tcp_force())
 
     async def get_tcp_force_tool(self, tool: str = "") -> Vector:
-        """Read force and torque in the frame of a tool [N, N·m]; needs a force sensor.
+        """Read force and torque in a tool's frame (工具坐标系下的力) [N, N·m]; needs a force sensor.
 
         Args:
             tool: name of the tool; empty for the one in use.

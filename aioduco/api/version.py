@@ -31,7 +31,10 @@ class Version(Section):
     __slots__ = ()
 
     async def get_robot_version(self) -> str:
-        """Read the version of the controller's software (控制器版本). Not in the manual."""
+        """Read the version of the controller's software (控制器版本).
+
+        Manual section 1.3.16.
+        """
         return await self._rpc.get_robot_version()
 
     async def get_robot_type(self) -> RobotType:
