@@ -136,7 +136,7 @@ class State(Section):
         return vector(await self._rpc.get_tcp_force())
 
     async def get_tcp_force_tool(self, tool: str = "") -> Vector:
-        """Read force and torque in a tool's frame (工具坐标系下的力) [N, N·m]; needs a force sensor.
+        """Read force and torque in a tool's frame (工具坐标系下的力) [N, N·m], by a sensor.
 
         Args:
             tool: name of the tool; empty for the one in use.
