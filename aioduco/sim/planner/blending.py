@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from aioduco.sim.planner.errors import PlanError
-from aioduco.sim.planner.limits import cartesian_limits, joint_limits
-from aioduco.sim.planner.path import Path, differentiate
-from aioduco.sim.planner.tracing import follow
+from aioduco.sim.planner.limits import joint_limits, tool_limits
+from aioduco.sim.planner.tracing import check_limits, fit, trace
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
+    from aioduco.sim.planner.path import Path
     from aioduco.sim.planner.segments import Segment
     from aioduco.sim.planner.timing import Limits
 
@@ -61,37 +62,82 @@ def blend(first: Segment, second: Segment) -> Blend | None:
     enter = _reach(second, backwards=False, radius=first.radius)
     if left is None or enter is None:
         return None
-    leave = first.path.end - left
-    u = np.linspace(0.0, 1.0, _PIECES + 1)
-    s1 = leave + left * (2.0 * u - u * u)
-    s2 = enter * u * u
-    length = 2.0 * enter
+    corner = _Corner(first, second, first.path.end - left, enter)
     together = (
         first.curve is not None
         and second.curve is not None
         and np.array_equal(first.tool, second.tool)
     )
     try:
-        q = _tool_space(first, second, s1, s2) if together else _joint_space(first, second, s1, s2)
+        if together:
+            path = trace(first.arm, corner.joints(np.zeros(1))[0], corner, first.tool)
+        else:
+            path, samples = fit(corner.joints, corner.length, _PIECES)
+            check_limits(first.arm, samples)
     except PlanError:
         return None
-    slope, bend = differentiate(q, length / _PIECES)
-    path = Path.through(q, slope, bend, length)
-    speed = first.v + (second.v - first.v) * u
-    rate = min(first.a, second.a)
+    nodes = path.nodes()
+    joints = path.sample(nodes)
+    speed = first.v + (second.v - first.v) * nodes / corner.length
     if together:
-        points = (first.tcp(s1) + second.tcp(s2))[:, :3, 3]
-        velocity, acceleration = differentiate(points, length / _PIECES)
-        limits = cartesian_limits(
-            first.arm, path.bounds, slope, bend, velocity, acceleration, speed, rate, share=_SHARE
-        )
+        points, rate = corner.poses(nodes)[:, :3, 3], min(first.a, second.a)
+        limits = tool_limits(first.arm, nodes, joints, points, speed, rate, share=_SHARE)
     else:
         # Between a joint move and a line only the joints have a common limit.
-        joint = [segment for segment in (first, second) if segment.curve is None]
-        rate = min(segment.a for segment in joint)
-        speed = speed if len(joint) == 2 else np.full(len(u), np.inf)
-        limits = joint_limits(first.arm, path.bounds, slope, bend, speed, rate, share=_SHARE)
-    return Blend(leave, enter, path, limits, enter / left)
+        moves = [segment for segment in (first, second) if segment.curve is None]
+        rate = min((segment.a for segment in moves), default=math.inf)
+        common = speed if len(moves) == 2 else math.inf
+        limits = joint_limits(first.arm, nodes, joints, common, rate, share=_SHARE)
+    return Blend(corner.leave, enter, path, limits, enter / left)
+
+
+class _Corner:
+    """The end of one motion and the start of the next, added up.
+
+    Attributes:
+        leave: distance on the first motion where the blend begins.
+        enter: distance on the second motion where it ends.
+        length: of the blend, in the unit of the second motion.
+        turning: angle that the orientation may turn by [rad].
+    """
+
+    def __init__(self, first: Segment, second: Segment, leave: float, enter: float) -> None:
+        self._first, self._second = first, second
+        self.leave, self.enter = leave, enter
+        self.length = 2.0 * enter
+        self.turning = sum(
+            segment.curve.turning if segment.curve is not None else 0.0
+            for segment in (first, second)
+        )
+
+    def _distances(self, s: Array) -> tuple[Array, Array]:
+        # One slows down evenly while the other speeds up.
+        u = s / self.length
+        return (
+            self.leave + (self._first.length - self.leave) * (2.0 * u - u * u),
+            self.enter * u * u,
+        )
+
+    def joints(self, s: Array) -> Array:
+        """Give the joints [rad], added up joint by joint. Shape (n,) to (n, 6)."""
+        one, two = self._distances(s)
+        assert self._first.path is not None
+        assert self._second.path is not None
+        q: Array = self._first.path.sample(one)[:, 0] + self._second.path.sample(two)[:, 0]
+        return q - self._second.q_start
+
+    def poses(self, s: Array) -> Array:
+        """Give the tool centre point, positions and turns added up. Shape (n,) to (n, 4, 4)."""
+        assert self._first.curve is not None
+        assert self._second.curve is not None
+        one, two = self._distances(s)
+        first, second = self._first.curve.poses(one), self._second.curve.poses(two)
+        corner = self._second.curve.poses(np.zeros(1))[0]
+        both = np.zeros_like(first)
+        both[:, :3, :3] = first[:, :3, :3] @ corner[:3, :3].T @ second[:, :3, :3]
+        both[:, :3, 3] = first[:, :3, 3] + second[:, :3, 3] - corner[:3, 3]
+        both[:, 3, 3] = 1.0
+        return both
 
 
 def _reach(segment: Segment, *, backwards: bool, radius: float | None = None) -> float | None:
@@ -108,23 +154,3 @@ def _reach(segment: Segment, *, backwards: bool, radius: float | None = None) ->
     i = int(outside[0])
     part = (radius - away[i - 1]) / (away[i] - away[i - 1])
     return float(along[i - 1] + part * (along[i] - along[i - 1]))
-
-
-def _joint_space(first: Segment, second: Segment, s1: Array, s2: Array) -> Array:
-    assert first.path is not None
-    assert second.path is not None
-    q: Array = first.path.sample(s1)[:, 0] + second.path.sample(s2)[:, 0] - second.q_start
-    return q
-
-
-def _tool_space(first: Segment, second: Segment, s1: Array, s2: Array) -> Array:
-    assert first.path is not None
-    assert first.curve is not None
-    assert second.curve is not None
-    one, two = first.curve.poses(s1), second.curve.poses(s2)
-    corner = second.curve.poses(np.zeros(1))[0]
-    both = np.zeros_like(one)
-    both[:, :3, :3] = one[:, :3, :3] @ corner[:3, :3].T @ two[:, :3, :3]
-    both[:, :3, 3] = one[:, :3, 3] + two[:, :3, 3] - corner[:3, 3]
-    both[:, 3, 3] = 1.0
-    return follow(first.arm, first.path.sample(s1[:1])[0, 0], both @ np.linalg.inv(first.tool))

@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from aioduco.sim.planner.path import differentiate
 from aioduco.sim.planner.timing import Limits
 
 if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["SHARE", "STOPPING", "cartesian_limits", "joint_limits"]
+__all__ = ["SHARE", "STOPPING", "joint_limits", "tool_limits"]
 
 SHARE = 0.5
-"""Share of a joint's acceleration for the bends of a path; the rest is for the speed along it."""
+"""Share of a joint's acceleration that the bends of a path may take."""
 
 STOPPING = 0.5
 """Share of the drives' acceleration that a stop uses. An assumption."""
@@ -28,56 +29,58 @@ _HIGHEST = 1e6  # stands for unlimited in arithmetic
 
 def joint_limits(
     arm: Arm,
-    nodes: list[float],
-    slope: Array,
-    bend: Array,
+    nodes: Array,
+    joints: Array,
     v: Array | float,
     a: Array | float,
     *,
     share: float = SHARE,
+    top: Array | float = math.inf,
 ) -> Limits:
     """Give the limits of a path on which every joint keeps to a speed and an acceleration.
 
     Args:
         arm: the arm, whose own limits count, too.
-        nodes: n + 1 distances along the path.
-        slope: dq/ds there. Shape (n + 1, 6).
-        bend: d²q/ds² there. Shape (n + 1, 6).
+        nodes: distances along the path. Shape (n + 1,).
+        joints: q, dq/ds and d²q/ds² there. Shape (n + 1, 3, 6).
         v: joint speed [rad/s]; one, or one for each node.
         a: joint acceleration [rad/s²]; one, or one for each node.
-        share: of the acceleration that the bends of the path may take; the rest is for changes
-            of the speed along it. A path without bends leaves all of it.
+        share: of the acceleration that the bends of the path may take at most; what they leave is
+            for changes of the speed along it.
+        top: highest (ds/dt)² for other reasons; one, or one for each node.
     """
+    slope, bend = np.abs(joints[:, 1]), np.abs(joints[:, 2])
     speeds = np.minimum(np.broadcast_to(v, len(nodes))[:, None], arm.velocity)
-    drives = np.broadcast_to(np.array(arm.acceleration), slope.shape)
+    drives = np.array(arm.acceleration)
     rates = np.minimum(np.broadcast_to(a, len(nodes))[:, None], drives)
-    curved = bool(np.abs(bend).max() > 1e-9)
     with np.errstate(divide="ignore", over="ignore"):
-        ceiling = ((speeds / np.abs(slope)).min(axis=1)) ** 2
-        if curved:
-            ceiling = np.minimum(ceiling, (share * rates / np.abs(bend)).min(axis=1))
-        rest = 1.0 - share if curved else 1.0
-        push = (rest * rates / np.abs(slope)).min(axis=1)
-        brake = (STOPPING * drives / np.abs(slope)).min(axis=1)
+        ceiling = np.minimum((speeds / slope).min(axis=1) ** 2, (share * rates / bend).min(axis=1))
+        ceiling = np.minimum(np.minimum(ceiling, top), _HIGHEST)
+        push = ((rates - bend * ceiling[:, None]) / slope).min(axis=1)
+        brake = (STOPPING * drives / slope).min(axis=1)
     pieces = len(nodes) - 1
     return Limits(
-        nodes,
-        np.minimum(ceiling, _HIGHEST).tolist(),
-        np.minimum(np.minimum(push[:-1], push[1:]), _HIGHEST).tolist(),
+        nodes.tolist(),
+        ceiling.tolist(),
+        _least(push),
         [math.inf] * pieces,
         [0.0] * pieces,
-        np.minimum(np.minimum(brake[:-1], brake[1:]), _HIGHEST).tolist(),
+        _least(brake),
     )
 
 
-def cartesian_limits(
+def _least(values: Array) -> list[float]:
+    """Give the less of both ends of each piece."""
+    least: list[float] = np.minimum(np.minimum(values[:-1], values[1:]), _HIGHEST).tolist()
+    return least
+
+
+def tool_limits(
     arm: Arm,
-    nodes: list[float],
-    slope: Array,
-    bend: Array,
-    velocity: Array,
-    acceleration: Array,
-    v: Array,
+    nodes: Array,
+    joints: Array,
+    points: Array,
+    v: Array | float,
     a: float,
     *,
     share: float | None = None,
@@ -86,36 +89,30 @@ def cartesian_limits(
 
     Args:
         arm: the arm, whose joint limits count, too.
-        nodes: n + 1 distances along the path.
-        slope: dq/ds there. Shape (n + 1, 6).
-        bend: d²q/ds² there. Shape (n + 1, 6).
-        velocity: derivative of the tool centre point's position by s. Shape (n + 1, 3).
-        acceleration: its second derivative. Shape (n + 1, 3).
-        v: speed of the tool centre point at each node [m/s]. Shape (n + 1,).
+        nodes: even distances along the path. Shape (n + 1,).
+        joints: q, dq/ds and d²q/ds² there. Shape (n + 1, 3, 6).
+        points: the tool centre point there [m]. Shape (n + 1, 3).
+        v: its speed [m/s]; one, or one for each node.
         a: its acceleration [m/s²].
-        share: of the acceleration that the bends of the path may take, where its parameter is not
-            the distance and the two parts are not square to each other; None where they are.
+        share: of the acceleration that the bends of the path may take at most, where the path's
+            parameter is not the distance, and so the acceleration along it is not square to that
+            across it; None where it is.
     """
-    joints = joint_limits(arm, nodes, slope, bend, math.inf, math.inf, share=share or SHARE)
+    velocity, acceleration = differentiate(points, float(nodes[1]))
     stretch = np.linalg.norm(velocity, axis=1)
-    turning_only = stretch.max() < 1e-9
-    if turning_only:
-        stretch = np.ones_like(stretch)
+    if stretch.max() < _STRAIGHT:
+        stretch = np.ones_like(stretch)  # it only turns, and its unit is the radian
     curvature = np.linalg.norm(acceleration, axis=1)
     curvature[curvature < _STRAIGHT] = 0.0
+    most = _ACROSS if share is None else share
     with np.errstate(divide="ignore"):
-        most = _ACROSS * a if share is None else share * a
-        ceiling = np.minimum((v / stretch) ** 2, most / curvature)
+        top = np.minimum((v / stretch) ** 2, most * a / curvature)
+    limits = joint_limits(arm, nodes, joints, math.inf, math.inf, share=share or SHARE, top=top)
+    widest = np.maximum(np.maximum(stretch[:-1], stretch[1:]), _STRAIGHT)
     if share is not None:
-        a *= 1.0 - share
-        curvature[:] = 0.0
-    pieces = slice(None, -1)
-    widest = np.maximum(np.maximum(stretch[pieces], stretch[1:]), _STRAIGHT)
-    return Limits(
-        nodes,
-        np.minimum(joints.ceiling, ceiling).tolist(),
-        joints.push,
-        (a / widest).tolist(),
-        (np.maximum(curvature[pieces], curvature[1:]) / widest).tolist(),
-        joints.brake,
+        left = a - curvature * np.array(limits.ceiling)
+        return limits._replace(total=(np.minimum(left[:-1], left[1:]) / widest).tolist())
+    return limits._replace(
+        total=(a / widest).tolist(),
+        curvature=(np.maximum(curvature[:-1], curvature[1:]) / widest).tolist(),
     )

@@ -89,6 +89,14 @@ class Path:
         """s where the path ends."""
         return self.bounds[-1]
 
+    def nodes(self) -> Array:
+        """Give the bounds and the places half-way between them, where limits are looked at."""
+        bounds = np.array(self.bounds)
+        both = np.empty(2 * len(bounds) - 1)
+        both[::2] = bounds
+        both[1::2] = 0.5 * (bounds[1:] + bounds[:-1])
+        return both
+
     def piece(self, s: float, hint: int = 0) -> int:
         """Give the index of the polynomial for s, looking forward from `hint`."""
         bounds, last = self.bounds, len(self._gains) - 1

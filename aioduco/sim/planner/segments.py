@@ -12,8 +12,8 @@ from aioduco.kinematics.forward import fkine
 from aioduco.sim.planner.curves import Line, arc_through
 from aioduco.sim.planner.errors import PlanError
 from aioduco.sim.planner.freeform import spiral, spline
-from aioduco.sim.planner.limits import cartesian_limits, joint_limits
-from aioduco.sim.planner.path import Path, differentiate
+from aioduco.sim.planner.limits import joint_limits, tool_limits
+from aioduco.sim.planner.path import Path
 from aioduco.sim.planner.timing import backward, fastest
 from aioduco.sim.planner.tracing import check_limits, trace
 
@@ -120,8 +120,8 @@ def joint_move(
     if length < _STILL:
         return Segment(arm, None, None, q0, q0, r, v, a, frame)
     path = Path.straight(q0, q1, length)
-    slope = np.repeat(((q1 - q0) / length)[None], 2, axis=0)
-    limits = joint_limits(arm, path.bounds, slope, np.zeros((2, 6)), v, a)
+    ends = np.array(path.bounds)
+    limits = joint_limits(arm, ends, path.sample(ends), v, a)
     return Segment(arm, path, limits, q0, q1, r, v, a, frame)
 
 
@@ -304,17 +304,13 @@ def _cartesian(
     if curve.length < _STILL:
         return Segment(arm, None, None, q0, q0, r, v, a, tool)
     path = trace(arm, q0, curve, tool)
-    nodes = np.array(path.bounds)
-    joints = path.sample(nodes)
+    nodes = path.nodes()
     points = curve.poses(nodes)[:, :3, 3]
-    velocity, bend = differentiate(points, float(nodes[1]))
-    limits = cartesian_limits(
-        arm, path.bounds, joints[:, 1], joints[:, 2], velocity, bend, np.full(len(nodes), v), a
-    )
+    limits = tool_limits(arm, nodes, path.sample(nodes), points, v, a)
     slowest = math.sqrt(min(limits.ceiling))
     if slowest < _SLOWEST * v:
         raise PlanError("singular", "the joints cannot follow near a singularity of the path")
-    return Segment(arm, path, limits, q0, joints[-1, 0], r, v, a, tool, curve)
+    return Segment(arm, path, limits, q0, path.sample(nodes[-1:])[0, 0], r, v, a, tool, curve)
 
 
 def _check(v: float, a: float, r: float) -> None:

@@ -9,7 +9,7 @@ the time law is exact for the limits as they are given at the nodes.
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Law", "Limits", "allowed", "backward", "fastest"]
 
+_SHORTEST = 1e-9  # length of a piece, of the whole
 _SAME = 1e-9  # accelerations closer than this, of their size, are one
 
 
@@ -57,10 +58,10 @@ class Limits(NamedTuple):
 
     def slice(self, start: float, end: float) -> Limits:
         """Give the limits from `start` to `end`, with the same distances."""
-        first = max(bisect_right(self.nodes, start) - 1, 0)
-        last = min(bisect_right(self.nodes, end, first), len(self.nodes) - 1)
-        if last > first + 1 and self.nodes[last - 1] >= end:
-            last -= 1
+        # No piece is so short that rounding could make it vanish.
+        least = _SHORTEST * (self.nodes[-1] - self.nodes[0])
+        first = bisect_right(self.nodes, start + least) - 1
+        last = bisect_left(self.nodes, end - least)
         part = slice(first, last)
         inner = slice(first + 1, last)
         return Limits(

@@ -7,23 +7,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from aioduco.kinematics.forward import fkine, singular_values
+from aioduco.kinematics.forward import singular_values
 from aioduco.kinematics.inverse import closed_form, shortfall, wrap
-from aioduco.models.rotation import rotvec_from_matrix
 from aioduco.sim.planner.errors import PlanError
 from aioduco.sim.planner.path import Path, differentiate
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.curves import Curve
 
-__all__ = ["check_limits", "follow", "trace"]
+__all__ = ["check_limits", "fit", "follow", "trace"]
 
 SINGULAR = 1e-3
 """Singular value (see `Arm.singularity`) below which a path is refused. An assumption."""
 
-_EXACT = 1e-5  # largest deviation of the joints' path from the curve [m, rad]
+_EXACT = 1e-5  # largest deviation of the path from the curve [rad of a joint]
 _SPACING = 0.01  # distance of samples to begin with [m]
 _TURNING = 0.05  # angle between samples to begin with [rad]
 _FEWEST, _MOST = 24, 3072
@@ -87,8 +88,6 @@ def check_limits(arm: Arm, q: Array) -> None:
 def trace(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
     """Give the joints' path along a curve of the tool centre point.
 
-    Samples are added until the path between them is within 10 µm and 10 µrad of the curve.
-
     Args:
         arm: the arm.
         q0: joints at the beginning of the curve [rad]. Shape (6,).
@@ -99,29 +98,43 @@ def trace(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
         PlanError: unreachable, singular or beyond the joint limits.
     """
     back = np.linalg.inv(tool)
-    count = max(curve.length / _SPACING, curve.turning / _TURNING, _FEWEST)
-    count = min(2 * math.ceil(count / 2), _MOST)
+
+    def joints(s: Array) -> Array:
+        return follow(arm, q0, curve.poses(s) @ back)
+
+    path, samples = fit(
+        joints, curve.length, max(curve.length / _SPACING, curve.turning / _TURNING)
+    )
+    _check_singular(arm, samples)
+    check_limits(arm, samples)
+    return path
+
+
+def fit(joints: Callable[[Array], Array], length: float, count: float) -> tuple[Path, Array]:
+    """Give a path through samples of a function, as many as it takes to be exact between them.
+
+    Args:
+        joints: joint angles over distance. Shape (n,) to (n, 6).
+        length: to which distance, from zero.
+        count: samples to begin with.
+
+    Returns:
+        The path, within 10 µrad of the function half-way between its samples; and the samples,
+        these between them included.
+
+    Raises:
+        PlanError: the function jumps; or what it raises.
+    """
+    pieces = math.ceil(min(max(count, _FEWEST), _MOST))
     while True:
         # Every second sample only checks the path through the others.
-        s = np.linspace(0.0, curve.length, 2 * count + 1)
-        flange = curve.poses(s) @ back
-        every = follow(arm, q0, flange)
+        s = np.linspace(0.0, length, 2 * pieces + 1)
+        every = joints(s)
         q = every[::2]
-        smooth = np.abs(np.diff(q, axis=0)).max() < _STRIDE
-        if smooth:
-            path = Path.through(q, *differentiate(q, curve.length / count), curve.length)
-            between = path.sample(s[1::2])[:, 0]
-            if _deviation(arm, between, flange[1::2]) < _EXACT:
-                _check_singular(arm, every)
-                check_limits(arm, every)
-                return path
-        if 2 * count > _MOST:
+        if np.abs(np.diff(q, axis=0)).max() < _STRIDE:
+            path = Path.through(q, *differentiate(q, length / pieces), length)
+            if np.abs(path.sample(s[1::2])[:, 0] - every[1::2]).max() < _EXACT:
+                return path, every
+        if 2 * pieces > _MOST:
             raise PlanError("singular", "the path passes through a singularity")
-        count *= 2
-
-
-def _deviation(arm: Arm, q: Array, flange: Array) -> float:
-    reached = fkine(arm.geometry, q)
-    turn = np.swapaxes(reached[:, :3, :3], -1, -2) @ flange[:, :3, :3]
-    away = np.abs(reached[:, :3, 3] - flange[:, :3, 3]).max()
-    return float(max(away, np.abs(rotvec_from_matrix(turn)).max()))
+        pieces *= 2

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aioduco.kinematics import arm
+from aioduco.kinematics import Arm, arm, models
 from aioduco.kinematics.forward import bias_acceleration
 from aioduco.models.pose import Pose
 from aioduco.sim.planner.errors import PlanError
@@ -64,6 +64,7 @@ class Recorder:
     """Ticks a mover and keeps what it did."""
 
     mover: Mover = field(default_factory=lambda: Mover(FIVE, HOME, CYCLE))
+    arm: Arm = FIVE
     setpoints: list[SetPoint] = field(default_factory=list)
     events: list[tuple[int, int, str]] = field(default_factory=list)
 
@@ -102,13 +103,13 @@ class Recorder:
 
     def tool_speed(self) -> Array:
         """Speed of the flange [m/s]. Shape (n,)."""
-        velocity = (FIVE.jacobian(self.q) @ self.qd[..., None])[:, :3, 0]
+        velocity = (self.arm.jacobian(self.q) @ self.qd[..., None])[:, :3, 0]
         return np.linalg.norm(velocity, axis=1)  # type: ignore[no-any-return]  # numpy's stubs
 
     def tool_acceleration(self) -> Array:
         """Acceleration of the flange [m/s²]. Shape (n,)."""
-        turned = (FIVE.jacobian(self.q) @ self.qdd[..., None])[:, :3, 0]
-        bias = bias_acceleration(FIVE.geometry, self.q, self.qd)[:, :3]
+        turned = (self.arm.jacobian(self.q) @ self.qdd[..., None])[:, :3, 0]
+        bias = bias_acceleration(self.arm.geometry, self.q, self.qd)[:, :3]
         return np.linalg.norm(turned + bias, axis=1)  # type: ignore[no-any-return]  # as above
 
     def hangs_together(self, least: float = 0.1) -> None:
@@ -533,6 +534,37 @@ def test_reset_stands_elsewhere_at_once() -> None:
     run.tick()
     assert run.kinds == [(1, "started"), (1, "stopped")]
     np.testing.assert_array_equal(run.q[-1], HOME)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_lines_and_arcs_anywhere_keep_every_limit_of_every_arm(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    any_arm = arm(models()[seed % len(models())])
+    q = rng.uniform(-2.5, 2.5, 6)
+    v, a, r = rng.uniform(0.05, 2.0), rng.uniform(0.3, 10.0), rng.uniform(0.0, 0.1)
+    run = Recorder(Mover(any_arm, q, CYCLE), any_arm)
+    for key in range(4):
+        near = [any_arm.fkine(q + 0.3 * rng.normal(size=6)) for _ in range(2)]
+        mode = int(rng.integers(3))
+
+        def plan(at: Array, near: list[Array] = near, mode: int = mode) -> Segment:
+            nonlocal q
+            if mode == 2:
+                segment = line_move(any_arm, at, near[0], v, a, r)
+            else:
+                segment = arc_move(any_arm, at, near[0], near[1], v, a, r, mode=mode)
+            q = segment.q_end
+            return segment
+
+        with suppress(PlanError):
+            run.mover.append(key, plan)
+    run.until_rest(500_000)
+    if not run.setpoints:
+        return
+    assert run.tool_speed().max() <= v * 1.02
+    assert run.tool_acceleration().max() <= a * 1.02
+    assert (np.abs(run.qd) <= np.array(any_arm.velocity) * 1.02).all()
+    assert (np.abs(run.qdd) <= np.array(any_arm.acceleration) * 1.02).all()
 
 
 PLANS: list[Callable[[Array], Segment]] = [
