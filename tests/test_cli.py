@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pty
+import select
 import signal
 import socket
 import subprocess
@@ -26,6 +27,8 @@ from aioduco.testing import eventually
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+
+    from aioduco.cli.demo.script import Plan
 
 COMMAND = (sys.executable, "-W", "error", "-m", "aioduco.cli")
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -117,7 +120,7 @@ def test_demo_without_a_terminal(tmp_path: Path) -> None:
     """The whole of it: an arm in a process of its own, plain lines, a plot, and a result."""
     plot, result = tmp_path / "demo.png", tmp_path / "demo.json"
     done = subprocess.run(
-        [*COMMAND, "demo", "--speed", "10", "--plot", str(plot), "--json", str(result)],
+        [*COMMAND, "demo", "--speed", "4", "--plot", str(plot), "--json", str(result)],
         check=False,
         capture_output=True,
         text=True,
@@ -142,7 +145,7 @@ def test_demo_without_a_terminal(tmp_path: Path) -> None:
 
 def test_demo_gives_its_result_alone_on_the_output() -> None:
     done = subprocess.run(
-        [*COMMAND, "demo", "--speed", "20", "--no-plot", "--json", "-"],
+        [*COMMAND, "demo", "--speed", "4", "--no-plot", "--json", "-"],
         check=False,
         capture_output=True,
         text=True,
@@ -160,30 +163,39 @@ def test_demo_asks_before_it_moves_an_arm_that_it_did_not_make() -> None:
             assert "nothing was sent that moves the arm" in answer.output
             assert sim.view.robot is RobotState.POWER_OFF
         said = answer.output
-    for what in ("robot POWER_OFF", "safety", "turns by", "°/s", "mm/s", "emergency stop"):
+    for what in (
+        "robot POWER_OFF",
+        "this plan is for a gcr5_910",
+        "safety",
+        "turns by",
+        "°/s",
+        "mm/s",
+        "emergency stop",
+    ):
         assert what in said
 
 
 def test_demo_runs_on_another_arm_once_that_is_confirmed() -> None:
-    with Simulator("gcr10_1300", speed=20) as sim:
+    with Simulator("gcr10_1300", speed=8) as sim:
         answer = run("demo", *address(sim), "--model", "gcr10_1300", "--no-plot", typed="y\n")
         assert answer.exit_code == 0, answer.output
         assert not sim.moving
         assert sim.get_digital_output(1) is False
 
 
-def test_demo_is_slower_on_an_arm_that_it_did_not_make(tmp_path: Path) -> None:
-    result = tmp_path / "demo.json"
+def test_demo_is_slower_on_an_arm_that_it_did_not_make(monkeypatch: pytest.MonkeyPatch) -> None:
+    plans: list[Plan] = []
 
-    def durations(*arguments: str) -> dict[str, float]:
-        assert run("demo", *arguments, "--no-plot", "--json", str(result)).exit_code == 0
-        report = json.loads(result.read_text(encoding="utf-8"))
-        return {motion["name"]: motion["duration"] for motion in report["motions"]}
+    async def perform(host: str, port: int, plan: Plan, *rest: object) -> None:
+        plans.append(plan)
 
-    simulated = durations("--speed", "10")
-    with Simulator(speed=10) as sim:
-        careful = durations(*address(sim), "--yes")
-    assert careful["across"] > 2 * simulated["across"]
+    monkeypatch.setattr("aioduco.cli.demo.session.perform", perform)
+    run("demo", "--no-plot")
+    run("demo", "--host", "192.0.2.1", "--yes", "--no-plot")
+    simulated, careful = plans
+    assert careful.start == simulated.start
+    for speed in ("joint_speed", "joint_acceleration", "line_speed", "line_acceleration"):
+        assert getattr(careful, speed) == getattr(simulated, speed) / 4
 
 
 def test_demo_without_a_controller_says_so() -> None:
@@ -234,8 +246,12 @@ def test_demo_on_a_terminal_shows_the_arm_while_it_moves(tmp_path: Path) -> None
     seen = bytearray()
 
     def shows(text: bytes) -> bool:
-        seen.extend(os.read(ours, 65536))
+        while select.select([ours], [], [], 0.0)[0]:
+            seen.extend(os.read(ours, 65536))
         return text in seen
+
+    def until_it_shows(text: bytes) -> None:
+        eventually(lambda: shows(text), timeout=20, what=lambda: f"{text!r} in {bytes(seen)!r}")
 
     with subprocess.Popen(
         [*COMMAND, *options],
@@ -246,9 +262,9 @@ def test_demo_on_a_terminal_shows_the_arm_while_it_moves(tmp_path: Path) -> None
         env=os.environ | {"TERM": "xterm-256color", "COLUMNS": "100"},
     ) as demo:
         try:
-            eventually(lambda: shows(b"over the pick"), timeout=40)
+            until_it_shows(b"over the pick")
             os.killpg(demo.pid, signal.SIGINT)
-            eventually(lambda: shows(b"interrupted: the arm was stopped, and stands"), timeout=20)
+            until_it_shows(b"interrupted: the arm was stopped, and stands")
             assert demo.wait(timeout=20) == 130
         finally:
             demo.kill()

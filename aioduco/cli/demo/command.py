@@ -57,7 +57,7 @@ def demo(
     plan = Plan.for_reach(arm.reach, careful=host is not None)
     if host is not None:
         if not yes:
-            _ask(host, port, plan, console)
+            _ask(host, port, model, plan, console)
         report = Report(model, f"{host}:{port}", simulated=False)
         ended_by = _perform(host, port, plan, report, console)
     else:
@@ -91,14 +91,14 @@ def _perform(
         shown.close()
 
 
-def _ask(host: str, port: int, plan: Plan, console: Console) -> None:
+def _ask(host: str, port: int, model: str, plan: Plan, console: Console) -> None:
     """Say what is there and what will move, and go on only if that is confirmed."""
     try:
         found = anyio.run(session.look, host, port)
     except DucoError as error:
         console.print(f"error: {error}", style="bold red", markup=False, highlight=False)
         raise typer.Exit(1) from None
-    warning = _warning(f"{host}:{port}", plan, found)
+    warning = _warning(f"{host}:{port}", model, plan, found)
     console.print(warning, markup=False, highlight=False, soft_wrap=True)
     try:
         agreed = typer.confirm("Move the arm?", default=False)
@@ -109,13 +109,14 @@ def _ask(host: str, port: int, plan: Plan, console: Console) -> None:
         raise typer.Exit(NOT_CONFIRMED)
 
 
-def _warning(controller: str, plan: Plan, found: Found) -> str:
+def _warning(controller: str, model: str, plan: Plan, found: Found) -> str:
     """What someone must know who lets the arm move."""
     now, start = found.status.joints.array, plan.start.array
     far = np.rad2deg(np.abs(start - now))
     joint = int(far.argmax())
     return f"""\
 controller at {controller}: {found.states}
+the arm:       {found.arm or "not told by the controller"}; this plan is for a {model}
 joints now:    {_degrees(now)}
 joints first:  {_degrees(start)}   (joint {joint + 1} turns by {far[joint]:.0f}°)
 joints aside:  {_degrees(plan.aside.array)}

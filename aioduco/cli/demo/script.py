@@ -65,7 +65,7 @@ class Plan:
         right = math.pi / 2
         plan = cls(
             start=Joints(0.0, 0.0, right, 0.0, -right, 0.0),
-            aside=Joints(0.9, -0.2, right - 0.3, 0.2, -right, 0.6),
+            aside=Joints(1.3, -0.2, right - 0.3, 0.2, -right, 0.6),
             width=0.25 * reach,
             depth=0.12 * reach,
             blend=0.03 * reach,

@@ -11,7 +11,7 @@ import anyio
 import aioduco
 from aioduco.cli.demo.script import pick_and_place
 from aioduco.cli.demo.stage import Stage
-from aioduco.errors import DucoError
+from aioduco.errors import ControllerError, DucoError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,10 +33,12 @@ class Found:
     Attributes:
         states: the controller's four states.
         status: where the arm is.
+        arm: series and model, as the controller tells them; empty if it does not.
     """
 
     states: RobotStates
     status: RobotStatus
+    arm: str
 
 
 async def look(host: str, port: int) -> Found:
@@ -46,7 +48,12 @@ async def look(host: str, port: int) -> Found:
         ConnectError: there is no controller.
     """
     async with aioduco.connect(host, port, heartbeat=None) as robot:
-        return Found(await robot.state.get_robot_state(), await robot.state.getRobotStatus())
+        try:
+            told = await robot.version.get_robot_type()
+            arm = f"{told.series} {told.model}".strip()
+        except ControllerError:  # older software lacks the function
+            arm = ""
+        return Found(await robot.state.get_robot_state(), await robot.state.getRobotStatus(), arm)
 
 
 async def perform(
@@ -72,7 +79,7 @@ async def perform(
         with work:
             try:
                 await _perform(host, port, plan, report, view)
-            except* (DucoError, TimeoutError) as group:
+            except* DucoError as group:
                 report.error = "; ".join(str(error) for error in _leaves(group))
         listening.cancel_scope.cancel()
     if work.cancelled_caught:

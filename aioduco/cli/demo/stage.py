@@ -139,9 +139,11 @@ class Stage:
         await self._until(lambda _status: True)
 
     async def _until(self, condition: Callable[[RobotStatus], bool]) -> None:
-        with anyio.fail_after(PATIENCE):
+        with anyio.move_on_after(PATIENCE):
             while self._now is None or not condition(self._now):
                 await self._seen.wait()
+            return
+        raise RobotStateError(f"the arm did not do what was waited for within {PATIENCE:g} s")
 
     def _take(self, status: RobotStatus) -> None:
         self._now = status
