@@ -62,7 +62,12 @@ def sections() -> dict[str, list[tuple[str, str]]]:
 def ours() -> dict[str, str]:
     """Method -> how a program writes it, for the sections' classes and for `Robot`."""
     found: dict[str, str] = {}
-    modules = [(path, f"robot.{path.stem}") for path in sorted((ROOT / "aioduco/api").glob("*.py"))]
+    api = ROOT / "aioduco" / "api"
+    # A section is a module, or a package whose modules hold parts of its class.
+    modules = [
+        (path, f"robot.{path.relative_to(api).with_suffix('').parts[0]}")
+        for path in sorted(api.rglob("*.py"))
+    ]
     robot = ROOT / "aioduco" / "robot.py"
     if robot.exists():
         modules.append((robot, "robot"))
