@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco.streaming.report import times_table
 from aioduco.streaming.settings import Endpoint, Feeding, LaneOptions
 from aioduco.streaming.space import JOINT_SPACE
 from aioduco.streaming.stream import Stream
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from aioduco.streaming.report import StreamStatistics
+    from aioduco.streaming.statistics import Percentiles
 
 __all__ = ["RATES", "Examination", "examine"]
 
@@ -79,18 +81,12 @@ class Examination:
 
     def __rich__(self) -> Table:
         """The table that `rich` prints."""
-        from rich.table import Table  # noqa: PLC0415 - only for those who print it
-
-        table = Table(title=f"{self.rate:g} Hz can be held", title_justify="left")
-        for column in ("", "p50", "p99", "p99.9", "max"):
-            table.add_column(column, justify="right" if column else "left")
+        rows: list[tuple[str, Percentiles]] = []
         for label, figures in (("", self.plain), (", SCHED_FIFO", self.urgent)):
-            if figures is None:
-                continue
-            for name in ("lateness", "round_trip"):
-                times = getattr(figures, name)
-                values = (times.p50, times.p99, times.p999, times.max)
-                table.add_row(name + label, *(f"{value * 1e6:,.0f} µs" for value in values))
+            if figures is not None:
+                rows.append((f"lateness{label}", figures.lateness))
+                rows.append((f"round trip{label}", figures.round_trip))
+        table = times_table(f"{self.rate:g} Hz can be held", rows)
         table.caption = "\n".join(self.advice)
         return table
 

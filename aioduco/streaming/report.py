@@ -10,12 +10,14 @@ from aioduco.streaming.shared import HISTOGRAMS, Status, Unmet
 from aioduco.streaming.statistics import Percentiles
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from rich.table import Table
 
     from aioduco.streaming.host import Host
     from aioduco.streaming.source import Reason, State
 
-__all__ = ["StreamStatistics", "plot"]
+__all__ = ["StreamStatistics", "plot", "times_table"]
 
 _MEANINGS = {
     "lateness": "how late a tick began",
@@ -135,24 +137,34 @@ class StreamStatistics(NamedTuple):
 
     def __rich__(self) -> Table:
         """The table that `rich` prints."""
-        from rich.table import Table  # noqa: PLC0415 - only for those who print it
-
         counts = (
             f"{self.sent} sent · {self.missed} missed · {self.starved} starved · "
             f"{self.limited} limited · {self.overwritten} overwritten · {self.drained} drained"
         )
         title = f"{self.state.name}{f' ({self.reason.name})' if self.reason else ''} · {counts}"
-        table = Table(title=title, title_justify="left")
-        for column in ("", "p50", "p99", "p99.9", "max", "what"):
-            table.add_column(column, justify="left" if column in ("", "what") else "right")
-        for name, meaning in _MEANINGS.items():
-            points = name == "depth"
-            figures: Percentiles = self.queue if points else getattr(self, name)
-            if figures.samples:
-                cells = (figures.p50, figures.p99, figures.p999, figures.max)
-                shown = [f"{v:.0f}" if points else f"{v * 1e6:,.0f} µs" for v in cells]
-                table.add_row(name, *shown, meaning)
+        times = [
+            (f"{name}: {meaning}", getattr(self, name))
+            for name, meaning in _MEANINGS.items()
+            if name != "depth"
+        ]
+        table = times_table(title, [(name, found) for name, found in times if found.samples])
+        if self.queue.samples:
+            levels = (self.queue.p50, self.queue.p99, self.queue.p999, self.queue.max)
+            table.add_row(f"depth: {_MEANINGS['depth']}", *(f"{level:.0f}" for level in levels))
         return table
+
+
+def times_table(title: str, rows: Sequence[tuple[str, Percentiles]]) -> Table:
+    """A table for `rich` of what takes how long."""
+    from rich.table import Table  # noqa: PLC0415 - only for those who print it
+
+    table = Table(title=title, title_justify="left")
+    for column in ("", "p50", "p99", "p99.9", "max"):
+        table.add_column(column, justify="right" if column else "left")
+    for name, found in rows:
+        values = (found.p50, found.p99, found.p999, found.max)
+        table.add_row(name, *(f"{value * 1e6:,.0f} µs" for value in values))
+    return table
 
 
 def plot(statistics: StreamStatistics | dict[str, Any], path: str | Path) -> None:

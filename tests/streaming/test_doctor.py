@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -46,6 +46,11 @@ def figures(late: float, work: float) -> StreamStatistics:
     )
 
 
+def better_table() -> Any:
+    found = figures(1e-4, 2e-4)
+    return Examination(found, found, 4, "performance", 1000.0, 1000.0).__rich__()
+
+
 async def test_nothing_is_moved_and_a_rate_is_found(controller: Controller) -> None:
     async with no_leaks():
         found = await examine(controller.server.host, controller.server.port, seconds=0.2)
@@ -83,6 +88,7 @@ def test_figures_as_text_table_json_and_picture(tmp_path: Path) -> None:
     table = shown.__rich__()
     assert [column.header for column in table.columns][1:5] == ["p50", "p99", "p99.9", "max"]
     assert table.row_count == 3
+    assert better_table().row_count == 4
     shown.save(tmp_path / "figures.json")
     assert '"reason": "CLOSED"' in (tmp_path / "figures.json").read_text()
     plot(shown, tmp_path / "figure.png")
