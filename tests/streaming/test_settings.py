@@ -1,0 +1,96 @@
+"""What streams are told when they are opened: checked, passed on, and granted or not."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import Any
+
+import pytest
+
+from aioduco.errors import ParameterError
+from aioduco.streaming.servo import Servo, ServoGains
+from aioduco.streaming.settings import Feeding, LaneOptions
+
+from .conftest import HERE, Controller
+
+
+@pytest.mark.parametrize(
+    ("changed", "name"),
+    [
+        ({"v": 4.0}, "v"),
+        ({"v": 0.0}, "v"),
+        ({"a": -1.0}, "a"),
+        ({"jerk": 0.0}, "jerk"),
+        ({"rate": 0.0}, "rate"),
+        ({"rate": 1e6}, "rate"),
+        ({"source_rate": 600.0}, "source_rate"),
+        ({"upsample": "quintic"}, "upsample"),
+        ({"upsample": "cubic"}, "source_rate"),
+        ({"hold": 0.0}, "hold"),
+        ({"ahead": 0}, "ahead"),
+        ({"max_step": -0.1}, "max_step"),
+        ({"reach": 0.0}, "reach"),
+        ({"gains": ServoGains(smooth_vel=0.5)}, "smooth_vel"),
+        ({"gains": ServoGains(kp=-1.0)}, "kp"),
+    ],
+)
+def test_what_is_not_allowed_is_refused_before_anything_is_sent(
+    changed: dict[str, Any], name: str
+) -> None:
+    with pytest.raises(ParameterError) as caught:
+        Servo(Controller.nowhere()).joints(**{"v": 1.0, "a": 5.0, **changed})
+    assert caught.value.parameter == name
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"lane": "fiber"}, {"priority": 100}, {"spin": -1.0}, {"timeout": math.inf}],
+)
+def test_impossible_options_are_refused(options: dict[str, Any]) -> None:
+    with pytest.raises(ParameterError):
+        LaneOptions(**options)
+
+
+def test_a_ring_holds_four_seconds_or_only_the_newest() -> None:
+    assert Feeding(rate=500.0).capacity == 2000
+    assert Feeding(rate=500.0, latest=True).capacity == 8
+    assert Feeding(rate=500.0, source_rate=30.0, upsample="cubic").capacity == 256
+
+
+@pytest.mark.parametrize("lane", ["process", "thread"])
+async def test_what_the_system_does_not_allow_is_said_and_the_stream_runs(
+    controller: Controller, lane: Any
+) -> None:
+    # No machine has this processor.
+    options = LaneOptions(lane=lane, cpus=(4095,), priority=1)
+    async with controller.servo.joints(v=1.0, a=5.0, options=options) as stream:
+        await stream.send(HERE)
+    assert "cpus" in stream.statistics().unmet
+    assert controller.points()[-1] == HERE
+
+
+async def test_a_lane_stays_on_its_processor(controller: Controller) -> None:
+    processor = min(os.sched_getaffinity(0))
+    options = LaneOptions(cpus=(processor,))
+    async with controller.servo.joints(v=1.0, a=5.0, options=options) as stream:
+        assert stream.pid is not None
+        assert os.sched_getaffinity(stream.pid) == {processor}
+    assert "cpus" not in stream.statistics().unmet
+
+
+@pytest.mark.parametrize("lane", ["process", "thread"])
+async def test_a_lane_that_is_always_late_loses_no_set_point(
+    controller: Controller, lane: Any
+) -> None:
+    """At a rate that nothing can hold the next set-point is reckoned ahead of its tick."""
+    points = [[angle + 1e-6 * n for angle in HERE] for n in range(500)]
+    stream = controller.servo.joints(
+        v=3.0, a=1e6, rate=50_000.0, ahead=1000, options=LaneOptions(lane=lane)
+    )
+    async with stream:
+        await stream.play(points)
+    arrived = controller.points()
+    assert [point for point in points if point not in arrived] == []
+    assert sorted(arrived) == arrived
+    assert stream.statistics().missed > 0
