@@ -23,6 +23,8 @@ from aioduco.sim.frames import Frames, Tool, WorkObject
 from aioduco.sim.heartbeat import Heartbeat
 from aioduco.sim.motion import Motion, Phase
 from aioduco.sim.planner.mover import SetPoint
+from aioduco.sim.planner.realtime import Commands
+from aioduco.sim.planner.track import Pool
 from aioduco.sim.power import Power
 from aioduco.sim.signals import Signals
 from aioduco.sim.tasks import TaskTable
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from aioduco.sim.following import Following
     from aioduco.sim.motion import Plan
     from aioduco.sim.planner.mover import Mover
 
@@ -117,6 +120,8 @@ class Controller:
         self.signals = Signals()
         self.frames = Frames()
         self.heartbeat = Heartbeat()
+        self.commands = Commands()
+        self.pool = Pool()
         self.mode = OperationMode.AUTO
         self.halted = False
         self._power = Power(self.tasks)
@@ -207,6 +212,21 @@ class Controller:
         id_ = self.tasks.new(name)
         self._motion.append(id_, plan)
         self._collect_failures()
+        return id_
+
+    def follow(self, name: str, following: Following) -> int:
+        """Queue a motion whose targets come while it runs."""
+        if reason := self._cannot_move(following):
+            return self.reject(name, TaskState.ILLEGAL, reason)
+        id_ = self.tasks.new(name)
+        self._motion.follow(id_, following)
+        self._collect_failures()
+        return id_
+
+    def end_following(self, name: str, *kinds: str) -> int:
+        """End what follows targets of some kinds; ends itself when the arm stands."""
+        id_ = self.tasks.new(name)
+        self._motion.finish(kinds, id_)
         return id_
 
     def stop(self) -> int:
@@ -319,7 +339,7 @@ class Controller:
         self._power_went(before, self._power.state)
         if self._power.state is not RobotState.ENABLE:
             return Drive(SetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
-        setpoint = self._motion.tick(at_rest=self._at_rest)
+        setpoint = self._motion.tick(sensed.q, sensed.qd, at_rest=self._at_rest)
         self._collect_failures()
         deviation = np.abs(setpoint.q - sensed.q)
         if deviation.max() > _DEVIATION:
@@ -369,7 +389,7 @@ class Controller:
             self.note_error("heartbeat lost: all tasks were stopped")
             self.stop()
 
-    def _cannot_move(self) -> str:
+    def _cannot_move(self, following: Following | None = None) -> str:
         if self._power.state is not RobotState.ENABLE:
             return f"the robot is not enabled, but in state {self._power.state.name}"
         if self._fault is not None:
@@ -378,9 +398,24 @@ class Controller:
             return "the robot is stopping"
         if self._power.changing is not None:
             return f"{self._power.changing} is under way"
-        return "the queue of motions is full" if self._motion.full else ""
+        if self._motion.full:
+            return "the queue of motions is full"
+        return self._taken(following)
+
+    def _taken(self, following: Following | None) -> str:
+        """By what the arm is taken, so that no other motion may begin or wait."""
+        last = self._motion.last
+        if last is not None and last == following:
+            return ""  # it takes over
+        if last is not None and last.alone:
+            return f"{last.kind} is running"
+        idle = self._motion.phase is Phase.IDLE
+        return "other motions are running" if following and following.idle and not idle else ""
 
     def _collect_failures(self) -> None:
         for message in self._motion.failures:
             self.note_error(message)
         self._motion.failures.clear()
+        faults, self._motion.faults = self._motion.faults, []
+        for message in faults:
+            self.fault(SafetyState.STOP2, message)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import deque
 from enum import Enum, auto
 from typing import TYPE_CHECKING
 
 from aioduco.models.enums import TaskState
+from aioduco.sim.following import Following
 from aioduco.sim.planner.errors import PlanError
 
 if TYPE_CHECKING:
@@ -14,6 +16,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from aioduco.sim.planner.follower import Follower, FollowError
     from aioduco.sim.planner.mover import Mover, SetPoint
     from aioduco.sim.planner.segments import Segment
     from aioduco.sim.tasks import TaskTable
@@ -39,6 +42,10 @@ class Phase(Enum):
 class Motion:
     """Motion tasks one behind the other, without a clock.
 
+    Those with a path are the mover's, which looks ahead from one to the next. One that follows
+    targets as they come has the arm to itself: it waits until those before it have ended, and
+    those behind it wait here, since where they begin is not known before it ends.
+
     Invariants: every task that was appended ends exactly once; none is told to be stopped or
     paused before the arm stands.
 
@@ -58,7 +65,11 @@ class Motion:
         self._ending = (TaskState.STOPPED, "")
         self._waiting_for_rest: list[int] = []
         self._at_rest = True
+        self._follower: Follower | None = None
+        self._following: tuple[int, Following] | None = None
+        self._behind: deque[tuple[int, Plan | Following]] = deque()
         self.failures: list[str] = []
+        self.faults: list[str] = []
 
     @property
     def phase(self) -> Phase:
@@ -68,7 +79,20 @@ class Motion:
     @property
     def moving(self) -> bool:
         """Whether the set-points move."""
-        return self._mover.moving
+        return self._mover.moving if self._follower is None else self._follower.moving
+
+    @property
+    def following(self) -> Following | None:
+        """What is followed at the moment; None for motions with a path."""
+        return None if self._following is None else self._following[1]
+
+    @property
+    def last(self) -> Following | None:
+        """What the last motion in the queue follows; None if it has a path."""
+        if not self._behind:
+            return self.following
+        last = self._behind[-1][1]
+        return last if isinstance(last, Following) else None
 
     @property
     def full(self) -> bool:
@@ -78,27 +102,42 @@ class Motion:
     @property
     def setpoint(self) -> SetPoint:
         """The latest set-point."""
-        return self._mover.setpoint
+        return self._mover.setpoint if self._follower is None else self._follower.setpoint
 
     def reset(self, q: Vector) -> None:
         """Stand at q [rad], where brakes have held the arm. Nothing may be queued."""
         assert not self._queue
         self._at_rest = True
+        self._leave(q)
+        self._phase = Phase.IDLE
+
+    def _leave(self, q: Vector) -> None:
+        """Nothing is followed any more; the arm stands at q [rad]."""
+        self._follower = self._following = None
         self._mover = self._make(q)
         self._mover.set_speed(self._speed)
-        self._phase = Phase.IDLE
 
     def set_speed(self, fraction: float) -> None:
         """Global speed, 0.01 to 1."""
         self._speed = fraction
         self._mover.set_speed(fraction)
+        if self._follower is not None:
+            self._follower.set_speed(fraction)
 
     def append(self, id_: int, plan: Plan) -> None:
         """Queue a motion."""
+        self._enter(id_)
+        if self._follower is not None or self._behind:
+            self._behind.append((id_, plan))
+        else:
+            self._append(id_, plan)
+
+    def _enter(self, id_: int) -> None:
         self._queue[id_] = None
         if self._phase is Phase.IDLE:
             self._phase = Phase.RUNNING
 
+    def _append(self, id_: int, plan: Plan) -> None:
         def checked(start: Vector) -> Segment:
             # Here and not by the mover's event: it may plan the next motion before it tells.
             if id_ not in self._queue:
@@ -113,6 +152,48 @@ class Motion:
             self._mover.append(id_, checked)
         except PlanError:
             self._settle()
+
+    def follow(self, id_: int, following: Following) -> None:
+        """Queue a motion whose targets come while it runs; one of its kind is taken over."""
+        self._enter(id_)
+        last = self._behind[-1] if self._behind else self._following
+        if last is None or last[1] != following:
+            self._behind.append((id_, following))
+            self._go_on()
+            return
+        try:
+            if not self._behind:
+                assert self._follower is not None
+                following.aim(self._follower)
+                self._following = id_, following
+                self._tasks.set(
+                    id_,
+                    TaskState.PAUSED if self._phase is Phase.PAUSED else TaskState.RUNNING,
+                )
+            else:
+                self._behind[-1] = id_, following
+        except PlanError as exc:
+            self._fail(id_, exc)
+            return
+        self._end(last[0], TaskState.INTERRUPT, "another target took over")
+
+    def finish(self, kinds: tuple[str, ...], control: int) -> None:
+        """End what follows targets of some kinds, in good order.
+
+        Args:
+            kinds: of what is to end.
+            control: a task that ends when the arm stands.
+        """
+        for id_, waiting in tuple(self._behind):
+            if isinstance(waiting, Following) and waiting.kind in kinds:
+                self._behind.remove((id_, waiting))
+                self._end(id_, TaskState.STOPPED, "ended before it began")
+        if self._follower is None or self.following is None or self.following.kind not in kinds:
+            self._tasks.set(control, TaskState.FINISHED)
+            return
+        self._tasks.set(control, TaskState.RUNNING)
+        self._waiting_for_rest.append(control)
+        self._follower.finish()
 
     def stop(self, state: TaskState, message: str, control: int | None = None) -> None:
         """Decelerate along the path and drop the queue.
@@ -129,7 +210,10 @@ class Motion:
         if self._phase is not Phase.STOPPING or state is TaskState.ERROR:
             self._ending = (state, message)
         self._phase = Phase.STOPPING
+        self._behind.clear()
         self._mover.stop()
+        if self._follower is not None:
+            self._follower.stop()
         self._settle()
 
     def cut(self, message: str, q: Vector) -> None:
@@ -146,6 +230,8 @@ class Motion:
         if self._phase is Phase.RUNNING:
             self._phase = Phase.PAUSING
             self._mover.pause()
+            if self._follower is not None:
+                self._follower.pause()
         self._settle()
 
     def resume(self) -> None:
@@ -154,24 +240,76 @@ class Motion:
             return
         self._phase = Phase.RUNNING
         self._mover.resume()
+        if self._follower is not None:
+            self._follower.resume()
         for id_ in self._queue:
             if self._tasks.state(id_) is TaskState.PAUSED:
                 self._tasks.set(id_, TaskState.RUNNING)
         self._finish_waiting(TaskState.INTERRUPT)
 
-    def tick(self, *, at_rest: bool) -> SetPoint:
+    def tick(self, q: Vector, qd: Vector, *, at_rest: bool) -> SetPoint:
         """The set-point of the next cycle.
 
         Args:
+            q: actual joints [rad]. Shape (6,).
+            qd: actual joint speeds [rad/s]. Shape (6,).
             at_rest: whether the arm itself stands: it comes to rest after its set-points.
         """
         self._at_rest = at_rest
+        if self._follower is not None:
+            return self._tick_follower(self._follower, q, qd)
         tick = self._mover.tick()
         for key, event, _ in tick.events:
             self._note(key, event)
+        if self._behind:
+            self._go_on()
         if self._phase is not Phase.IDLE or self._waiting_for_rest:
             self._settle()
         return tick.setpoint
+
+    def _tick_follower(self, follower: Follower, q: Vector, qd: Vector) -> SetPoint:
+        failed = follower.failure
+        setpoint = follower.tick(q, qd)
+        failure = follower.failure
+        if failure is not None and failure is not failed and self._phase is not Phase.STOPPING:
+            self._give_up(failure)
+        if follower.ended and self._phase is not Phase.STOPPING:
+            assert self._following is not None
+            id_, _ = self._following
+            self._leave(setpoint.q)
+            self._end(id_, TaskState.FINISHED)
+            self._go_on()
+        self._settle()
+        return setpoint
+
+    def _give_up(self, failure: FollowError) -> None:
+        """What follows cannot go on: everything ends with it when the arm stands."""
+        (self.faults if failure.kind == "fault" else self.failures).append(str(failure))
+        self.stop(TaskState.ERROR, str(failure))
+
+    def _go_on(self) -> None:
+        """Begin with the motions behind the one that has ended, as far as it can be."""
+        while self._behind and self._follower is None and self._phase is Phase.RUNNING:
+            id_, waiting = self._behind[0]
+            if not isinstance(waiting, Following):
+                self._behind.popleft()
+                self._append(id_, waiting)
+            elif len(self._queue) == len(self._behind):  # the mover has nothing left to do
+                self._behind.popleft()
+                self._begin(id_, waiting)
+            else:
+                return
+
+    def _begin(self, id_: int, following: Following) -> None:
+        try:
+            follower = following.make(self._mover.setpoint.q)
+            following.aim(follower)
+        except PlanError as exc:
+            self._fail(id_, exc)
+            return
+        follower.set_speed(self._speed)
+        self._follower, self._following = follower, (id_, following)
+        self._tasks.set(id_, TaskState.RUNNING)
 
     def _note(self, id_: int, event: str) -> None:
         if id_ not in self._queue:
@@ -186,7 +324,7 @@ class Motion:
 
     def _settle(self) -> None:
         """Draw the conclusions of the arm standing, when it does."""
-        if self._mover.moving:
+        if self.moving:
             return
         if not self._queue and self._phase is not Phase.STOPPING:
             self._phase = Phase.IDLE
@@ -215,10 +353,14 @@ class Motion:
         self.failures.append(message)
         for behind in queue[queue.index(id_) + 1 :]:
             self._end(behind, TaskState.INTERRUPT, f"the motion before it failed: {message}")
+        self._behind = deque(waiting for waiting in self._behind if waiting[0] in self._queue)
 
     def _end_all(self) -> None:
         for id_ in list(self._queue):
             self._end(id_, *self._ending)
+        if self._follower is not None:
+            self._leave(self._follower.setpoint.q)
+        self._behind.clear()
         self._phase = Phase.IDLE
         self._finish_waiting()
 

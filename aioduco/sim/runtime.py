@@ -114,7 +114,7 @@ class Runtime:
     ) -> None:
         self._controller = controller
         self._plant = plant
-        self._cycle = cycle
+        self.cycle = cycle
         self._pace = Pace(cycle, speed)
         self._times = LoopTimes()
         self._on_network = on_network
@@ -289,7 +289,7 @@ class Runtime:
     def _tick(self) -> None:
         plant = self._plant
         q, qd, qdd, torque = plant.q, plant.qd, plant.qdd, plant.torque
-        at = self._count * self._cycle
+        at = self._count * self.cycle
         with self._lock:
             self._drive = self._controller.tick(Sensed(at, time.monotonic(), q, qd))
             view = self._controller.view()
@@ -316,4 +316,4 @@ class Runtime:
         """Whether the arm has stood for so long that physics would change nothing."""
         changing = self._controller.busy or self._braked is not self._drive.brake
         self._quiet = 0 if changing else self._quiet + cycles
-        return self._quiet * self._cycle >= _SETTLING
+        return self._quiet * self.cycle >= _SETTLING

@@ -12,6 +12,7 @@ from aioduco._wire import rpc
 from aioduco.sim.handlers.frames import FrameHandlers
 from aioduco.sim.handlers.log import LogHandlers
 from aioduco.sim.handlers.motion import MotionHandlers
+from aioduco.sim.handlers.servo import ServoHandlers
 from aioduco.sim.handlers.settings import SettingHandlers
 from aioduco.sim.handlers.signals import SignalHandlers
 from aioduco.sim.handlers.state import StateHandlers
@@ -31,6 +32,7 @@ def _not_simulated(name: str, _args: tuple[Any, ...]) -> NoReturn:
 class Handlers(
     SystemHandlers,
     MotionHandlers,
+    ServoHandlers,
     SignalHandlers,
     FrameHandlers,
     StateHandlers,

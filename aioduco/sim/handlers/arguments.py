@@ -24,6 +24,13 @@ def number(name: str, value: float, low: float, high: float, unit: str) -> float
     return value
 
 
+def positive(name: str, value: float, high: float, unit: str) -> float:
+    """A number above zero, up to `high`."""
+    if not value > 0.0:
+        raise mismatch(f"{name} is {value}, but must be above 0 {unit}")
+    return number(name, value, 0.0, high, unit)
+
+
 def numbers(name: str, values: Sequence[float], length: int) -> tuple[float, ...]:
     """So many finite numbers."""
     if len(values) != length or not all(map(math.isfinite, values)):

@@ -244,10 +244,10 @@ class MotionHandlers(Section):
 
     def _percent(self, v: float, a: float, def_acc: bool) -> tuple[float, float]:
         """Percent of the slowest joint's speed, and of the acceleration the controller chooses."""
-        speed = _positive("v", v, 100.0, "%") / 100.0 * min(self._arm.velocity)
+        speed = arguments.positive("v", v, 100.0, "%") / 100.0 * min(self._arm.velocity)
         if def_acc:
             return speed, _DEFAULT_JOINT_ACCELERATION
-        return speed, _positive("a", a, 100.0, "%") / 100.0 * _DEFAULT_JOINT_ACCELERATION
+        return speed, arguments.positive("a", a, 100.0, "%") / 100.0 * _DEFAULT_JOINT_ACCELERATION
 
 
 def _near(q_near: Sequence[float]) -> Vector | None:
@@ -257,12 +257,6 @@ def _near(q_near: Sequence[float]) -> Vector | None:
 
 def _blend(r: float) -> float:
     return arguments.number("r", r, 0.0, math.inf, "m")
-
-
-def _positive(name: str, value: float, high: float, unit: str) -> float:
-    if not value > 0.0:
-        raise mismatch(f"{name} is {value}, but must be above 0 {unit}")
-    return arguments.number(name, value, 0.0, high, unit)
 
 
 def _joint_speed(v: float) -> float:

@@ -1,0 +1,41 @@
+"""What a task that follows targets is made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from aioduco.sim.planner.follower import Follower
+
+    Vector = NDArray[np.float64]
+
+__all__ = ["Following"]
+
+
+@dataclass(frozen=True, slots=True)
+class Following:
+    """One motion whose targets come while it runs.
+
+    Two are equal when the later one can take over from the earlier one while that runs.
+
+    Attributes:
+        kind: what kind of motion it is: the function's name.
+        make: makes the follower for the joints [rad] at which the arm stands. Shape (6,).
+        aim: gives a follower of this kind its target; raises PlanError if there is none.
+        alone: whether no other motion is taken while it runs.
+        idle: whether it begins only where nothing else runs.
+        settings: what must be equal for that.
+    """
+
+    kind: str
+    make: Callable[[Vector], Follower] = field(compare=False)
+    aim: Callable[[Any], None] = field(compare=False)
+    alone: bool = field(default=False, compare=False)
+    idle: bool = field(default=False, compare=False)
+    settings: tuple[object, ...] = ()

@@ -1,0 +1,166 @@
+"""Servo motions: targets that replace each other while the arm moves (manual 1.3.5)."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aioduco.errors import Unreachable
+from aioduco.sim.following import Following
+from aioduco.sim.handlers import arguments
+from aioduco.sim.handlers.base import Section
+from aioduco.sim.planner.errors import PlanError
+from aioduco.sim.planner.servo import Servo, Tuning
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from aioduco.sim.controller import Controller
+
+    Vector = NDArray[np.float64]
+
+_SPEED = (math.radians(0.01), 1.25 * math.pi, "rad/s")
+_ACCELERATION = (math.radians(0.01), math.inf, "rad/s²")
+#: the vendor's own, for a client that leaves them out: all four are then zeros on the wire
+_GAINS = (200.0, 25.0, 10.0, 1.0)
+
+
+class ServoHandlers(Section):
+    """servoj, servoj_pose, servo_tcp, servol."""
+
+    def servoj(
+        self,
+        joints_list: Sequence[float],
+        v: float,
+        a: float,
+        block: bool,
+        kp: float,
+        kd: float,
+        smooth_vel: float,
+        smooth_acc: float,
+    ) -> int:
+        """To joints, each for itself."""
+
+        def target() -> Callable[[Vector], Vector]:
+            goal = np.array(arguments.joints("joints_list", joints_list))
+            return lambda _last: goal
+
+        return self._servo("servoj", target, (v, a, kp, kd, smooth_vel, smooth_acc), block)
+
+    def servoj_pose(
+        self,
+        pose_list: Sequence[float],
+        v: float,
+        a: float,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        kp: float,
+        kd: float,
+        smooth_vel: float,
+        smooth_acc: float,
+    ) -> int:
+        """To a pose of the tool, each joint for itself."""
+
+        def target() -> Callable[[Vector], Vector]:
+            return self._at_pose(pose_list, q_near, tool, wobj)
+
+        return self._servo("servoj_pose", target, (v, a, kp, kd, smooth_vel, smooth_acc), block)
+
+    def servo_tcp(
+        self,
+        pose_offset: Sequence[float],
+        v: float,
+        a: float,
+        tool: str,
+        block: bool,
+        kp: float,
+        kd: float,
+        smooth_vel: float,
+        smooth_acc: float,
+    ) -> int:
+        """By an offset in the tool's frame, from the present target on."""
+
+        def target() -> Callable[[Vector], Vector]:
+            used = arguments.tool(self._frames, tool)
+            step = used.matrix @ arguments.pose("pose_offset", pose_offset).matrix @ used.inverse
+            return lambda last: self._inverse(self._arm.fkine(last) @ step, last)
+
+        return self._servo("servo_tcp", target, (v, a, kp, kd, smooth_vel, smooth_acc), block)
+
+    def servol(
+        self,
+        pose_list: Sequence[float],
+        v: float,
+        a: float,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        kp: float,
+        kd: float,
+        smooth_vel: float,
+        smooth_acc: float,
+    ) -> int:
+        """To a pose of the tool, each joint for itself, as the manual's text says."""
+
+        def target() -> Callable[[Vector], Vector]:
+            return self._at_pose(pose_list, q_near, tool, wobj)
+
+        return self._servo("servol", target, (v, a, kp, kd, smooth_vel, smooth_acc), block)
+
+    # -- what they share -----------------------------------------------------------------------
+
+    def _servo(
+        self,
+        name: str,
+        target: Callable[[], Callable[[Vector], Vector]],
+        numbers: tuple[float, ...],
+        block: bool,
+    ) -> int:
+        def command(controller: Controller) -> int:
+            goal, tuning = target(), _tuning(*numbers)
+
+            def aim(follower: Servo) -> None:
+                follower.aim(goal(follower.target), tuning)
+
+            return controller.follow(
+                name, Following(name, lambda q: Servo(self._arm, q, self._runtime.cycle), aim)
+            )
+
+        return self._task(name, block, command)
+
+    def _at_pose(
+        self, p: Sequence[float], q_near: Sequence[float], tool: str, wobj: str
+    ) -> Callable[[Vector], Vector]:
+        used, base = arguments.tool(self._frames, tool), arguments.wobj(self._frames, wobj)
+        flange = base.matrix @ arguments.pose("pose_list", p).matrix @ used.inverse
+        near = np.array(arguments.joints("q_near", q_near)) if q_near else None
+        return lambda last: self._inverse(flange, last if near is None else near)
+
+    def _inverse(self, flange: Vector, near: Vector) -> Vector:
+        try:
+            return self._arm.ikine(flange, near)
+        except Unreachable as exc:
+            raise PlanError("unreachable", str(exc)) from exc
+
+
+def _tuning(
+    v: float, a: float, kp: float, kd: float, smooth_vel: float, smooth_acc: float
+) -> Tuning:
+    if not (kp or kd or smooth_vel or smooth_acc):
+        kp, kd, smooth_vel, smooth_acc = _GAINS
+    return Tuning(
+        arguments.number("v", v, *_SPEED),
+        arguments.number("a", a, *_ACCELERATION),
+        # Without a proportional part the arm would never arrive.
+        arguments.positive("kp", kp, 1e6, ""),
+        arguments.number("kd", kd, 0.0, 1e6, ""),
+        arguments.number("smooth_vel", smooth_vel, 1.0, 100.0, ""),
+        arguments.number("smooth_acc", smooth_acc, 0.0, 1.0, ""),
+    )

@@ -1,0 +1,108 @@
+"""The servo follower: targets that replace each other, limits, stops."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from aioduco.kinematics import arm
+from aioduco.sim.planner.servo import Servo, Tuning
+
+ARM = arm("gcr5_910")
+CYCLE = 0.001
+Q = np.array([0.0, 0.0, 1.5, 0.0, -1.5, 0.0])
+NONE = np.zeros(6)
+
+
+def tuning(v: float = 1.0, a: float = 5.0, **other: float) -> Tuning:
+    gains = {"kp": 200.0, "kd": 25.0, "smooth_vel": 10.0, "smooth_acc": 1.0}
+    return Tuning(v, a, **(gains | other))
+
+
+def run(servo: Servo, cycles: int = 20_000) -> np.ndarray:
+    """Set-points until it ends. Shape (n, 3, 6)."""
+    rows = []
+    while not servo.ended:
+        point = servo.tick(NONE, NONE)
+        rows.append((point.q, point.qd, point.qdd))
+        assert len(rows) < cycles
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("a", [0.5, 5.0, 50.0, np.inf])
+def test_it_ends_at_the_target_within_its_limits_and_does_not_pass_it(a: float) -> None:
+    servo = Servo(ARM, Q, CYCLE)
+    goal = Q + np.array([1.0, -0.5, 0.2, 0.0, 0.3, -1.0])
+    servo.aim(goal, tuning(v=1.2, a=a))
+    rows = run(servo)
+    assert np.abs(rows[-1, 0] - goal).max() < 1e-4
+    assert np.abs(rows[:, 1]).max() <= 1.2 + 1e-12
+    assert np.abs(rows[:, 2]).max() <= min(a, 1e4) * (1 + 1e-6)
+    assert (np.abs(rows[:, 0] - Q).max(axis=0) < np.abs(goal - Q) + 0.01).all()
+    # The set-points are of a piece: each speed is the way of its cycle.
+    steps = np.diff(rows[:, 0], axis=0)
+    means = 0.5 * CYCLE * (rows[1:, 1] + rows[:-1, 1])
+    assert np.abs(steps - means).max() < 1e-6
+
+
+def test_each_joint_goes_for_itself() -> None:
+    servo = Servo(ARM, Q, CYCLE)
+    servo.aim(Q + np.array([1.0, 0.1, 0.0, 0.0, 0.0, 0.0]), tuning())
+    rows = run(servo)
+    arrived = [int((np.abs(rows[:, 0, j] - rows[-1, 0, j]) > 0.01).sum()) for j in (0, 1)]
+    assert arrived[1] < 0.6 * arrived[0]
+
+
+def test_a_new_target_is_gone_to_from_the_present_speed() -> None:
+    servo = Servo(ARM, Q, CYCLE)
+    servo.aim(Q + 1.0, tuning())
+    for _ in range(300):
+        before = servo.tick(NONE, NONE)
+    servo.aim(Q + 0.1, tuning())
+    after = servo.tick(NONE, NONE)
+    assert before.qd.min() > 0.5
+    assert np.abs(after.qd - before.qd).max() <= 5.0 * CYCLE + 1e-12
+    assert np.abs(run(servo)[-1, 0] - (Q + 0.1)).max() < 1e-4
+
+
+def test_more_smoothing_lags_more() -> None:
+    def lag(**smoothing: float) -> float:
+        servo = Servo(ARM, Q, CYCLE)
+        for i in range(1000):
+            servo.aim(Q + 0.5 * i * CYCLE, tuning(**smoothing))
+            point = servo.tick(NONE, NONE)
+        return float(Q[0] + 0.5 - point.q[0])
+
+    assert lag(smooth_vel=100.0) > lag(smooth_vel=10.0) + 0.03
+    assert lag(smooth_acc=1.0) > lag(smooth_acc=0.0) + 0.002
+    assert lag(kp=400.0, kd=25.0) < lag(kp=200.0, kd=25.0)
+
+
+def test_a_stop_and_a_pause_slow_down_at_once() -> None:
+    servo = Servo(ARM, Q, CYCLE)
+    servo.aim(Q + 1.0, tuning())
+    for _ in range(300):
+        servo.tick(NONE, NONE)
+    servo.pause()
+    speeds = [np.abs(servo.tick(NONE, NONE).qd).max() for _ in range(200)]
+    assert (np.diff(speeds) <= 1e-12).all()
+    assert speeds[-1] == 0.0
+    assert not servo.moving
+    assert not servo.ended
+    servo.resume()
+    for _ in range(200):
+        servo.tick(NONE, NONE)
+    assert servo.setpoint.qd.min() > 0.3
+    servo.stop()
+    rows = run(servo, 200)
+    assert (np.diff(np.abs(rows[:, 1]).max(axis=1)) <= 1e-12).all()
+    assert np.abs(rows[-1, 0] - (Q + 1.0)).max() > 0.1
+
+
+def test_a_joint_does_not_pass_its_limit() -> None:
+    servo = Servo(ARM, Q, CYCLE)
+    servo.aim(np.array([7.0, *Q[1:]]), tuning(v=3.0, a=np.inf))
+    rows = run(servo)
+    assert servo.failure is not None
+    assert "limit" in str(servo.failure)
+    assert rows[:, 0, 0].max() <= 2 * np.pi + 1e-6
