@@ -141,12 +141,18 @@ class Connection:
             try:
                 stream = Stream(family, type_, protocol)
                 with self._guard:
+                    # an abandon that came before finds no stream to shut down, but is seen below;
+                    # one that comes later ends the handshake
                     self._stream = stream
+                    if self._life.state is not ConnectionState.NEW:
+                        break
                 stream.connect(address, deadline)
             except OSError as exc:
                 error = exc
                 self._drop()
                 continue
+            except Ended:
+                break
             break
         with self._guard:
             if self._stream is not None and self._life.opened():

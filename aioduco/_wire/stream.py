@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import math
+import os
 import select
 import socket
 import struct
@@ -39,7 +41,7 @@ class Stream:
     One thread at a time; `shutdown` may be called from any.
     """
 
-    __slots__ = ("_limit", "_poll", "_socket")
+    __slots__ = ("_limit", "_poll", "_shut", "_socket")
 
     def __init__(self, family: int, type_: int, protocol: int) -> None:
         self._socket = socket.socket(family, type_, protocol)
@@ -47,9 +49,10 @@ class Stream:
         self._poll.register(self._socket, select.POLLIN)
         #: the system's limit in seconds; None: none, as on a new socket
         self._limit: float | None = None
+        self._shut = False
 
     def connect(self, address: Any, deadline: float) -> None:
-        """Connect; raises what the system says, TimeoutError at the deadline.
+        """Connect; raises what the system says, TimeoutError at the deadline, Ended if shut down.
 
         Args:
             address: as `socket.getaddrinfo` gives it.
@@ -61,17 +64,30 @@ class Stream:
         for name, value in _KEEP_ALIVE:
             if hasattr(socket, name):
                 sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
-        left = deadline - time.monotonic()
-        if left <= 0:
-            raise TimeoutError("no time left to connect")
-        sock.settimeout(left)
-        sock.connect(address)
+        sock.setblocking(False)
+        error = sock.connect_ex(address)
+        # A shutdown that came before the line above was of no effect on the socket, but is seen
+        # here; one that comes later ends the wait.
+        if self._shut:
+            raise Ended
+        if error == errno.EINPROGRESS:
+            error = self._wait_connected(deadline)
+        if error:
+            raise OSError(error, os.strerror(error))
         # Without it, bytes that nobody acknowledges are repeated for some fifteen minutes. Not
         # before: it would limit the handshake too.
         if hasattr(socket, "TCP_USER_TIMEOUT"):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, _USER_TIMEOUT_MS)
         # from here on the system keeps the time
-        sock.settimeout(None)
+        sock.setblocking(True)
+
+    def _wait_connected(self, deadline: float) -> int:
+        poll = select.poll()
+        poll.register(self._socket, select.POLLOUT)
+        left = deadline - time.monotonic()
+        if left <= 0 or not poll.poll(math.ceil(left * 1000)):
+            return errno.ETIMEDOUT
+        return self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
 
     def waiting_bytes(self) -> bytes:
         """Bytes that came and have not been read; they stay where they are.
@@ -119,6 +135,7 @@ class Stream:
 
     def shutdown(self) -> None:
         """End reads and writes that are under way, on any thread."""
+        self._shut = True
         try:
             self._socket.shutdown(socket.SHUT_RDWR)
         except OSError:

@@ -414,7 +414,7 @@ async def test_timeouts_at_every_point_leave_nothing() -> None:
         assert (figures.failed, figures.waiting, figures.busy) == (3, 0, 0)
 
 
-async def expect(error: type[Exception], call: Any) -> None:
+async def expect(error: type[Exception] | tuple[type[Exception], ...], call: Any) -> None:
     with pytest.raises(error):
         await call
 
@@ -444,7 +444,10 @@ async def test_many_timeouts_on_a_silent_controller_leave_nothing() -> None:
         for _ in range(5):
             async with anyio.create_task_group() as group:
                 for _ in range(4):
-                    group.start_soon(expect, CallTimeout, lane.call("get_tcp_pose", (), SHORT / 2))
+                    call = lane.call("get_tcp_pose", (), SHORT / 2)
+                    # on a busy machine the time can be over before it is sent
+                    group.start_soon(expect, (CallTimeout, NotSent), call)
         figures = lane.statistics()
         assert figures.failed == 20
-        assert figures.workers == 4
+        assert figures.workers <= 4
+        assert figures.busy == figures.waiting == figures.stuck == 0

@@ -281,7 +281,7 @@ def test_a_controller_that_takes_no_bytes_ends_a_long_command() -> None:
         arguments = codec.encode(function, ("x" * 40_000_000,))
         try:
             with pytest.raises(OutcomeUnknown, match="log_info"):
-                connection.exchange(function, arguments, time.monotonic() + 3 * SHORT)
+                connection.exchange(function, arguments, time.monotonic() + 10 * SHORT)
         finally:
             ended.set()
         assert connection.progress is Progress.SENT
@@ -462,6 +462,34 @@ def test_abandon_wakes_a_handshake() -> None:
         (error,) = outcome
         assert isinstance(error, ConnectionLost)
         assert "nothing was sent" in str(error)
+
+
+@pytest.mark.parametrize("moment", ["before the socket is there", "before the handshake begins"])
+def test_abandon_is_seen_at_every_moment_of_a_handshake(
+    moment: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing is there yet that could be shut down, and the handshake would take for ever."""
+    with black_hole() as (host, port):
+        connection = Connection(host, port, connect_timeout=PATIENCE * 10)
+        made, connect = Stream.__init__, Stream.connect
+
+        def slow_make(stream: Stream, *args: int) -> None:
+            connection.abandon("enough")
+            made(stream, *args)
+
+        def slow_connect(stream: Stream, address: Any, deadline: float) -> None:
+            connection.abandon("enough")
+            connect(stream, address, deadline)
+
+        if moment == "before the socket is there":
+            monkeypatch.setattr(Stream, "__init__", slow_make)
+        else:
+            monkeypatch.setattr(Stream, "connect", slow_connect)
+        begin = time.monotonic()
+        with pytest.raises(ConnectionLost, match="given up while it was made: enough"):
+            connection.open()
+        assert time.monotonic() - begin < PATIENCE
+        assert connection._stream is None
 
 
 def test_what_is_abandoned_before_it_is_opened_stays_closed() -> None:

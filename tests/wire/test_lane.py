@@ -492,8 +492,10 @@ async def test_threads_that_hang_are_limited_and_do_not_hold_up_the_end(
 
 async def test_closing_ends_a_call_whose_thread_hangs(monkeypatch: pytest.MonkeyPatch) -> None:
     go_on = threading.Event()
+    hangs = threading.Event()
 
     def slow(*_: Any, **__: Any) -> Any:
+        hangs.set()
         assert go_on.wait(PATIENCE)
         raise OSError
 
@@ -502,7 +504,7 @@ async def test_closing_ends_a_call_whose_thread_hangs(monkeypatch: pytest.Monkey
     async def for_ever() -> None:
         try:
             await lane.call("pause", (True,), None)
-        except OutcomeUnknown as exc:
+        except ConnectionLost as exc:
             errors.append(exc)
 
     async with no_leaks():
@@ -515,9 +517,10 @@ async def test_closing_ends_a_call_whose_thread_hangs(monkeypatch: pytest.Monkey
             monkeypatch.setattr(socket, "getaddrinfo", slow)
             async with anyio.create_task_group() as group:
                 group.start_soon(for_ever)
-                await eventually_async(lambda: lane.statistics().busy == 1)
+                await eventually_async(hangs.is_set)
                 await lane.aclose()
                 await eventually_async(lambda: len(errors) == 1)
+            assert "did not come back" in str(errors[0])
             go_on.set()
 
 
