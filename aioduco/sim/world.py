@@ -77,6 +77,7 @@ class World:
             feed += setpoint.q + (self._damping - self._timestep) * setpoint.qd
             feed -= (0.5 * self._timestep) * (self._damping - self._timestep) * setpoint.qdd
             data.ctrl[:] = feed
+        # Releases the GIL for its few microseconds: what waits for it may come in between.
         mujoco.mj_step(self.model, data)
 
     def load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
