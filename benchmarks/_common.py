@@ -158,6 +158,14 @@ class ServerProcess:
         self.endpoints = json.loads(line)
         return self
 
+    def ask(self, line: str) -> str:
+        """Write a line to the script, and return the line that it answers by."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write(f"{line}\n")
+        self._process.stdin.flush()
+        return self._process.stdout.readline()
+
     def __exit__(
         self,
         kind: type[BaseException] | None,

@@ -2,7 +2,9 @@
 
 Motions take as long as the time set by `set_system_value_double("duration", s)`. All times are of
 CLOCK_MONOTONIC, which a client on the same machine shares. It prints its port as a line of JSON,
-and ends when its standard input does.
+and ends when its standard input does; each line there has it cut every connection, and is
+answered by one when that is done. A heartbeat that does not come stops nothing here, but is kept
+as a stop at the time at which a controller would have acted.
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ class Handlers:
         self._ends: dict[int, float] = {}
         self._stops: list[float] = []
         self._ids = itertools.count(1000)
+        self._beat: threading.Timer | None = None
         self._held = threading.Event()
 
     def _start(self, *_: object) -> int:
@@ -48,6 +51,16 @@ class Handlers:
     def stop(self, block: bool) -> int:  # noqa: ARG002  # the wire's name
         self._stops.append(time.monotonic())
         return next(self._ids)
+
+    def rpc_heartbeat(self, time: int) -> None:  # the wire's name
+        if self._beat is not None:
+            self._beat.cancel()
+        self._beat = threading.Timer(time / 1000, self._lost)
+        self._beat.daemon = True
+        self._beat.start()
+
+    def _lost(self) -> None:
+        self._stops.append(time.monotonic())
 
     def set_standard_digital_out(self, *_: object) -> int:
         self._held.wait()
@@ -76,7 +89,6 @@ class Handlers:
             "get_actual_joints_position": [0.0] * 6,
             "get_last_error": [],
             "robotmoving": False,
-            "rpc_heartbeat": None,
         }
         return lambda *_: answers[name]
 
@@ -85,7 +97,9 @@ def main() -> None:
     handlers = Handlers()
     with Server(cast("Any", handlers)) as server:
         print(json.dumps({"rpc": server.port}), flush=True)
-        sys.stdin.read()
+        for _ in sys.stdin:
+            server.drop()
+            print(flush=True)
         handlers.set_system_value_double("release", 1.0)
 
 

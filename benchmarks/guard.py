@@ -1,0 +1,276 @@
+"""How soon a stop is with the controller when things go badly, with and without the guard.
+
+Two tables. The first: from the call of a stop to the controller's handler, while the pool is
+blocked, while the event loop works in bursts, and just after every connection broke. The second:
+from the death of the program, or of its guard, or from the beginning of a hang of the event loop,
+until the controller is told to stop, or stops by itself since the heartbeat is over.
+
+The controller is a process of its own with trivial handlers; all read CLOCK_MONOTONIC.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import threading
+import time
+from typing import TYPE_CHECKING, Any
+
+import anyio
+from _common import ServerProcess, apart, arguments, print_table, spread, write_results
+
+import aioduco
+from aioduco._wire.lane import Lane
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from aioduco.supervision.settings import GuardKind
+
+HOST = "127.0.0.1"
+HEARTBEAT = 0.5
+STALL_LIMIT = 0.6
+#: s of work, and of rest after it
+BURST = 0.015
+
+Figures = dict[str, Any]
+
+
+class Desk:
+    """A robot, a lane beside it that reads the controller's times, and the controller's process."""
+
+    def __init__(self, robot: aioduco.Robot, lane: Lane, server: ServerProcess) -> None:
+        self.robot = robot
+        self.lane = lane
+        self.server = server
+        self.random = random.Random(1)
+
+    async def reached(self) -> list[float]:
+        """When stops reached the controller's handler, since this was last asked."""
+        return await self.lane.rpc.get_system_value_list("stops")
+
+    async def stops(self, count: int, send: Callable[[], Awaitable[float]]) -> list[float]:
+        """Seconds from each call to the handler. `send` returns when it called."""
+        await self.reached()
+        late: list[float] = []
+        for _ in range(count):
+            await anyio.sleep(self.random.uniform(0.0005, 0.003))
+            begin = await send()
+            reached = await self.reached()
+            # a stop that was repeated counts when it first came
+            late.append(min(at for at in reached if at >= begin) - begin)
+        return late
+
+    async def stop(self) -> float:
+        begin = time.monotonic()
+        await self.robot._supervisor.control.stop(2.0)
+        return begin
+
+    async def stop_now(self) -> float:
+        """`stop_now` from another thread, since the loop's own may be at work."""
+        begun: list[float] = []
+        done = threading.Event()
+
+        def call() -> None:
+            begun.append(time.monotonic())
+            self.robot.stop_now()
+            done.set()
+
+        threading.Thread(target=call).start()
+        while not done.is_set():  # noqa: ASYNC110  # the bell would be what is measured
+            await anyio.sleep(0.001)
+        return begun[0]
+
+    async def broken(self) -> float:
+        """Every connection breaks just before the stop."""
+        self.server.ask("drop")
+        return await self.stop()
+
+
+async def work() -> None:
+    """Bursts of work on the event loop, half of the time."""
+    while True:
+        until = time.monotonic() + BURST
+        while time.monotonic() < until:
+            pass
+        await anyio.sleep(BURST)
+
+
+async def latencies(desk: Desk, count: int) -> dict[str, Figures]:
+    figures: dict[str, Figures] = {}
+
+    async def add(name: str, send: Callable[[], Awaitable[float]], number: int = count) -> None:
+        figures[name] = spread(await desk.stops(number, send)) | {"stops": number}
+
+    await add("idle", desk.stop)
+    async with anyio.create_task_group() as tasks:
+        for _ in range(68):
+            tasks.start_soon(desk.robot.io.set_standard_digital_out, 1, True)
+        while desk.robot.statistics().lanes["call"].waiting < 64:  # noqa: ASYNC110
+            await anyio.sleep(0.001)
+        await add("pool blocked, 64 calls waiting", desk.stop)
+        tasks.cancel_scope.cancel()
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(work)
+        await add("loop in bursts of 15 ms: stop()", desk.stop)
+        await add("loop in bursts of 15 ms: stop_now()", desk.stop_now)
+        tasks.cancel_scope.cancel()
+    await add("every connection broken just before", desk.broken)
+    return figures
+
+
+# -- deaths ------------------------------------------------------------------------------------
+
+PROGRAM = """
+import anyio, json, os, sys, time, aioduco
+host, port, guard, heartbeat, limit = json.loads(sys.argv[1])
+async def main():
+    async with aioduco.connect(
+        host, port, guard=guard, heartbeat=heartbeat, loop_stall_limit=limit, lag_limit=None
+    ) as robot:
+        await robot.motion.movej2([0.0] * 6, v=1.0, a=1.0).start()
+        seat = robot._supervisor.guard
+        print(json.dumps(seat.pid if seat else None), flush=True)
+        what = await anyio.to_thread.run_sync(sys.stdin.readline)
+        print(json.dumps(time.monotonic()), flush=True)
+        if what == "hang\\n":
+            time.sleep(limit + 3 * heartbeat)
+        await anyio.sleep_forever()
+anyio.run(main)
+"""
+
+
+class Victim:
+    """A program in a process of its own that moves the arm."""
+
+    def __init__(self, port: int, guard: GuardKind | None) -> None:
+        options = json.dumps([HOST, port, guard, HEARTBEAT, STALL_LIMIT])
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", PROGRAM, options],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
+        self.guard: int | None = json.loads(self._line())
+
+    def _line(self) -> str:
+        assert self.process.stdout is not None
+        return self.process.stdout.readline()
+
+    def tell(self, what: str) -> float:
+        """Have it do something; when it began."""
+        assert self.process.stdin is not None
+        self.process.stdin.write(f"{what}\n")
+        self.process.stdin.flush()
+        begin: float = json.loads(self._line())
+        return begin
+
+    def end(self) -> None:
+        self.process.kill()
+        self.process.communicate()
+
+
+async def deaths(lane: Lane, port: int, guard: GuardKind | None, count: int) -> dict[str, Figures]:
+    def program(victim: Victim) -> float:
+        begin = time.monotonic()
+        victim.process.kill()
+        return begin
+
+    def guardian(victim: Victim) -> float:
+        assert victim.guard is not None
+        # Frozen first: it is the heartbeat's end that is measured, not the program's own stop.
+        victim.process.send_signal(signal.SIGSTOP)
+        begin = time.monotonic()
+        os.kill(victim.guard, signal.SIGKILL)
+        return begin
+
+    def hang(victim: Victim) -> float:
+        return victim.tell("hang")
+
+    cases: dict[str, Callable[[Victim], float]] = {
+        "program killed": program,
+        f"event loop hangs, limit {STALL_LIMIT:g} s": hang,
+    }
+    if guard is not None:
+        cases["guard killed, program frozen"] = guardian
+    rng = random.Random(2)
+    late: dict[str, list[float]] = {name: [] for name in cases}
+    for _ in range(count):
+        for name, case in cases.items():
+            victim = await anyio.to_thread.run_sync(Victim, port, guard)
+            try:
+                # at any moment between two beats
+                await anyio.sleep(rng.uniform(0.0, HEARTBEAT))
+                await lane.rpc.get_system_value_list("stops")
+                begin = case(victim)
+                late[name].append(await told(lane, begin) - begin)
+            finally:
+                victim.end()
+    return {name: spread(seconds) | {"times": len(seconds)} for name, seconds in late.items()}
+
+
+async def told(lane: Lane, begin: float) -> float:
+    """When the controller was first told to stop after `begin`, or stopped by itself."""
+    with anyio.fail_after(30.0):
+        while True:
+            after = [at for at in await lane.rpc.get_system_value_list("stops") if at >= begin]
+            if after:
+                return min(after)
+            await anyio.sleep(0.005)
+
+
+# -- all of it ---------------------------------------------------------------------------------
+
+
+async def measure(server: ServerProcess, quick: bool) -> dict[str, Any]:
+    port = server.endpoints["rpc"]
+    results: dict[str, Any] = {"heartbeat_s": HEARTBEAT, "stop": {}, "death": {}}
+    kinds: tuple[tuple[str, GuardKind | None], ...] = (
+        ("without guard", None),
+        ("with guard", "process"),
+    )
+    for name, guard in kinds:
+        lane = Lane("bench", HOST, port)
+        await lane.open()
+        try:
+            async with aioduco.connect(
+                HOST, port, guard=guard, call_timeout=600.0, heartbeat=60.0, lag_limit=None
+            ) as robot:
+                seat = robot._supervisor.guard
+                cores = apart()
+                if seat is not None and seat.pid is not None and cores is not None:
+                    # beside the program, not on its core alone: it is to be free of it
+                    os.sched_setaffinity(seat.pid, set.union(*cores))
+                desk = Desk(robot, lane, server)
+                results["stop"][name] = await latencies(desk, 100 if quick else 1000)
+            results["death"][name] = await deaths(lane, port, guard, 2 if quick else 20)
+        finally:
+            await lane.aclose()
+    return results
+
+
+def main() -> None:
+    options = arguments(__doc__, "guard")
+    with ServerProcess("supervision_server.py") as server:
+        results = anyio.run(measure, server, options.quick)
+    for key, title, unit, count in (
+        ("stop", "From the call of a stop to the controller's handler [µs]", 1.0, "stops"),
+        ("death", "From the event until the controller is told to stop [ms]", 1e-3, "times"),
+    ):
+        rows = [
+            [case, name, *(round(f[p] * unit, 1) for p in ("p50_us", "p99_us", "max_us")), f[count]]
+            for name, cases in results[key].items()
+            for case, f in cases.items()
+        ]
+        print_table(title, [key, "", "p50", "p99", "max", count], sorted(rows, key=str))
+    if options.save:
+        print("written:", write_results("guard", results).name)
+
+
+if __name__ == "__main__":
+    main()
