@@ -180,29 +180,31 @@ class Track(Section):
         points: Sequence[Any],
     ) -> None:
         """Put points into the pool."""
-        if kind is not None and self._kind not in {kind, None}:
+        held = self._kind
+        if kind is not None and held is not None and held is not kind:
             raise RobotStateError(
                 f"points of type {kind.__name__} were not sent: this program has put points of "
-                f"type {self._kind.__name__} into the pool; call trackClearQueue first"
+                f"type {held.__name__} into the pool; call trackClearQueue first"
             )
         if self._followed:
             # The arm may follow them by itself, with no task that tells of it.
             self._supervisor.keeper.loose = True
-        before, self._kind = self._kind, kind or self._kind
+        self._kind = kind or held
         try:
             _taken(function, await enqueue(points, True))
         except (OutcomeUnknown, TrackPoolFull):
             raise  # some may be in the pool
         except DucoError:
-            self._kind = before
+            self._kind = held
             raise
 
     def _follows(self, function: str, kind: _Kind) -> None:
         """The arm is about to follow the pool."""
-        if self._kind not in {kind, None}:
+        held = self._kind
+        if held is not None and held is not kind:
             raise RobotStateError(
                 f"{function} was not made: this program has put points of type "
-                f"{self._kind.__name__} into the pool, and it would take them for {kind.__name__}"
+                f"{held.__name__} into the pool, and it would take them for {kind.__name__}"
             )
         self._followed = True
 

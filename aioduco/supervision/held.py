@@ -9,7 +9,7 @@ __all__ = ["BRAKING", "STOOD", "Held"]
 #: seconds after its time for which a motion may still slow down before it is stopped
 BRAKING = 2.0
 #: seconds for which the arm must have stood before a motion whose task the controller has ended
-#: counts as over: it may not have begun to move
+#: before its time counts as over: it may not have begun to move
 STOOD = 0.25
 
 

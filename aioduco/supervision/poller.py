@@ -165,8 +165,10 @@ class Poller:
             task.stood_since = None
         elif task.stood_since is None:
             task.stood_since = now
-        elif now - task.stood_since >= STOOD:
-            task.life.stood(in_time=self._in_time(task))
+        else:
+            in_time = self._in_time(task)
+            if in_time or now - task.stood_since >= STOOD:
+                task.life.stood(in_time=in_time)
         return True
 
     def _in_time(self, task: Task) -> bool:

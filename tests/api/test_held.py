@@ -20,7 +20,7 @@ from aioduco.testing import eventually_async
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from aioduco import HeldMotion
+    from aioduco import HeldMotion, Task
     from api.desk import Desk
 
 DOWN = [0.0, 0.0, -0.02, 0.0, 0.0, 0.0]
@@ -90,11 +90,17 @@ async def test_it_can_be_ended_from_elsewhere(robot: aioduco.Robot, desk: Desk) 
 async def test_an_error_in_its_block_stops_the_arm(
     robot: aioduco.Robot, desk: Desk, name: str
 ) -> None:
-    with pytest.raises(ZeroDivisionError):
+    tasks: list[Task] = []
+
+    async def block() -> None:
         async with MAKE[name](robot, None) as task:
+            tasks.append(task)
             _ = 1 / 0
+
+    with pytest.raises(ZeroDivisionError):
+        await block()
     assert not desk.moving()
-    assert task.outcome is Outcome.STOPPED
+    assert tasks[0].outcome is Outcome.STOPPED
     assert "stop" in desk.commands
 
 
@@ -149,11 +155,17 @@ async def test_an_arm_that_stands_before_its_time_was_interrupted(
 
 async def test_an_ending_that_is_refused_becomes_a_stop(robot: aioduco.Robot, desk: Desk) -> None:
     desk.answer("speed_stop", -1)
-    with pytest.raises(aioduco.Refused, match="speed_stop"):
+    tasks: list[Task] = []
+
+    async def block() -> None:
         async with robot.motion.speedl(DOWN, a=1.0, time=None) as task:
+            tasks.append(task)
             await eventually_async(desk.moving)
+
+    with pytest.raises(aioduco.Refused, match="speed_stop"):
+        await block()
     assert not desk.moving()
-    assert task.outcome in {Outcome.STOPPED, Outcome.FINISHED}
+    assert tasks[0].outcome in {Outcome.STOPPED, Outcome.FINISHED}
     assert desk.commands[-1] == "stop"
 
 

@@ -60,7 +60,7 @@ def wrong(case: Case, name: str) -> SearchStrategy[Any]:
 
 
 @pytest.mark.parametrize(("case", "name"), PARAMETERS, ids=str)
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(data=st.data())
 def test_a_wrong_argument_is_refused(case: Case, name: str, data: st.DataObject) -> None:
     value = data.draw(wrong(case, name))
