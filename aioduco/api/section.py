@@ -50,9 +50,9 @@ class Section:
     def __init__(self, supervisor: Supervisor) -> None:
         self._supervisor = supervisor
         #: the functions of the wire with the robot's call_timeout
-        self._rpc = supervisor.calls.rpc
+        self._rpc = supervisor.patient.rpc
         #: the same without a deadline, for functions that wait inside the controller
-        self._unlimited = supervisor.calls.within(None)
+        self._unlimited = supervisor.patient.within(None)
 
     def __repr__(self) -> str:
         where = f"{self._supervisor.host}:{self._supervisor.port}"

@@ -30,6 +30,7 @@ from aioduco.supervision.keeper import Keeper
 from aioduco.supervision.lag import LagMonitor
 from aioduco.supervision.launcher import Launcher
 from aioduco.supervision.opening import open_lines
+from aioduco.supervision.patience import Patience
 from aioduco.supervision.pulse import HeartbeatState
 from aioduco.supervision.samples import Samples
 
@@ -87,6 +88,7 @@ class Supervisor:
 
     Attributes:
         calls: the lane of all calls that are neither motions nor supervision.
+        patient: the calls of that lane, with reads that wait for a lost connection.
         poll: the lane on which tasks and the arm's standstill are asked about.
         samples: makes samples of the state.
         control: sends stop, pause, resume, abort.
@@ -104,6 +106,7 @@ class Supervisor:
         self.settings = settings
         self.samples = Samples()
         self.calls = self._lane("call", size=settings.pool_size)
+        self.patient = Patience(self.calls)
         self.poll = self._lane("poll")
         self._stop_lane = self._lane("stop")
         self._control_lane = self._lane("control")

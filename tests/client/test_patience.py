@@ -1,0 +1,72 @@
+"""Reads wait for a lost connection; commands are never sent again."""
+
+from __future__ import annotations
+
+import random
+import time
+from typing import TYPE_CHECKING
+
+import anyio
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import aioduco
+from aioduco.supervision.patience import FIRST, LONGEST, Backoff
+from aioduco.testing import Cut, FaultProxy, Place
+
+if TYPE_CHECKING:
+    from client.bench import Bench
+
+
+@given(seed=st.integers(), count=st.integers(1, 20))
+def test_pauses_grow_and_are_scattered(seed: int, count: int) -> None:
+    backoff = Backoff(random.Random(seed))
+    limit = FIRST
+    for _ in range(count):
+        assert limit / 2 <= backoff.next() <= limit
+        limit = min(2 * limit, LONGEST)
+
+
+async def test_a_read_waits_for_the_connection(bench: Bench) -> None:
+    with FaultProxy(bench.host, bench.port) as proxy:
+        async with aioduco.connect(proxy.host, proxy.port, call_timeout=5.0) as robot:
+            proxy.refuse()
+            proxy.cut()
+            async with anyio.create_task_group() as tasks:
+                answers: list[bool] = []
+
+                async def ask() -> None:
+                    answers.append(await robot.state.robotmoving())
+
+                tasks.start_soon(ask)
+                with anyio.fail_after(5.0):
+                    while robot._supervisor.patient.retries < 2:
+                        await anyio.lowlevel.checkpoint()
+                assert answers == []
+                proxy.accept()
+            assert answers == [False]
+
+
+async def test_but_not_beyond_its_deadline(bench: Bench) -> None:
+    with FaultProxy(bench.host, bench.port) as proxy:
+        async with aioduco.connect(proxy.host, proxy.port, call_timeout=0.4) as robot:
+            proxy.refuse()
+            proxy.cut()
+            begin = time.monotonic()
+            with pytest.raises((aioduco.ConnectError, aioduco.ConnectionLost)):
+                await robot.state.robotmoving()
+            assert time.monotonic() - begin < 0.4 + 0.5
+            assert robot._supervisor.patient.retries > 0
+            proxy.accept()
+
+
+@pytest.mark.parametrize("place", [Place.AFTER_REQUEST, Place.BEFORE_REPLY, Place.IN_REPLY])
+async def test_a_command_is_sent_once(bench: Bench, place: Place) -> None:
+    bench.answer("set_standard_digital_out", 4)
+    with FaultProxy(bench.host, bench.port) as proxy:
+        async with aioduco.connect(proxy.host, proxy.port) as robot:
+            proxy.on("set_standard_digital_out", Cut(place))
+            with pytest.raises(aioduco.OutcomeUnknown, match="was sent"):
+                await robot.io.set_standard_digital_out(3, True)
+    assert len(bench.received("set_standard_digital_out")) <= 1
