@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Found", "look", "perform"]
 
+SAMPLES = 100.0  # of the arm, a second
+
 
 @dataclass(frozen=True, slots=True)
 class Found:
@@ -88,14 +90,13 @@ async def perform(
 
 
 async def _perform(host: str, port: int, plan: Plan, report: Report, view: View) -> None:
-    robot = aioduco.connect(host, port)
+    robot = aioduco.connect(host, port, state_rate=SAMPLES)
     stage = Stage(robot, report, view)
     try:
         async with robot:
             await robot.bring_up()
             async with anyio.create_task_group() as watching:
                 watching.start_soon(stage.watch)
-                await stage.seen()
                 await pick_and_place(robot, stage, plan)
                 watching.cancel_scope.cancel()
     finally:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-import anyio
 import numpy as np
 
 from aioduco.cli.demo.report import MotionRecord, Report
@@ -13,17 +12,15 @@ from aioduco.errors import RobotStateError, TaskError
 from aioduco.models.enums import Outcome
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from aioduco.cli.demo.view import View
     from aioduco.models.state import RobotStatus
     from aioduco.robot import Robot
     from aioduco.supervision.command import MotionCommand
+    from aioduco.supervision.feed import Snapshot
     from aioduco.supervision.task import Task
 
 __all__ = ["Running", "Stage"]
 
-SAMPLE_EVERY = 0.01  # seconds between two samples of the arm
 PATIENCE = 30.0  # seconds in which the arm must begin to move
 
 
@@ -49,25 +46,13 @@ class Stage:
         self._report = report
         self._view = view
         self._origin = time.monotonic()
-        self._now: RobotStatus | None = None
-        self._seen = anyio.Event()
         self._live: list[Running] = []
 
     async def watch(self) -> None:
-        """Take samples of the arm until cancelled."""
-        due = time.monotonic()
-        while True:
-            self._take(await self._robot.state.getRobotStatus())
-            now = time.monotonic()
-            due = max(due + SAMPLE_EVERY, now)
-            await anyio.sleep(due - now)
-
-    @property
-    def now(self) -> RobotStatus:
-        """The newest sample of the arm."""
-        if self._now is None:
-            raise RobotStateError("the arm was not seen yet; nothing was sent")
-        return self._now
+        """Take the samples of the arm until cancelled."""
+        with self._robot.feed.subscribe() as samples:
+            async for sample in samples:
+                self._take(sample.status)
 
     def note(self, text: str) -> None:
         """Tell of something that is no motion."""
@@ -131,27 +116,20 @@ class Stage:
 
     async def moved(self, angle: float) -> None:
         """Wait until a joint has moved by an angle [rad] from where it is now."""
-        begin = self.now.joints.array
-        await self._until(lambda status: np.abs(status.joints.array - begin).max() > angle)
+        begin = (await self._robot.feed.latest()).status.joints.array
 
-    async def seen(self) -> None:
-        """Wait until the arm was seen once."""
-        await self._until(lambda _status: True)
+        def has_moved(sample: Snapshot) -> bool:
+            return bool(np.abs(sample.status.joints.array - begin).max() > angle)
 
-    async def _until(self, condition: Callable[[RobotStatus], bool]) -> None:
-        with anyio.move_on_after(PATIENCE):
-            while self._now is None or not condition(self._now):
-                await self._seen.wait()
-            return
-        raise RobotStateError(f"the arm did not do what was waited for within {PATIENCE:g} s")
+        try:
+            await self._robot.wait_for(has_moved, timeout=PATIENCE)
+        except TimeoutError as error:
+            raise RobotStateError(f"no joint moved by {angle:g} rad in {PATIENCE:g} s") from error
 
     def _take(self, status: RobotStatus) -> None:
-        self._now = status
         actual, pose = tuple(status.joints), tuple(status.pose)
         at = status.received_at - self._origin
         self._report.track.add(at, tuple(status.expected_joints), actual, pose)
         for running in self._live:
             running.record.state = running.task.state.name.lower()
         self._view.sample(actual, pose, status.state.name.lower())
-        seen, self._seen = self._seen, anyio.Event()
-        seen.set()
