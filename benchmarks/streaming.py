@@ -6,6 +6,7 @@ All alternatives stream to the same server process and take turns in slices, so 
 else the machine does meets them all.
 
     process     a lane in a process of its own, the default
+    urgent      the same under SCHED_FIFO, where the system allows it
     thread      the same lane in a thread of the program
     loop        no lane: a task of the program's event loop sleeps to each tick and awaits the call
     bare        no stream at all: a loop in C (in Python without a compiler) that only sleeps to
@@ -51,6 +52,7 @@ RATE = 1000
 BURST = 0.015
 LANES = {
     "process": LaneOptions(lane="process"),
+    "urgent": LaneOptions(lane="process", priority=50),
     "thread": LaneOptions(lane="thread", timeout=2.0),
 }
 SERVOJ = (1.0, 5.0, False, 200.0, 25.0, 10.0, 1.0)
@@ -180,6 +182,16 @@ class Pacing:
         }
 
 
+def urgent_allowed() -> bool:
+    """Whether the system allows SCHED_FIFO."""
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
+    except OSError:
+        return False
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    return True
+
+
 async def by_lane(kind: str, port: int, seconds: float) -> tuple[Any, int, int]:
     count = round(seconds * RATE)
     stream = Servo(Endpoint(HOST, port)).joints(
@@ -227,10 +239,13 @@ async def pacing(port: int, busy: bool, quick: bool) -> dict[str, dict[str, Any]
     slices, seconds = (1, 1.5) if quick else (6, 10.0)
     runs: dict[str, Callable[[float], Awaitable[tuple[Any, int, int]]]] = {
         "process": lambda s: by_lane("process", port, s),
+        "urgent": lambda s: by_lane("urgent", port, s),
         "thread": lambda s: by_lane("thread", port, s),
         "loop": lambda s: by_loop(port, s),
         "bare": by_bare,
     }
+    if not urgent_allowed():
+        del runs["urgent"]
     found = {name: Pacing() for name in runs}
     for _ in range(slices):
         for name, run in runs.items():

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Host"]
 
+_LOOK = 0.25  # seconds between two looks at whether the lane's process stands still
 _EXIT = 5.0  # seconds that a lane's process may take to go after it has said its last word
 
 
@@ -57,6 +58,11 @@ class Host:
     def ready(self) -> bool:
         """Whether the lane is connected."""
         return bool(self.block.status[Status.READY])
+
+    @property
+    def beat(self) -> int:
+        """Time of the lane's last tick [ns of the monotonic clock]; 0 before the first."""
+        return self.block.status[Status.BEAT]
 
     @property
     def state(self) -> State:
@@ -119,29 +125,52 @@ class Host:
         except BaseException:
             ours.close()
             theirs.close()
+            self.block.close()
             raise
-        finally:
-            self.block.close_descriptor()
+        self.block.close_descriptor()
         theirs.close()
 
-    async def listen(self) -> None:
-        """Hear from the lane until it is gone, and see its thread or process go."""
+    async def listen(self, patience: float) -> None:
+        """Hear from the lane until it is gone, and see its thread or process go.
+
+        Args:
+            patience: time after which a process that stands still is ended: nobody could stop
+                what it streams [s].
+        """
         assert self._link is not None
         try:
-            while True:
-                await anyio.wait_readable(self._link)
-                try:
-                    heard = self._link.recv(4096)
-                except BlockingIOError:
-                    continue
-                except OSError:
-                    heard = b""
-                if not heard:
-                    break
-                self._wake()
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(self._guard, patience)
+                while await self._hear(self._link):
+                    self._wake()
+                tasks.cancel_scope.cancel()
             await self._reap()
         finally:
             self._link.close()
+
+    @staticmethod
+    async def _hear(link: socket.socket) -> bool:
+        """Wait for a word from the lane; whether there was one, and not the end."""
+        while True:
+            await anyio.wait_readable(link)
+            try:
+                return bool(link.recv(4096))
+            except BlockingIOError:
+                continue
+            except OSError:
+                return False
+
+    async def _guard(self, patience: float) -> None:
+        start = changed = anyio.current_time()
+        beat, number = self.beat, 0
+        while True:
+            number += 1
+            # A program that was itself held up looks once more before it judges.
+            await anyio.sleep_until(max(start + number * _LOOK, anyio.current_time()))
+            if self.beat != beat or not self.ready:
+                beat, changed = self.beat, anyio.current_time()
+            elif anyio.current_time() - changed > patience:
+                self.kill()
 
     async def _reap(self) -> None:
         with anyio.CancelScope(shield=True):

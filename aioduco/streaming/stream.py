@@ -158,8 +158,9 @@ class Stream:
         return self
 
     async def _open(self) -> None:
-        self._host = host = Host(self._config, thread=self._options.lane == "thread")
+        host = Host(self._config, thread=self._options.lane == "thread")
         host.start()
+        self._host = host
         self._tasks = anyio.create_task_group()
         await self._tasks.__aenter__()
         self._tasks.start_soon(self._mind, host)
@@ -193,7 +194,7 @@ class Stream:
         """Hear from the lane to its end; stop the robot if it went without a word."""
         with anyio.CancelScope(shield=True) as scope:
             self._minding = scope
-            await host.listen()
+            await host.listen(self._patience() + 20 * self._config["period"])
             if host.reason is Reason.LANE_DIED and self._endpoint.stop is not None:
                 # `stop` says itself, to its own caller, when it cannot be confirmed; here is
                 # nobody to tell but the one who meets the lane's death.
@@ -203,8 +204,8 @@ class Stream:
     async def _end(self) -> None:
         """Have the lane end, whatever it takes, and keep its figures."""
         host, tasks = self._host, self._tasks
-        self._endpoint.streams.remove(self)
         if host is None or tasks is None:
+            self._endpoint.streams.remove(self)
             return
         with anyio.CancelScope(shield=True):
             if not host.gone:
@@ -216,6 +217,7 @@ class Stream:
                 with anyio.move_on_after(1.0):
                     await host.until_gone()
         self._tasks = None
+        self._endpoint.streams.remove(self)
         if not host.gone and self._minding is not None:
             self._minding.cancel()
         if host.gone:

@@ -15,6 +15,7 @@ import pytest
 from aioduco.errors import LaneFailed
 from aioduco.streaming.servo import Servo
 from aioduco.streaming.settings import LaneOptions
+from aioduco.streaming.stream import Stream
 from aioduco.testing import eventually, eventually_async, no_leaks
 
 from .conftest import HERE, Controller
@@ -135,6 +136,24 @@ async def test_a_lane_killed_in_mid_stream_is_an_error_and_the_robot_is_stopped(
             os.kill(stream.pid, signal.SIGKILL)
             while True:
                 await stream.send(HERE)
+
+    async with no_leaks():
+        with pytest.raises(LaneFailed, match="killed by SIGKILL"):
+            await program()
+    assert controller.stops == ["stop"]
+
+
+async def test_a_lane_that_stands_still_is_ended_and_the_robot_is_stopped(
+    controller: Controller, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Stream, "_patience", lambda _: 0.5)
+    stream = Servo(controller.endpoint).joints(v=1.0, a=5.0, rate=RATE)
+
+    async def program() -> None:
+        async with stream:
+            await stream.send(HERE)
+            assert stream.pid is not None
+            os.kill(stream.pid, signal.SIGSTOP)
 
     async with no_leaks():
         with pytest.raises(LaneFailed, match="killed by SIGKILL"):
