@@ -112,7 +112,8 @@ class Handlers(rpc_server.Handlers):
         if not len(gaps):
             return [0.0] * 5
         p50, p99 = np.percentile(gaps, [50, 99])
-        return [len(gaps) + 1, p50, p99, gaps.max(), np.count_nonzero(gaps > TRIP)]
+        trips = int(np.count_nonzero(gaps > TRIP))
+        return [len(gaps) + 1, float(p50), float(p99), float(gaps.max()), trips]
 
     def _motion(self) -> list[float]:
         """Points, and their largest change of first, second and third order, per tick."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco.api import ranges
 from aioduco.streaming.report import times_table
 from aioduco.streaming.settings import Endpoint, Feeding, LaneOptions
 from aioduco.streaming.space import JOINT_SPACE
@@ -135,7 +136,7 @@ async def _measure(endpoint: Endpoint, options: LaneOptions, seconds: float) -> 
         Feeding(rate=RATES[0]),
         options,
         space=JOINT_SPACE,
-        check=lambda _, point: list(point),
+        check=ranges.JOINTS,
         config={
             "driver": "probe",
             "space": "joints",
