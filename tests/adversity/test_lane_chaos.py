@@ -102,9 +102,9 @@ class Storm:
 async def test_every_call_has_its_own_answer_or_a_true_error(
     part: int, faults: int, seed: int, totals: Counter[str]
 ) -> None:
-    lag = Lag()
     async with (
         no_leaks(),
+        Lag() as lag,
         RecordingServer(ANSWERS) as server,
         FaultProxy(server.host, server.port, seed=seed) as proxy,
         opened(Lane("call", proxy.host, proxy.port, size=4)) as pool,
@@ -113,7 +113,6 @@ async def test_every_call_has_its_own_answer_or_a_true_error(
         proxy.schedule(Chaos(seed * 1000 + part, MENU, rate=0.8))
         storm = Storm(proxy, faults, f"{seed}/{part}")
         async with anyio.create_task_group() as group:
-            group.start_soon(lag.watch)
             group.start_soon(storm.blows)
             with storm.thread(pool):
                 async with anyio.create_task_group() as callers:

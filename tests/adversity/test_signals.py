@@ -37,13 +37,13 @@ def interrupting(handler: Callable[[int, FrameType | None], None], every: float)
 async def test_a_stop_from_a_signal_handler_is_answered_wherever_it_interrupts(seed: int) -> None:
     async with (
         no_leaks(),
+        Lag() as lag,
         RecordingServer(ANSWERS) as server,
         FaultProxy(server.host, server.port) as proxy,
         opened(Lane("call", proxy.host, proxy.port, size=3)) as pool,
         opened(Lane("control", proxy.host, proxy.port)) as control,
     ):
         rng = random.Random(seed)
-        lag = Lag()
         stops = Book(rng)
         books = [Book(rng) for _ in range(4)]
 
@@ -58,13 +58,10 @@ async def test_a_stop_from_a_signal_handler_is_answered_wherever_it_interrupts(s
                 cancel_after = rng.uniform(0.0, 0.002) if rng.random() < 0.3 else None
                 await book.follow(make(rng.choice(METHODS)), lane.call, 2.0, cancel_after)
 
-        async with anyio.create_task_group() as group:
-            group.start_soon(lag.watch)
-            with interrupting(stop, every=0.0023):
-                async with anyio.create_task_group() as callers:
-                    for book in books:
-                        callers.start_soon(caller, book)
-            group.cancel_scope.cancel()
+        with interrupting(stop, every=0.0023):
+            async with anyio.create_task_group() as callers:
+                for book in books:
+                    callers.start_soon(caller, book)
         await pool.aclose()
         await control.aclose()
         assert stops.outcomes == {"answered": sum(stops.outcomes.values())}
