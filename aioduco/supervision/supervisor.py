@@ -27,7 +27,7 @@ from aioduco.supervision.guard.sides import (
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatStatistics, SignOfLife
 from aioduco.supervision.insist import insist
 from aioduco.supervision.keeper import Keeper
-from aioduco.supervision.lag import LagMonitor
+from aioduco.supervision.lag import LagMonitor, Watched, monitors
 from aioduco.supervision.launcher import Launcher
 from aioduco.supervision.opening import open_lines
 from aioduco.supervision.patience import Patience
@@ -137,6 +137,7 @@ class Supervisor:
         self.feed = Feed(self._feed_lane, self.samples, self._background, settings.state_rate)
         self.events = Events(self.feed, self._feed_lane, self._background, self._heartbeat_state)
         self._lag: LagMonitor | None = None
+        self._watched: Watched | None = None
         self._opened = False
         self._closed = False
 
@@ -219,8 +220,8 @@ class Supervisor:
         self._background.start(self._live(time.monotonic()), "aioduco sign of life")
         self._background.start(self.keeper.poller.run(), "aioduco poller")
         if self.settings.lag_limit is not None:
-            self._lag = LagMonitor(self._life, self.settings.lag_limit, self._loop_blocked())
-            self._lag.start()
+            self._watched = Watched(self._life, self.settings.lag_limit, self._loop_blocked())
+            self._lag = monitors.watch(self._watched)
 
     def _loop_blocked(self) -> Callable[[float, str], None]:
         """What the lag monitor calls, on its thread."""
@@ -266,16 +267,15 @@ class Supervisor:
     async def _close_lines(self) -> None:
         if self.heartbeat is not None:
             self.heartbeat.end()
-        if self._lag is not None:
-            self._lag.end()
+        if self._lag is not None and self._watched is not None:
+            monitors.leave(self._lag, self._watched, _GRACE)
+            self._lag = None
         if self.guard is not None:
             await self.guard.give_up()
         for lane in self.lanes:
             await lane.aclose()
         if self.heartbeat is not None:
             self.heartbeat.join(_GRACE)
-        if self._lag is not None:
-            self._lag.join(_GRACE)
 
     async def under_guard(self) -> None:
         """Have the guard look after the robot, if there is to be one."""
