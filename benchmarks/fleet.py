@@ -1,0 +1,143 @@
+"""A fleet under one event loop: what 32 robots cost, and how soon all of them are stopped.
+
+Each robot has its heartbeat, a feed of its state at 20 Hz with a reader, and motions one after
+another. The controllers have trivial handlers and live in one other process.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import time
+from typing import Any
+
+import anyio
+from _common import ServerProcess, arguments, print_table, spread, write_results
+
+import aioduco
+from aioduco._wire.lane import Lane
+
+HOST = "127.0.0.1"
+FEED_RATE = 20.0
+#: s that each motion takes
+MOTION = 2.0
+
+
+class Member:
+    """One robot of the fleet, busy."""
+
+    def __init__(self, robot: aioduco.Robot, lane: Lane) -> None:
+        self.robot = robot
+        self.lane = lane
+        self.samples = 0
+        self.motions = 0
+
+    async def read(self) -> None:
+        with self.robot.feed.subscribe() as feed:
+            async for _ in feed:
+                self.samples += 1
+
+    async def move(self) -> None:
+        # from rest to rest in MOTION seconds, as the client can work out itself
+        speed, acceleration = 1.0, 100.0
+        way = (MOTION - speed / acceleration) * speed
+        while True:
+            try:
+                await self.robot.motion.movej2([way] * 6, speed, acceleration)
+            except aioduco.TaskStopped:
+                continue
+            self.motions += 1
+
+
+def cpu(guard: int | None) -> float:
+    """Processor time of this process, and of its guard [s]."""
+    own = resource.getrusage(resource.RUSAGE_SELF)
+    total = own.ru_utime + own.ru_stime
+    if guard is not None:
+        fields = open(f"/proc/{guard}/stat").read().rsplit(")", 1)[1].split()  # noqa: PTH123, SIM115
+        total += (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    return total
+
+
+async def stop_all(fleet: list[Member]) -> float:
+    """Stop every robot; seconds until the last controller's handler was reached."""
+    for member in fleet:
+        await member.lane.rpc.get_system_value_list("stops")
+    begin = time.monotonic()
+    async with anyio.create_task_group() as tasks:
+        for member in fleet:
+            tasks.start_soon(member.robot._supervisor.control.stop, 5.0)
+    last = begin
+    for member in fleet:
+        reached = await member.lane.rpc.get_system_value_list("stops")
+        last = max(last, min(at for at in reached if at >= begin))
+    return last - begin
+
+
+async def measure(server: ServerProcess, guard: bool, seconds: float, stops: int) -> dict[str, Any]:
+    fleet: list[Member] = []
+    async with anyio.create_task_group() as tasks:
+        for port in server.endpoints.values():
+            robot = aioduco.connect(
+                HOST, port, state_rate=FEED_RATE, guard="process" if guard else None
+            )
+            await robot.open()
+            lane = Lane("bench", HOST, port)
+            await lane.open()
+            await lane.rpc.set_system_value_double("duration", MOTION)
+            member = Member(robot, lane)
+            fleet.append(member)
+            tasks.start_soon(member.read)
+            tasks.start_soon(member.move)
+        seat = fleet[0].robot._supervisor.guard
+        pid = seat.pid if seat is not None else None
+        before, begin = cpu(pid), time.monotonic()
+        samples = sum(member.samples for member in fleet)
+        await anyio.sleep(seconds)
+        wall = time.monotonic() - begin
+        share = (cpu(pid) - before) / wall
+        rate = (sum(member.samples for member in fleet) - samples) / wall / len(fleet)
+        motions = sum(member.motions for member in fleet)
+        late = []
+        for _ in range(stops):
+            await anyio.sleep(0.05)
+            late.append(await stop_all(fleet))
+        tasks.cancel_scope.cancel()
+    for member in fleet:
+        await member.robot.aclose()
+        await member.lane.aclose()
+    return {
+        "robots": len(fleet),
+        "cores": round(share, 3),
+        "samples_per_second_each": round(rate, 1),
+        "motions": motions,
+        "stop_all": spread(late) | {"stops": stops},
+    }
+
+
+def main() -> None:
+    options = arguments(__doc__, "fleet")
+    count, seconds, stops = (8, 3.0, 20) if options.quick else (32, 20.0, 200)
+    results: dict[str, Any] = {}
+    for name, guard in (("without guard", False), ("with guard", True)):
+        with ServerProcess("fleet_server.py", str(count)) as server:
+            results[name] = anyio.run(measure, server, guard, seconds, stops)
+    rows = [
+        [
+            name,
+            f["robots"],
+            f["cores"],
+            f["samples_per_second_each"],
+            f["motions"],
+            *(round(f["stop_all"][p] / 1000, 2) for p in ("p50_us", "p99_us", "max_us")),
+        ]
+        for name, f in results.items()
+    ]
+    columns = ["fleet", "robots", "cores", "samples/s", "motions", "p50", "p99", "max"]
+    print_table("One event loop; the stop of all robots [ms]", columns, rows)
+    if options.save:
+        print("written:", write_results("fleet", results).name)
+
+
+if __name__ == "__main__":
+    main()
