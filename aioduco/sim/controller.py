@@ -171,6 +171,11 @@ class Controller:
         return self._motion.moving or not self._at_rest
 
     @property
+    def setpoint(self) -> SetPoint:
+        """The latest set-point of the motions."""
+        return self._motion.setpoint
+
+    @property
     def starting(self) -> bool:
         """Whether the controller is starting again, and serves nobody."""
         return self._power.state in (RobotState.START, RobotState.INITIALIZE)

@@ -39,3 +39,17 @@ class Following:
     alone: bool = field(default=False, compare=False)
     idle: bool = field(default=False, compare=False)
     settings: tuple[object, ...] = ()
+
+    @classmethod
+    def behind(cls, kind: str, make: Callable[[Vector], Follower]) -> Following:
+        """One that waits for the motions before it, as those behind it do for it."""
+        return cls(kind, make, _no_target, settings=(object(),))
+
+    @classmethod
+    def once(cls, kind: str, make: Callable[[Vector], Follower]) -> Following:
+        """One that has the controller to itself: nothing else runs, waits or takes over."""
+        return cls(kind, make, _no_target, alone=True, idle=True, settings=(object(),))
+
+
+def _no_target(_follower: Follower) -> None:
+    """It was made with all that it follows."""

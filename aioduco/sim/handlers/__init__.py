@@ -12,11 +12,13 @@ from aioduco._wire import rpc
 from aioduco.sim.handlers.frames import FrameHandlers
 from aioduco.sim.handlers.log import LogHandlers
 from aioduco.sim.handlers.motion import MotionHandlers
+from aioduco.sim.handlers.realtime import RealtimeHandlers
 from aioduco.sim.handlers.servo import ServoHandlers
 from aioduco.sim.handlers.settings import SettingHandlers
 from aioduco.sim.handlers.signals import SignalHandlers
 from aioduco.sim.handlers.state import StateHandlers
 from aioduco.sim.handlers.system import SystemHandlers
+from aioduco.sim.handlers.track import TrackHandlers
 from aioduco.sim.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -33,6 +35,8 @@ class Handlers(
     SystemHandlers,
     MotionHandlers,
     ServoHandlers,
+    RealtimeHandlers,
+    TrackHandlers,
     SignalHandlers,
     FrameHandlers,
     StateHandlers,

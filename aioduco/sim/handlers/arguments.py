@@ -9,7 +9,8 @@ from aioduco.errors import ParameterError
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.frames import UnknownName
-from aioduco.sim.handlers.base import Rejected, mismatch
+from aioduco.sim.handlers.base import mismatch
+from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from aioduco.models.enums import TaskState
+from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -15,14 +16,6 @@ if TYPE_CHECKING:
     from aioduco.sim.frames import Frames
     from aioduco.sim.runtime import Runtime
     from aioduco.sim.signals import Signals
-
-
-class Rejected(Exception):
-    """A task cannot be done: it ends at once, in a state that says why."""
-
-    def __init__(self, state: TaskState, message: str) -> None:
-        super().__init__(message)
-        self.state = state
 
 
 def mismatch(message: str) -> Rejected:

@@ -195,14 +195,13 @@ class _Track(Follower):
             last.slope = (node.x - before.x) / (node.at - before.at)
         slope = last.slope  # which stays once the way to the point has begun
         last.most = min(last.most, fastest)
-        for start, end, last_slope in ((before, last, slope), (last, node, chord)):
-            bend = self._bends(start, end, start.slope if start is before else slope, last_slope)
-            allowed = _ACROSS * self._a / bend if bend > 0.0 else math.inf
-            last.most = min(last.most, allowed)
-            if start is before and self._window and self._window[-1] is before:
-                before.most = min(before.most, allowed)
-                self._window.pop()
-                self._limit(before)
+        bend = self._bends(before, last, before.slope, slope)
+        allowed = _ACROSS * self._a / bend if bend > 0.0 else math.inf
+        last.most = min(last.most, allowed)
+        if self._window and self._window[-1] is before:
+            before.most = min(before.most, allowed)
+            self._window.pop()
+            self._limit(before)
         self._limit(last)
 
     def _bends(self, a: _Node, b: _Node, m: Array | None, n: Array) -> float:
@@ -263,7 +262,8 @@ class _Track(Follower):
         last = self._nodes[-1]
         ending = self._rate_before(0.0, last.at)
         if ending < rate:
-            rate, self._drying = ending, self._pool.get(last.number + 1) is None
+            rate = ending
+            self._drying = self._drying or self._pool.get(last.number + 1) is None
         return self._go(rate)
 
     def _rate_before(self, most: float, at: float) -> float:

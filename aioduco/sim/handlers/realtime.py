@@ -1,0 +1,140 @@
+"""Realtime control (manual 1.3.15)."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from aioduco.models.enums import SafetyState
+from aioduco.sim.following import Following
+from aioduco.sim.handlers import arguments
+from aioduco.sim.handlers.base import Section, mismatch
+from aioduco.sim.planner.realtime import Command, Follow, Realtime
+from aioduco.sim.planner.realtime import mismatch as differs
+from aioduco.sim.refusal import Refusal
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from aioduco._wire.rpc import RealTimeControlData
+    from aioduco.sim.controller import Controller
+
+    Vector = NDArray[np.float64]
+
+_KIND = "realtime control"
+_TORQUE = 2
+#: the manual's defaults, for a client that leaves them out
+_BANDWIDTH, _PATIENCE = 100.0, 0.02
+
+
+class RealtimeHandlers(Section):
+    """start_realtime_mode to get_realtime_data_queue_size."""
+
+    def start_realtime_mode(self, mode: int, fileter_bandwidth: float, com_lost_time: float) -> int:
+        """Follow the queue, a point in each cycle; done as soon as it has begun."""
+        if mode == _TORQUE:
+            raise Refusal("start_realtime_mode: mode 2, joint torques, is not simulated")
+
+        def command(controller: Controller) -> int:
+            if mode not in list(Follow):
+                raise mismatch(f"mode is {mode}, but must be 0, 1, 3 or 4")
+            what = Follow(mode)
+            bandwidth = arguments.positive(
+                "fileter_bandwidth", fileter_bandwidth or _BANDWIDTH, 1e6, "Hz"
+            )
+            patience = arguments.positive(
+                "com_lost_time", com_lost_time or _PATIENCE, math.inf, "s"
+            )
+            return self._start(controller, what, bandwidth, patience)
+
+        return self._task("start_realtime_mode", True, command)
+
+    def _start(
+        self, controller: Controller, what: Follow, bandwidth: float, patience: float
+    ) -> int:
+        tool, wobj = self._frames.tool().matrix, self._frames.wobj().matrix
+
+        def make(q: Vector) -> Realtime:
+            return Realtime(
+                self._arm,
+                q,
+                self._runtime.cycle,
+                controller.commands,
+                what,
+                bandwidth=bandwidth,
+                patience=patience,
+                tool=tool,
+                wobj=wobj,
+            )
+
+        following = Following.once(_KIND, make)
+        id_ = controller.follow("start_realtime_mode", following)
+        if controller.tasks.state(id_).ended:
+            return id_
+        first = controller.commands.first()
+        if first is not None:
+            wrong = differs(self._arm, controller.setpoint.q, first, what, tool, wobj)
+            if wrong:
+                controller.fault(SafetyState.STOP2, f"{_KIND}: {wrong}")
+                return id_
+        return controller.finish("start_realtime_mode")
+
+    def end_realtime_mode(self) -> int:
+        """Come to rest and leave the mode."""
+        return self._task(
+            "end_realtime_mode", True, lambda c: c.end_following("end_realtime_mode", _KIND)
+        )
+
+    def realtime_data_enqueue(
+        self, realtime_data: Sequence[RealTimeControlData], block: bool
+    ) -> int:
+        """Put points into the queue: all of them, or -1 if there is no room."""
+
+        def command(controller: Controller) -> int:
+            points = [_command(data) for data in realtime_data if data.status]
+            if not controller.commands.put(points):
+                raise QueueFull
+            return controller.finish("realtime_data_enqueue")
+
+        try:
+            return self._task("realtime_data_enqueue", block, command)
+        except QueueFull:
+            return -1
+
+    def clear_realtime_data_queue(self) -> int:
+        """Empty the queue."""
+
+        def command(controller: Controller) -> int:
+            controller.commands.clear()
+            return controller.finish("clear_realtime_data_queue")
+
+        return self._task("clear_realtime_data_queue", True, command)
+
+    def get_realtime_data_queue_size(self) -> int:
+        """How many points wait in the queue."""
+        with self._runtime.command() as controller:
+            return len(controller.commands)
+
+
+class QueueFull(Exception):
+    """The points do not fit; none of them was taken."""
+
+
+def _command(data: RealTimeControlData) -> Command:
+    """A point; what it has must make sense, whatever the mode."""
+    joints = data.joint_pos_cmd
+    return Command(
+        arguments.joints("joint_pos_cmd", joints) if joints else (),
+        _six("joint_vel_cmd", data.joint_vel_cmd),
+        arguments.pose("cart_pos_tool_wobj_cmd", data.cart_pos_tool_wobj_cmd).matrix
+        if data.cart_pos_tool_wobj_cmd
+        else None,
+        _six("cart_vel_tool_wobj_cmd", data.cart_vel_tool_wobj_cmd),
+    )
+
+
+def _six(name: str, values: Sequence[float]) -> tuple[float, ...]:
+    return arguments.numbers(name, values, 6) if values else ()

@@ -1,0 +1,191 @@
+"""Realtime control over the wire: the manual's steps and example, and what goes wrong."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from aioduco._wire.rpc import RealTimeControlData
+from aioduco.errors import ControllerError
+from aioduco.models.enums import TaskState
+from aioduco.sim.planner.realtime import CAPACITY
+from aioduco.sim.simulator import READY, Simulator
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .conftest import Program
+
+#: manual 3.8, 1.3.15, the example: joint velocities, a row for each millisecond [rad/s]
+ROWS = [
+    [
+        -6.700217460074271930e-04, -4.072137254218498661e-03, 7.066593031266893074e-03,
+        -2.978735190571154060e-03, 2.183094442351974149e-05, -6.698504529062708013e-04,
+    ],
+    [
+        -1.589154109004034272e-03, -1.011421833810334688e-02, 1.754193265331701820e-02,
+        -7.390421055007160601e-03, 5.177329125210710173e-05, -1.588748280197681967e-03,
+    ],
+    [
+        -2.755305715766451745e-03, -1.811209469461632846e-02, 3.140150170886479852e-02,
+        -1.322473808616756764e-02, 8.975891577376789718e-05, -2.754602640998529955e-03,
+    ],
+    [
+        -3.442737990430701396e-03, -2.315600008944551300e-02, 4.013747069438520360e-02,
+        -1.690065907568836720e-02, 1.121474983595938492e-04, -3.441859692247766726e-03,
+    ],
+    [
+        -3.157588346910660156e-03, -2.189245123375168842e-02, 3.793907058813744682e-02,
+        -1.597249170914913363e-02, 1.028521444952658879e-04, -3.156782645645519157e-03,
+    ],
+    [
+        -2.864607599016891562e-03, -2.071522367525847202e-02, 3.588861821868741253e-02,
+        -1.510613530488653065e-02, 9.330159342950848850e-05, -2.863877683525377273e-03,
+    ],
+    [
+        -2.820140424052270788e-03, -2.131761007776102057e-02, 3.692116291809591222e-02,
+        -1.553733028238165649e-02, 9.184682028243494134e-05, -2.819424392840391355e-03,
+    ],
+    [
+        -2.812250163455366943e-03, -2.205552289748904243e-02, 3.818995917565090603e-02,
+        -1.606839114406481001e-02, 9.158444035047173999e-05, -2.811536045264771428e-03,
+    ],
+    [
+        -2.728426654789113497e-03, -2.205617043400752084e-02, 3.818376395297849724e-02,
+        -1.606350627152726418e-02, 8.884967501704240018e-05, -2.727728984672162828e-03,
+    ],
+    [
+        -1.936938097461126220e-03, -2.279194264874751311e-02, 3.938230929954751602e-02,
+        -1.654479502939042515e-02, 6.304779778496766665e-05, -1.936393526134143209e-03,
+    ],
+]  # fmt: skip
+
+
+def velocity(row: list[float]) -> RealTimeControlData:
+    return RealTimeControlData(joint_vel_cmd=row, status=True)
+
+
+@pytest.fixture
+def slow() -> Any:
+    """A simulator in which 40 ms last long enough for a busy machine."""
+    with Simulator(speed=0.1) as sim:
+        yield sim
+
+
+@pytest.fixture
+def slow_robot(slow: Simulator, connect: Callable[..., Program]) -> Program:
+    program = connect(slow)
+    program.bring_up()
+    return program
+
+
+def test_the_manuals_example_runs(slow: Simulator, slow_robot: Program) -> None:
+    robot = slow_robot
+    start = list(slow.joints)
+    # steps 1 to 4
+    assert robot.clear_realtime_data_queue() == TaskState.FINISHED
+    assert robot.get_realtime_data_queue_size() == 0
+    assert robot.realtime_data_enqueue(list(map(velocity, ROWS)), True) == TaskState.FINISHED
+    assert robot.get_realtime_data_queue_size() == len(ROWS)
+    # step 5
+    assert robot.start_realtime_mode(1, 100.0, 0.04) == TaskState.FINISHED
+    # step 6: the manual pushes a point and sleeps for a millisecond; here the queue is kept at
+    # as many points as the manual began with, whatever this machine's clock does
+    sent = len(ROWS)
+    while sent < 400:
+        room = len(ROWS) - robot.get_realtime_data_queue_size()
+        if room > 0:
+            robot.realtime_data_enqueue([velocity(ROWS[-1])] * room, True)
+            sent += room
+    assert robot.get_robot_state() == [6, 2, 5, 1]
+    assert robot.end_realtime_mode() == TaskState.FINISHED
+    assert robot.get_robot_state() == [6, 0, 5, 1]
+    assert robot.get_last_error() == []
+    moved = [a - b for a, b in zip(slow.joints, start, strict=True)]
+    # up to ten points were still in the queue
+    assert moved[2] == pytest.approx(ROWS[-1][2] * 0.39, rel=0.1)
+    assert moved[1] / moved[2] == pytest.approx(ROWS[-1][1] / ROWS[-1][2], rel=0.05)
+
+
+def test_a_starved_queue_stops_the_arm(sim: Simulator, robot: Program) -> None:
+    robot.realtime_data_enqueue([velocity(ROWS[0])] * 5 + [velocity(ROWS[-1])] * 500, True)
+    assert robot.start_realtime_mode(1, 100.0, 0.04) == TaskState.FINISHED
+    sim.wait_until(lambda: robot.get_robot_state()[2] != 5)
+    sim.wait_until(lambda: not sim.moving)
+    # STOP2: the power is on, and the way out is power off, power on, enable
+    assert robot.get_robot_state() == [6, 0, 7, 1]
+    assert "no data for 0.04 s" in robot.get_last_error()[-1]
+    assert robot.start_realtime_mode(1, 100.0, 0.04) == TaskState.ILLEGAL
+    assert robot.end_realtime_mode() == TaskState.FINISHED
+    assert robot.power_off(True) == TaskState.FINISHED
+    robot.bring_up()
+    assert robot.to(*READY) == TaskState.FINISHED
+
+
+def test_positions_are_followed(sim: Simulator, robot: Program) -> None:
+    count = 800
+    points = [[0.05 * (1 - math.cos(math.pi * i / count)), *READY[1:]] for i in range(count)]
+    data = [RealTimeControlData(joint_pos_cmd=point, status=True) for point in points]
+    robot.clear_realtime_data_queue()
+    robot.realtime_data_enqueue(data, True)
+    assert robot.start_realtime_mode(0, 0.0, 10.0) == TaskState.FINISHED
+    sim.wait_until(lambda: robot.get_realtime_data_queue_size() == 0)
+    sim.wait_until(lambda: abs(sim.joints[0] - 0.1) < 1e-3)
+    assert robot.end_realtime_mode() == TaskState.FINISHED
+
+
+def test_a_first_point_elsewhere_is_a_fault_and_nothing_moves(
+    sim: Simulator, robot: Program
+) -> None:
+    elsewhere = RealTimeControlData(joint_pos_cmd=[0.5, *READY[1:]], status=True)
+    robot.realtime_data_enqueue([elsewhere], True)
+    assert robot.start_realtime_mode(0, 100.0, 0.04) == TaskState.ERROR
+    assert "first point" in robot.get_last_error()[-1]
+    assert robot.get_robot_state() == [6, 0, 7, 1]
+    assert abs(sim.joints[0]) < 1e-3
+
+
+def test_other_motions_are_not_taken_meanwhile(robot: Program) -> None:
+    assert robot.start_realtime_mode(0, 100.0, 1000.0) == TaskState.FINISHED
+    assert robot.to(*READY) == TaskState.ILLEGAL
+    assert robot.start_realtime_mode(1, 100.0, 0.04) == TaskState.ILLEGAL
+    assert robot.stop(True) == TaskState.FINISHED
+    assert robot.get_robot_state() == [6, 0, 5, 1]
+    assert robot.to(*READY) == TaskState.FINISHED
+
+
+def test_it_begins_only_where_nothing_else_runs(sim: Simulator, robot: Program) -> None:
+    robot.to(2.0, *READY[1:], v=0.02, block=False)
+    sim.wait_until(lambda: sim.moving)
+    assert robot.start_realtime_mode(0, 100.0, 0.04) == TaskState.ILLEGAL
+    assert robot.stop(True) == TaskState.FINISHED
+
+
+def test_wrong_parameters_and_wrong_points(robot: Program) -> None:
+    assert robot.start_realtime_mode(5, 100.0, 0.04) == TaskState.PARAMETER_MISMATCH
+    assert robot.start_realtime_mode(1, -1.0, 0.04) == TaskState.PARAMETER_MISMATCH
+    assert robot.start_realtime_mode(1, 100.0, math.nan) == TaskState.PARAMETER_MISMATCH
+    with pytest.raises(ControllerError, match="torques"):
+        robot.start_realtime_mode(2, 100.0, 0.04)
+    for wrong in ([math.nan] * 6, [0.0] * 5):
+        assert robot.realtime_data_enqueue([velocity(wrong)], True) == TaskState.PARAMETER_MISMATCH
+    short = RealTimeControlData(joint_pos_cmd=[0.0] * 5, status=True)
+    assert robot.realtime_data_enqueue([short], True) == TaskState.ILLEGAL
+    assert robot.get_realtime_data_queue_size() == 0
+
+
+def test_a_point_whose_status_is_false_is_passed_over(robot: Program) -> None:
+    stale = RealTimeControlData(joint_vel_cmd=ROWS[0], status=False)
+    assert robot.realtime_data_enqueue([stale, velocity(ROWS[0])], True) == TaskState.FINISHED
+    assert robot.get_realtime_data_queue_size() == 1
+
+
+def test_a_full_queue_takes_no_more(robot: Program) -> None:
+    points = [velocity(ROWS[0])] * CAPACITY
+    assert robot.realtime_data_enqueue(points, True) == TaskState.FINISHED
+    assert robot.realtime_data_enqueue(points[:1], True) == -1
+    assert robot.get_realtime_data_queue_size() == CAPACITY
+    assert robot.clear_realtime_data_queue() == TaskState.FINISHED
+    assert robot.get_realtime_data_queue_size() == 0
