@@ -161,6 +161,10 @@ class FaultProxy:
         """Counts so far."""
         return self._records.statistics()
 
+    def forget(self) -> None:
+        """Forget the calls that came so far; for long runs."""
+        self._portal.call(self._records.forget)
+
     # On the proxy's own loop
 
     async def _serve(self, *, task_status: TaskStatus[None]) -> None:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from aioduco.testing.faults import Fault
     from aioduco.testing.messages import Message
 
@@ -89,11 +91,13 @@ class Records:
         self.calls: list[CallRecord] = []
         self._faults = 0
         self._closed = 0
+        self._forgotten = 0
 
     def statistics(self) -> ProxyStatistics:
         """The counts now."""
         opened = len(self.connections)
-        return ProxyStatistics(opened, opened - self._closed, len(self.calls), self._faults)
+        calls = self._forgotten + len(self.calls)
+        return ProxyStatistics(opened, opened - self._closed, calls, self._faults)
 
     def connected(self) -> int:
         """A connection was accepted; its number."""
@@ -111,16 +115,26 @@ class Records:
         """A request came; the number of its record."""
         self._faults += fault is not None
         self.calls.append(CallRecord(connection, request, fault, time.monotonic()))
-        return len(self.calls) - 1
+        return self._forgotten + len(self.calls) - 1
 
     def forwarded(self, call: int) -> None:
         """A request went to the server."""
-        self.calls[call] = replace(self.calls[call], forwarded=time.monotonic())
+        self._note(call, lambda record, now: replace(record, forwarded=now))
 
     def replied(self, call: int) -> None:
         """A reply came from the server."""
-        self.calls[call] = replace(self.calls[call], replied=time.monotonic())
+        self._note(call, lambda record, now: replace(record, replied=now))
 
     def answered(self, call: int) -> None:
         """An answer went to the caller."""
-        self.calls[call] = replace(self.calls[call], answered=time.monotonic())
+        self._note(call, lambda record, now: replace(record, answered=now))
+
+    def forget(self) -> None:
+        """Drop the calls that came so far; the counts go on."""
+        self._forgotten += len(self.calls)
+        self.calls.clear()
+
+    def _note(self, call: int, change: Callable[[CallRecord, float], CallRecord]) -> None:
+        index = call - self._forgotten
+        if index >= 0:
+            self.calls[index] = change(self.calls[index], time.monotonic())
