@@ -17,27 +17,23 @@ from supervision_server import Handlers
 from aioduco._wire import rpc
 from aioduco.sim.server import Server
 
+SIX = [0.0] * 6
 STATUS = rpc.RobotStatus(
-    **{
-        name: [0.0] * 6
-        for name in (
-            "jointExpectPosition",
-            "jointExpectVelocity",
-            "jointExpectAccelera",
-            "jointActualPosition",
-            "jointActualVelocity",
-            "jointActualAccelera",
-            "jointActualCurrent",
-            "jointTemperature",
-            "driverTemperature",
-            "cartExpectPosition",
-            "cartExpectVelocity",
-            "cartExpectAccelera",
-            "cartActualPosition",
-            "cartActualVelocity",
-            "cartActualAccelera",
-        )
-    },
+    jointExpectPosition=SIX,
+    jointExpectVelocity=SIX,
+    jointExpectAccelera=SIX,
+    jointActualPosition=SIX,
+    jointActualVelocity=SIX,
+    jointActualAccelera=SIX,
+    jointActualCurrent=SIX,
+    jointTemperature=SIX,
+    driverTemperature=SIX,
+    cartExpectPosition=SIX,
+    cartExpectVelocity=SIX,
+    cartExpectAccelera=SIX,
+    cartActualPosition=SIX,
+    cartActualVelocity=SIX,
+    cartActualAccelera=SIX,
     slaveReady=[True] * 6,
     robotState=6,
 )
