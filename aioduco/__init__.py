@@ -19,6 +19,7 @@ from aioduco.models.enums import (
     FileKind,
     OperationMode,
     Outcome,
+    OutputMode,
     ProgramState,
     RobotState,
     SafetyState,
@@ -72,7 +73,7 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     "word_register",
     "Op",
     "PointOp",
-    # jogs, weaves, realtime control, external axes, files
+    # jogs, weaves, realtime control, external axes, outputs, files
     "ExternalAxis",
     "ExternalAxisScheme",
     "ExternalAxisState",
@@ -80,6 +81,7 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     "Jog",
     "JogDirections",
     "JogFrame",
+    "OutputMode",
     "RealtimeMode",
     "RealtimePoint",
     "WeavePlane",

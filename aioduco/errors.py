@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 __all__ = [
+    "BusError",
     "CallTimeout",
     "ConnectError",
     "ConnectTimeout",
@@ -169,6 +170,20 @@ class Refused(DucoError):
         super().__init__(f"the controller refused {function} (answer {code}): {reason}")
 
 
+class BusError(DucoError):
+    """The controller could not write to a bus: RS-485 or CAN.
+
+    Attributes:
+        function: the function of the wire that was called.
+    """
+
+    def __init__(self, function: str) -> None:
+        self.function = function
+        super().__init__(
+            f"{function} failed: the controller says that the bytes were not written to the bus"
+        )
+
+
 class TrackPoolFull(Refused):
     """The track pool has no room for the points.
 
@@ -260,9 +275,9 @@ class TaskParameterMismatch(TaskError):
 
 
 class Unreachable(DucoError):
-    """No configuration of the arm reaches a pose, by the kinematics on this computer.
+    """No configuration of the arm reaches a pose, by the kinematics that was asked.
 
-    Nothing was sent.
+    That of this computer, or the controller's (`cal_ikine`). Nothing was moved.
     """
 
 

@@ -16,12 +16,14 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
+    from aioduco.api.bus import Bus
     from aioduco.api.compound import Compound
     from aioduco.api.external_axes import ExternalAxes
     from aioduco.api.io import IO
     from aioduco.api.motion import Motion
     from aioduco.api.program import Program
     from aioduco.api.realtime import Realtime
+    from aioduco.api.registers import Registers
     from aioduco.api.state import State
     from aioduco.api.system import System
     from aioduco.api.track import Track
@@ -134,6 +136,8 @@ class Robot:
         realtime: the realtime queue, call by call.
         state: state of the arm and of the controller.
         io: inputs and outputs.
+        registers: registers and variables of the controller.
+        bus: RS-485 and CAN.
         version: type of the arm, version of the software.
     """
 
@@ -146,6 +150,8 @@ class Robot:
     realtime: Realtime
     state: State
     io: IO
+    registers: Registers
+    bus: Bus
     version: Version
 
     def __init__(self, host: str, port: int, settings: Settings) -> None:
@@ -154,12 +160,14 @@ class Robot:
         if type(port) is not int or not 1 <= port <= 65535:
             raise ParameterError("port", port, "a whole number from 1 to 65535")
         # Thrift is loaded here and not at import: `import aioduco` stays quick.
+        from aioduco.api.bus import Bus  # noqa: PLC0415
         from aioduco.api.compound import Compound  # noqa: PLC0415
         from aioduco.api.external_axes import ExternalAxes  # noqa: PLC0415
         from aioduco.api.io import IO  # noqa: PLC0415
         from aioduco.api.motion import Motion  # noqa: PLC0415
         from aioduco.api.program import Program  # noqa: PLC0415
         from aioduco.api.realtime import Realtime  # noqa: PLC0415
+        from aioduco.api.registers import Registers  # noqa: PLC0415
         from aioduco.api.state import State  # noqa: PLC0415
         from aioduco.api.system import System  # noqa: PLC0415
         from aioduco.api.track import Track  # noqa: PLC0415
@@ -178,6 +186,8 @@ class Robot:
         self.realtime = Realtime(self._supervisor)
         self.state = State(self._supervisor)
         self.io = IO(self._supervisor)
+        self.registers = Registers(self._supervisor)
+        self.bus = Bus(self._supervisor)
         self.version = Version(self._supervisor)
 
     def __repr__(self) -> str:

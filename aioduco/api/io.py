@@ -1,9 +1,15 @@
-"""Digital inputs and outputs (manual 1.3.7)."""
+"""Digital and analog inputs and outputs (manual 1.3.7)."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from aioduco.api import ranges
 from aioduco.api.section import Section, done
+
+if TYPE_CHECKING:
+    from aioduco.models.enums import OutputMode
+    from aioduco.models.rules import Real, Whole
 
 __all__ = ["IO"]
 
@@ -76,3 +82,105 @@ class IO(Section):
     async def get_function_digital_out(self, num: int) -> bool:
         """Read a function output of the cabinet (功能输出 IO), 1 to 8. Manual section 1.3.7."""
         return await self._rpc.get_function_digital_out(ranges.FUNCTION_IO("num", num))
+
+    async def get_config_digital_in(self, num: Whole) -> bool:
+        """Read a configurable input of the cabinet, a whole number from 1.
+
+        Not in the manual, which does not say how many there are.
+        """
+        return await self._rpc.get_config_digital_in(ranges.CONFIG_IO("num", num))
+
+    async def set_digital_output_mode(
+        self,
+        num: Whole,
+        type: OutputMode | int,  # noqa: A002  # the manual's name
+        *,
+        freq: Whole,
+        duty_cycle: Whole,
+    ) -> None:
+        """Set whether a general output of the cabinet gives a level or pulses (IO 输出信号类型).
+
+        It has effect from the next `set_standard_digital_out` on, which also starts and ends the
+        pulses. All outputs that pulse have one frequency and duty cycle.
+
+        Args:
+            num: number of the output, 1 to 16.
+            type: an `OutputMode`: 0 a level, 1 pulses.
+            freq: frequency of the pulses, 1 to 100 [Hz].
+            duty_cycle: percent of the time for which a pulse is high, 1 to 100; pulses last 1 ms
+                at least, so at 100 Hz it is 10 at least.
+
+        Raises:
+            ParameterError: an argument is out of range, or pulses would be too short; nothing
+                was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7, which prints its name as set_digital_out_mode.
+        """
+        num_, type_ = ranges.STANDARD_IO("num", num), ranges.OUTPUT_MODE("type", type)
+        hertz, percent = ranges.pulse(freq, duty_cycle)
+        answer = await self._rpc.set_digital_output_mode(num_, type_, hertz, percent)
+        done("set_digital_output_mode", answer)
+
+    async def get_standard_analog_voltage_in(self, num: Whole) -> float:
+        """Read a voltage at the cabinet (模拟电压输入), 1 to 4 [V]. Manual section 1.3.7."""
+        return await self._rpc.get_standard_analog_voltage_in(ranges.ANALOG_IO("num", num))
+
+    async def set_standard_analog_voltage_out(self, num: Whole, value: Real) -> None:
+        """Put out a voltage at the cabinet (模拟电压输出).
+
+        Args:
+            num: number of the channel, 1 to 4.
+            value: voltage, 0 to 10 [V].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        num_, value_ = ranges.ANALOG_IO("num", num), ranges.VOLTAGE("value", value)
+        answer = await self._rpc.set_standard_analog_voltage_out(num_, value_, True)
+        done("set_standard_analog_voltage_out", answer)
+
+    async def get_tool_analog_voltage_in(self, num: Whole) -> float:
+        """Read a voltage at the tool (末端模拟电压输入), 1 or 2 [V]. Manual section 1.3.7."""
+        return await self._rpc.get_tool_analog_voltage_in(ranges.TOOL_ANALOG_IO("num", num))
+
+    async def get_standard_analog_current_in(self, num: Whole) -> float:
+        """Read a current at the cabinet (模拟电流输入), 1 to 4 [mA]. Manual section 1.3.7."""
+        return await self._rpc.get_standard_analog_current_in(ranges.ANALOG_IO("num", num))
+
+    async def set_standard_analog_current_out(self, num: Whole, value: Real) -> None:
+        """Put out a current at the cabinet (模拟电流输出).
+
+        Args:
+            num: number of the channel, 1 to 4.
+            value: current, 4 to 20 [mA].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        num_, value_ = ranges.ANALOG_IO("num", num), ranges.CURRENT("value", value)
+        answer = await self._rpc.set_standard_analog_current_out(num_, value_, True)
+        done("set_standard_analog_current_out", answer)
+
+    async def set_analog_output_mode(self, num: Whole, mode: Whole) -> None:
+        """Set what an analog output of the cabinet puts out.
+
+        Not in the manual: what the numbers of the modes mean is not known.
+
+        Args:
+            num: number of the channel, 1 to 4.
+            mode: number of the mode.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+        """
+        num_, mode_ = ranges.ANALOG_IO("num", num), ranges.INT_32("mode", mode)
+        answer = await self._rpc.set_analog_output_mode(num_, mode_, True)
+        done("set_analog_output_mode", answer)

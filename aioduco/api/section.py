@@ -37,7 +37,7 @@ from aioduco.supervision.task import task_error
 if TYPE_CHECKING:
     from aioduco.supervision.supervisor import Supervisor
 
-__all__ = ["Section", "accepted", "done", "succeeded"]
+__all__ = ["Section", "accepted", "done", "settled", "succeeded"]
 
 Call: TypeAlias = Callable[[AsyncRpc], Coroutine[Any, Any, int]]
 
@@ -167,6 +167,23 @@ class Section:
         limit = ranges.TIMEOUT("timeout", timeout)
         await self._supervisor.launcher.perform(name, args, limit)
 
+    async def _settle(self, call: Call, timeout: float) -> None:
+        """Carry out a function that has no `block`, moves nothing, and answers with a task's id.
+
+        Args:
+            call: makes the call of the wire.
+            timeout: seconds in which the task must end.
+        """
+        name, args = noted(call)
+        supervisor = self._supervisor
+        supervisor.check_open(name)
+        answer = await call(self._rpc)
+        if answer > max(TaskState):
+            task = supervisor.launcher.adopt(Command(name, args, motion=False), answer)
+            await supervisor.keeper.completed(task, timeout)
+        else:
+            done(name, answer)
+
 
 def noted(call: Call) -> tuple[str, tuple[Any, ...]]:
     """Name and arguments of a call, without making it."""
@@ -215,6 +232,24 @@ def accepted(function: str, answer: int) -> int:
     if answer < 0:
         raise Refused(function, answer, "it does not take these arguments in its present state")
     return answer
+
+
+def settled(function: str, answer: int) -> None:
+    """Check the answer of a function of which the manual says that it returns nothing.
+
+    The wire returns a number all the same. A failure is told by a negative one, or by the end
+    state of a task that failed; any other says no more than that the call was taken.
+
+    Args:
+        function: the function of the wire.
+        answer: what it returned.
+
+    Raises:
+        TaskError: it is the end state of a task that did not succeed: one of the subclasses.
+        Refused: it is negative.
+    """
+    if answer < 0 or TaskState(answer).ended:
+        done(function, answer)
 
 
 def succeeded(function: str, answer: int) -> None:

@@ -14,6 +14,7 @@ __all__ = [
     "FileKind",
     "OperationMode",
     "Outcome",
+    "OutputMode",
     "ProgramState",
     "RobotState",
     "SafetyState",
@@ -80,6 +81,13 @@ class FileKind(_WireEnum):
 
     FOLDER = 0
     FILE = 1
+
+
+class OutputMode(IntEnum):
+    """What a digital output gives (IO 输出信号类型, manual 1.3.7)."""
+
+    LEVEL = 0
+    PULSES = 1
 
 
 class SafetyState(_WireEnum):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,6 +33,8 @@ NAMES = {
     "via": ("p1",),
     "center": ("p1",),
     "poses": ("p_list",),
+    "data": ("data", "value"),
+    "num": ("num", "portnum"),
     "points": ("pose_list", "points", "realtime_data"),
     "r": ("r", "rad"),
     "radius": ("rad",),
@@ -56,6 +58,7 @@ class Case:
         answer: what the controller answers.
         result: what comes back, if the function returns something.
         moves: whether it makes a motion.
+        also: what else the controller is asked for, and answers.
     """
 
     section: str
@@ -65,6 +68,7 @@ class Case:
     answer: Any = 4
     result: Any = None
     moves: bool = False
+    also: dict[str, Any] = field(default_factory=dict)
 
     def __str__(self) -> str:
         return self.name
@@ -126,6 +130,6 @@ def refusal(case: Case, **changed: Any) -> BaseException | None:
 @cache
 def cases() -> tuple[Case, ...]:
     """All of them."""
-    from api import motion_cases, section_cases  # noqa: PLC0415  # they are made of what is here
+    from api import bus_cases, motion_cases, section_cases  # noqa: PLC0415  # they are made of what is here
 
-    return (*motion_cases.CASES, *section_cases.CASES)
+    return (*motion_cases.CASES, *section_cases.CASES, *bus_cases.CASES)

@@ -20,6 +20,8 @@ PARAMETERS = [(case, name) for case in cases() for name in case.parameters]
 
 #: no parameter takes any of these
 NEVER: tuple[Any, ...] = (object(), 1j, {}, set(), b"\xff", Ellipsis, lambda: None)
+#: texts that may be empty
+EMPTY = {"path", "message", "value", "passwd", "info"}
 NOT_FINITE = (math.nan, math.inf, -math.inf)
 not_finite = st.sampled_from(NOT_FINITE)
 
@@ -34,9 +36,13 @@ def wrong(case: Case, name: str) -> SearchStrategy[Any]:
         values += [st.integers(), st.floats(), st.booleans(), st.just("\ud800")]
         if name in {"tool", "wobj"}:
             values.append(st.text(min_size=33))
-        elif name != "path":
+        elif name not in EMPTY:
             values.append(st.just(""))
         return st.one_of(values)
+    if isinstance(sample, (bytes, bytearray)) or (name, case.section) == ("tail", "bus"):
+        none = st.sampled_from([value for value in NEVER if not isinstance(value, bytes)])
+        wrong = st.lists(st.sampled_from([-1, 256, 1.5, True, None, "1"]), min_size=1)
+        return st.one_of(none, wrong, st.none(), st.text(), st.integers(), st.just(b""))
     values += [st.text(), st.binary()]
     if isinstance(sample, bool):
         values += [st.integers(), st.floats()]

@@ -13,7 +13,7 @@ NAMES = {
     "values": "deg mm Joints JointsLike Pose PoseLike",
     "outputs": "bool_register event float_register output tool_output word_register Op PointOp",
     "what motions are made of": "ExternalAxis ExternalAxisScheme ExternalAxisState FileKind Jog "
-    "JogDirections JogFrame RealtimeMode RealtimePoint WeavePlane WeaveShape",
+    "JogDirections JogFrame OutputMode RealtimeMode RealtimePoint WeavePlane WeaveShape",
     "states": "HeartbeatState IOStatus OperationMode ProgramState RobotState RobotStates "
     "RobotStatus SafetyState Snapshot TaskState events",
     "errors": " ".join(errors.__all__),

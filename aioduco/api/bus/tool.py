@@ -1,0 +1,163 @@
+"""The tool's RS-485 port (manual 1.3.6)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.bus.octets import octets, written
+from aioduco.api.section import Section
+
+if TYPE_CHECKING:
+    from aioduco.models.rules import BytesLike, Whole
+
+__all__ = ["ToolPort"]
+
+
+class ToolPort(Section):
+    """The tool's RS-485 port (末端 485 端口, manual 1.3.6)."""
+
+    __slots__ = ()
+
+    async def tool_read_raw_data_485(self, len: Whole) -> bytes:  # noqa: A002  # the manual's name
+        """Take bytes out of the buffer of the tool's port (末端 485 读取原生数据).
+
+        Args:
+            len: how many at most, a whole number from 1.
+
+        Returns:
+            The bytes; none if none have come.
+
+        Raises:
+            ParameterError: the number is out of range; nothing was sent.
+            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+
+        Manual section 1.3.6.
+        """
+        len_ = ranges.READ_LENGTH("len", len)
+        return octets(await self._rpc.tool_read_raw_data_485(len_))
+
+    async def tool_read_raw_data_485_h(
+        self,
+        head: BytesLike,
+        len: Whole,  # noqa: A002  # the manual's name
+    ) -> bytes:
+        """Take a frame that begins with a head from the tool's port (末端 485 匹配头).
+
+        One arm was seen to answer this with nothing where `tool_read_raw_data_485` gave bytes.
+
+        Args:
+            head: the bytes that the frame begins with, at least one.
+            len: length of the frame, a whole number from 1.
+
+        Returns:
+            The frame; nothing if none has come.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+
+        Manual section 1.3.6.
+        """
+        head_, len_ = ranges.BYTES("head", head), ranges.READ_LENGTH("len", len)
+        return octets(await self._rpc.tool_read_raw_data_485_h(head_, len_))
+
+    async def tool_read_raw_data_485_ht(self, head: BytesLike, tail: BytesLike) -> bytes:
+        """Take a frame between a head and a tail from the tool's port (末端 485 匹配头和尾).
+
+        Args:
+            head: the bytes that the frame begins with, at least one.
+            tail: the bytes that it ends with, at least one.
+
+        Returns:
+            The frame; nothing if none has come.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+
+        Manual section 1.3.6.
+        """
+        head_, tail_ = ranges.BYTES("head", head), ranges.BYTES("tail", tail)
+        return octets(await self._rpc.tool_read_raw_data_485_ht(head_, tail_))
+
+    async def tool_write_raw_data_485(self, data: BytesLike) -> None:
+        """Write bytes to the tool's port (末端 485 写原生数据).
+
+        Args:
+            data: the bytes, at least one.
+
+        Raises:
+            ParameterError: there are none, or one is no byte; nothing was sent.
+            BusError: they were not written.
+
+        Manual section 1.3.6.
+        """
+        data_ = ranges.BYTES("data", data)
+        written("tool_write_raw_data_485", await self._rpc.tool_write_raw_data_485(data_))
+
+    async def tool_write_raw_data_485_h(self, data: BytesLike, head: BytesLike) -> None:
+        """Write bytes with a head before them to the tool's port (末端 485 写原生数据, 加头).
+
+        Args:
+            data: the bytes, at least one.
+            head: what is put before them, at least one byte.
+
+        Raises:
+            ParameterError: an argument is empty, or has something that is no byte; nothing was
+                sent.
+            BusError: they were not written.
+
+        Manual section 1.3.6.
+        """
+        data_, head_ = ranges.BYTES("data", data), ranges.BYTES("head", head)
+        answer = await self._rpc.tool_write_raw_data_485_h(data_, head_)
+        written("tool_write_raw_data_485_h", answer)
+
+    async def tool_write_raw_data_485_ht(
+        self, data: BytesLike, head: BytesLike, tail: BytesLike
+    ) -> None:
+        """Write bytes between a head and a tail to the tool's port (末端 485 写原生数据, 加头和尾).
+
+        Args:
+            data: the bytes, at least one.
+            head: what is put before them, at least one byte.
+            tail: what is put behind them, at least one byte.
+
+        Raises:
+            ParameterError: an argument is empty, or has something that is no byte; nothing was
+                sent.
+            BusError: they were not written.
+
+        Manual section 1.3.6.
+        """
+        data_, head_ = ranges.BYTES("data", data), ranges.BYTES("head", head)
+        tail_ = ranges.BYTES("tail", tail)
+        answer = await self._rpc.tool_write_raw_data_485_ht(data_, head_, tail_)
+        written("tool_write_raw_data_485_ht", answer)
+
+    async def tool_read_data_485(self) -> bytes:
+        """Take bytes out of the buffer of the tool's port.
+
+        Not in the manual: how it differs from `tool_read_raw_data_485` is not known, and neither
+        is how many bytes it gives.
+
+        Raises:
+            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+        """
+        return octets(await self._rpc.tool_read_data_485())
+
+    async def tool_write_data_485(self, data: BytesLike) -> None:
+        """Write bytes to the tool's port.
+
+        Not in the manual: how it differs from `tool_write_raw_data_485` is not known.
+
+        Args:
+            data: the bytes, at least one.
+
+        Raises:
+            ParameterError: there are none, or one is no byte; nothing was sent.
+            BusError: they were not written.
+        """
+        data_ = ranges.BYTES("data", data)
+        written("tool_write_data_485", await self._rpc.tool_write_data_485(data_))
