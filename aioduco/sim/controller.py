@@ -13,13 +13,13 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState, TaskState
-from aioduco.sim.frames import Frames, Tool, WorkObject
+from aioduco.sim.cycle import Drive, Sensed, View
+from aioduco.sim.frames import Frames
 from aioduco.sim.heartbeat import Heartbeat
 from aioduco.sim.motion import Motion, Phase
 from aioduco.sim.planner.mover import SetPoint
@@ -40,6 +40,8 @@ if TYPE_CHECKING:
 
     Vector = NDArray[np.float64]
 
+__all__ = ["Controller", "Drive", "Sensed", "View"]
+
 #: joint speed above which an arm counts as moving [rad/s]
 _STANDSTILL = 2e-3
 #: time below it that counts as standing: a joint that swings is slow at its turning points [s]
@@ -51,60 +53,6 @@ _DEVIATION = 0.2
 _POWERED = (RobotState.DISABLE, RobotState.ENABLE)
 _ZEROS = np.zeros(6)
 _ZEROS.flags.writeable = False
-
-
-@dataclass(frozen=True, slots=True)
-class Sensed:
-    """What the controller knows of the arm in one cycle.
-
-    Attributes:
-        time: simulated time [s].
-        now: time of the network, for the heartbeat [s].
-        q: actual joints [rad]. Shape (6,).
-        qd: actual joint speeds [rad/s]. Shape (6,).
-    """
-
-    time: float
-    now: float
-    q: Vector
-    qd: Vector
-
-
-@dataclass(frozen=True, slots=True)
-class Drive:
-    """What the drives get: a set-point, or the brakes."""
-
-    setpoint: SetPoint
-    brake: bool
-
-
-class View(NamedTuple):
-    """The controller's state at one instant, for readers without a lock.
-
-    Attributes:
-        robot, program, safety, mode: as get_robot_state tells them.
-        moving: whether the arm moves.
-        emergency_stop: whether the emergency stop is pressed.
-        collision_axis: joint that detected a collision, 1 to 6, or 0.
-        error: 1 while a safety stop holds, else 0.
-        errors: the error list.
-        speed: global speed [%].
-        tool: the tool in use.
-        wobj: the work object in use.
-    """
-
-    robot: RobotState
-    program: ProgramState
-    safety: SafetyState
-    mode: OperationMode
-    moving: bool
-    emergency_stop: bool
-    collision_axis: int
-    error: int
-    errors: tuple[str, ...]
-    speed: int
-    tool: Tool
-    wobj: WorkObject
 
 
 class Controller:
@@ -135,6 +83,7 @@ class Controller:
         self._last_motion = -math.inf
         self._errors: deque[str] = deque(maxlen=20)
         self._speed = 100
+        self._jog = 0  # the task of the latest step
 
     # -- what others ask ---------------------------------------------------------------------
 
@@ -212,7 +161,7 @@ class Controller:
 
     def move(self, name: str, plan: Plan) -> int:
         """Queue a motion."""
-        if reason := self._cannot_move():
+        if reason := self._cannot_take():
             return self.reject(name, TaskState.ILLEGAL, reason)
         id_ = self.tasks.new(name)
         self._motion.append(id_, plan)
@@ -221,7 +170,7 @@ class Controller:
 
     def follow(self, name: str, following: Following) -> int:
         """Queue a motion whose targets come while it runs."""
-        if reason := self._cannot_move(following):
+        if reason := self._cannot_take(following):
             return self.reject(name, TaskState.ILLEGAL, reason)
         id_ = self.tasks.new(name)
         self._motion.follow(id_, following)
@@ -232,6 +181,21 @@ class Controller:
         """End what follows targets of some kinds; ends itself when the arm stands."""
         id_ = self.tasks.new(name)
         self._motion.finish(kinds, id_)
+        return id_
+
+    def jog(self, name: str, plan: Plan) -> int:
+        """One step of a jog, which begins only where nothing else runs."""
+        if self._motion.phase is not Phase.IDLE:
+            return self.reject(name, TaskState.ILLEGAL, "other motions are running")
+        self._jog = self.move(name, plan)
+        return self._jog
+
+    def end_jog(self, name: str) -> int:
+        """End a jog, whether it goes on or is a step; ends itself when the arm stands."""
+        if self.tasks.state(self._jog).ended or self._jog == 0:
+            return self.end_following(name, "move_jog")
+        id_ = self.tasks.new(name)
+        self._motion.stop(TaskState.STOPPED, "the jog was ended", id_)
         return id_
 
     def stop(self) -> int:
@@ -394,18 +358,19 @@ class Controller:
             self.note_error("heartbeat lost: all tasks were stopped")
             self.stop()
 
-    def _cannot_move(self, following: Following | None = None) -> str:
+    def _cannot_move(self) -> str:
         if self._power.state is not RobotState.ENABLE:
             return f"the robot is not enabled, but in state {self._power.state.name}"
         if self._fault is not None:
             return f"safety stop {self._fault.name}"
         if self._motion.phase is Phase.STOPPING:
             return "the robot is stopping"
-        if self._power.changing is not None:
-            return f"{self._power.changing} is under way"
-        if self._motion.full:
-            return "the queue of motions is full"
-        return self._taken(following)
+        return f"{self._power.changing} is under way" if self._power.changing is not None else ""
+
+    def _cannot_take(self, following: Following | None = None) -> str:
+        if reason := self._cannot_move():
+            return reason
+        return "the queue of motions is full" if self._motion.full else self._taken(following)
 
     def _taken(self, following: Following | None) -> str:
         """By what the arm is taken, so that no other motion may begin or wait."""

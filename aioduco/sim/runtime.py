@@ -23,7 +23,7 @@ from aioduco.sim.planner.mover import SetPoint
 from aioduco.sim.refusal import Refusal
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
@@ -38,6 +38,9 @@ _log = logging.getLogger(__name__)
 _STRIDE = 0.02
 #: simulated time of standing after which the physics need no further steps [s]
 _SETTLING = 0.3
+
+
+_NO_PUSH: tuple[float, ...] = (0.0,) * 6
 
 
 class Plant(Protocol):
@@ -68,6 +71,9 @@ class Plant(Protocol):
 
     def brake(self, on: bool) -> None:
         """Put the brakes on, or release them."""
+
+    def push(self, wrench: Sequence[float]) -> None:
+        """Push at the flange from now on [N, N m], in the base frame."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,6 +136,8 @@ class Runtime:
         self._count = 0
         self._quiet = 0
         self._braked: bool | None = None
+        self._push: Sequence[float] = _NO_PUSH
+        self._pushed: Sequence[float] = _NO_PUSH
         q = plant.q
         self._drive = Drive(SetPoint.at_rest(q), brake=True)
         self._snapshot = Snapshot(
@@ -219,6 +227,11 @@ class Runtime:
     def _newer(self, seen: Snapshot) -> bool:
         return self._snapshot is not seen or self._closing
 
+    def push(self, wrench: Sequence[float]) -> None:
+        """Push at the flange from now on [N, N m], in the base frame."""
+        self._push = tuple(wrench)
+        self._wake.set()
+
     def statistics(self) -> LoopStatistics:
         """How well the cycle is kept."""
         return self._times.statistics(self._pace.slipped)
@@ -276,6 +289,9 @@ class Runtime:
                 if self._braked is not self._drive.brake:
                     self._braked = self._drive.brake
                     self._plant.brake(self._braked)
+                if self._pushed is not self._push:
+                    self._pushed = self._push
+                    self._plant.push(self._pushed)
                 self._plant.step(self._drive.setpoint)
             self._count += cycles
             self._pace.ran(cycles)
@@ -315,5 +331,6 @@ class Runtime:
     def _is_idle(self, cycles: int) -> bool:
         """Whether the arm has stood for so long that physics would change nothing."""
         changing = self._controller.busy or self._braked is not self._drive.brake
+        changing = changing or self._pushed is not self._push or any(self._pushed)
         self._quiet = 0 if changing else self._quiet + cycles
         return self._quiet * self.cycle >= _SETTLING

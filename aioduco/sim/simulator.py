@@ -20,7 +20,7 @@ from aioduco.sim.server import Server
 from aioduco.sim.world import World
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from types import TracebackType
     from typing import Self
 
@@ -279,6 +279,16 @@ class Simulator:
             raise ValueError(f"joint is {joint}, but must be from 1 to 6")
         with self._running().command() as controller:
             controller.collide(joint)
+
+    def push(self, wrench: Sequence[float]) -> None:
+        """Push at the flange from now on, as a person does who guides the arm by hand.
+
+        Args:
+            wrench: force [N], then torque [N m], in the base frame; six zeros to let go.
+        """
+        if len(wrench) != 6:
+            raise ValueError(f"wrench has {len(wrench)} numbers, but must have 6")
+        self._running().push(wrench)
 
     def drop_connections(self) -> int:
         """Cut every connection, as a pulled cable would; how many there were."""

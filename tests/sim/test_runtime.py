@@ -18,7 +18,7 @@ from aioduco.sim.runtime import Runtime
 from .fakes import HOME, FakeMover, leg
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -46,6 +46,9 @@ class Follower:
 
     def brake(self, on: bool) -> None:
         self.braked.append(on)
+
+    def push(self, wrench: Sequence[float]) -> None:
+        self.pushed = tuple(wrench)
 
 
 @pytest.fixture

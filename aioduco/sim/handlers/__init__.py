@@ -19,6 +19,7 @@ from aioduco.sim.handlers.signals import SignalHandlers
 from aioduco.sim.handlers.state import StateHandlers
 from aioduco.sim.handlers.system import SystemHandlers
 from aioduco.sim.handlers.track import TrackHandlers
+from aioduco.sim.handlers.velocity import VelocityHandlers
 from aioduco.sim.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ class Handlers(
     ServoHandlers,
     RealtimeHandlers,
     TrackHandlers,
+    VelocityHandlers,
     SignalHandlers,
     FrameHandlers,
     StateHandlers,

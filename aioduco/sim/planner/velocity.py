@@ -43,7 +43,7 @@ class _Velocity(Follower):
 
         Args:
             velocity: six numbers.
-            acceleration: of the number that changes most, per second.
+            acceleration: of the joint that changes most, or of the tool, per second.
             time: after which it ends [s].
         """
         self._goal, self._acceleration, self._left = velocity, acceleration, time
@@ -60,11 +60,15 @@ class _Velocity(Follower):
         if self._left < 0.5 * self._cycle:
             self._ending = True
         change = (0.0 if self._ending else self._speed) * self._goal - self._present
-        most, step = float(np.abs(change).max()), self._acceleration * self._cycle
+        most, step = self._size(change), self._acceleration * self._cycle
         self._present = self._present + change * (min(1.0, step / most) if most > 0.0 else 1.0)
         if self._ending and not self._present.any():
             self._end()
         return self._present
+
+    @staticmethod
+    def _size(change: Array) -> float:
+        return float(np.abs(change).max())
 
 
 class JointVelocity(_Velocity):
@@ -103,6 +107,11 @@ class ToolVelocity(_Velocity):
         self.tool = tool
         self.frame = frame
         self.axes = axes
+
+    @staticmethod
+    def _size(change: Array) -> float:
+        # One to one: m/s² along the way, rad/s² about it.
+        return float(max(np.linalg.norm(change[:3]), np.linalg.norm(change[3:])))
 
     def _resumed(self) -> None:
         self._present = np.zeros(6)

@@ -1,0 +1,216 @@
+"""Motions that go on until they are told to end: velocities, jogs, hand guiding (manual 1.3.5)."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aioduco.models.rotation import matrix_from_rotvec
+from aioduco.sim.following import Following
+from aioduco.sim.handlers import arguments
+from aioduco.sim.handlers.base import Section, mismatch
+from aioduco.sim.planner.guiding import Guiding
+from aioduco.sim.planner.segments import joint_move, line_move
+from aioduco.sim.planner.velocity import JointVelocity, ToolVelocity
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from aioduco._wire.rpc import MoveJogTaskParam
+    from aioduco.sim.controller import Controller
+    from aioduco.sim.motion import Plan
+    from aioduco.sim.planner.follower import Follower
+    from aioduco.sim.planner.segments import Segment
+
+    Vector = NDArray[np.float64]
+
+_FASTEST_JOINT = 1.25 * math.pi
+_FASTEST_TOOL = 5.0
+_JOINT_ACCELERATION = (math.radians(0.01), math.inf, "rad/s²")
+_TOOL_ACCELERATION = (1e-5, math.inf, "m/s²")
+_STEEPEST = 1e4  # stands for an acceleration without a limit
+#: what 100 % of a jog are: assumptions, of the order of what ISO 10218 calls reduced speed
+_JOG_JOINT, _JOG_LINE, _JOG_TURN = 0.5, 0.25, 0.5  # [rad/s, m/s, rad/s]
+_JOG_JOINT_ACCELERATION, _JOG_LINE_ACCELERATION = 2.0, 1.0  # [rad/s², m/s²]
+_CARTESIAN, _JOINTS = 1, 2
+_TOOL_FRAME, _WORK_OBJECT = 2, 3
+
+
+class VelocityHandlers(Section):
+    """speedj, speedl, speed_stop, move_jog, stop_manual_move, teach_mode, end_teach_mode."""
+
+    def speedj(self, joints_list: Sequence[float], a: float, time: int, block: bool) -> int:
+        """Turn each joint at a velocity."""
+
+        def command(controller: Controller) -> int:
+            speeds = _speeds("joints_list", joints_list, [_FASTEST_JOINT] * 6)
+            change = min(arguments.number("a", a, *_JOINT_ACCELERATION), _STEEPEST)
+            left = _time(time)
+
+            def aim(follower: JointVelocity) -> None:
+                follower.aim(speeds, change, left)
+
+            following = Following("speedj", self._joint_velocity, aim, alone=True)
+            return controller.follow("speedj", following)
+
+        return self._task("speedj", block, command)
+
+    def speedl(self, pose_list: Sequence[float], a: float, time: int, block: bool) -> int:
+        """Move the tool at a velocity in its own frame (manual 4.3)."""
+
+        def command(controller: Controller) -> int:
+            twist = _speeds("pose_list", pose_list, [_FASTEST_TOOL] * 3 + [_FASTEST_JOINT] * 3)
+            change = min(arguments.number("a", a, *_TOOL_ACCELERATION), _STEEPEST)
+            left, tool = _time(time), self._frames.tool().matrix
+
+            def make(q: Vector) -> ToolVelocity:
+                return ToolVelocity(self._arm, q, self._runtime.cycle, tool)
+
+            def aim(follower: ToolVelocity) -> None:
+                follower.tool = tool
+                follower.aim(twist, change, left)
+
+            return controller.follow("speedl", Following("speedl", make, aim, alone=True))
+
+        return self._task("speedl", block, command)
+
+    def speed_stop(self, block: bool) -> int:
+        """End speedj and speedl at their own acceleration."""
+        name = "speed_stop"
+        return self._task(name, block, lambda c: c.end_following(name, "speedj", "speedl"))
+
+    def move_jog(self, param: MoveJogTaskParam, block: bool) -> int:
+        """Jog a joint or a direction, by a step or until stop_manual_move."""
+
+        def command(controller: Controller) -> int:
+            _check_jog(param)
+            if param.use_step:
+                return controller.jog("move_jog", self._jog_step(param))
+            return controller.follow("move_jog", self._jog(param))
+
+        return self._task("move_jog", block, command)
+
+    def stop_manual_move(self, block: bool) -> int:
+        """End a jog."""
+        name = "stop_manual_move"
+        return self._task(name, block, lambda c: c.end_jog(name))
+
+    def teach_mode(self, block: bool) -> int:
+        """Begin hand guiding; done when it has begun."""
+
+        def command(controller: Controller) -> int:
+            id_ = controller.follow(
+                "teach_mode",
+                Following.once("teach_mode", lambda q: Guiding(self._arm, q, self._runtime.cycle)),
+            )
+            return id_ if controller.tasks.state(id_).ended else controller.finish("teach_mode")
+
+        return self._task("teach_mode", block, command)
+
+    def end_teach_mode(self, block: bool) -> int:
+        """End hand guiding; the arm stays where it is."""
+        name = "end_teach_mode"
+        return self._task(name, block, lambda c: c.end_following(name, "teach_mode"))
+
+    # -- what they share -----------------------------------------------------------------------
+
+    def _joint_velocity(self, q: Vector) -> JointVelocity:
+        return JointVelocity(self._arm, q, self._runtime.cycle)
+
+    def _jog(self, param: MoveJogTaskParam) -> Following:
+        share, axis = param.jog_direction * param.vel / 100.0, param.axis_num
+        velocity = np.zeros(6)
+        if param.jog_type == _JOINTS:
+            velocity[axis] = share * _JOG_JOINT
+
+            def begin(q: Vector) -> Follower:
+                joints = self._joint_velocity(q)
+                joints.aim(velocity, _JOG_JOINT_ACCELERATION)
+                return joints
+
+            return Following.once("move_jog", begin)
+        velocity[axis] = share * (_JOG_LINE if axis < 3 else _JOG_TURN)
+        tool, frame = self._frames.tool().matrix, self._jog_frame(param)
+
+        def begin_tool(q: Vector) -> Follower:
+            follower = ToolVelocity(
+                self._arm,
+                q,
+                self._runtime.cycle,
+                tool,
+                "tool" if frame is None else "fixed",
+                frame,
+            )
+            follower.aim(velocity, _JOG_LINE_ACCELERATION)
+            return follower
+
+        return Following.once("move_jog", begin_tool)
+
+    def _jog_frame(self, param: MoveJogTaskParam) -> Vector | None:
+        """Axes of a Cartesian jog in the base; None for those of the tool."""
+        if param.jog_coordinate == _TOOL_FRAME:
+            return None
+        if param.jog_coordinate == _WORK_OBJECT:
+            return self._frames.wobj().matrix[:3, :3]
+        return np.eye(3)  # the world's, which are the base's
+
+    def _jog_step(self, param: MoveJogTaskParam) -> Plan:
+        axis, share = param.axis_num, param.vel / 100.0
+        if param.jog_type == _JOINTS:
+            turn = np.zeros(6)
+            turn[axis] = param.jog_direction * param.step_jointValue
+            return lambda start: joint_move(
+                self._arm, start, start + turn, share * _JOG_JOINT, _JOG_JOINT_ACCELERATION
+            )
+        step = np.zeros(6)
+        step[axis] = param.jog_direction * param.step_cartvalue
+        tool, frame = self._frames.tool().matrix, self._jog_frame(param)
+        speed = share * (_JOG_LINE if axis < 3 else _JOG_TURN)
+
+        def line(start: Vector) -> Segment:
+            tip = self._arm.fkine(start) @ tool
+            axes = tip[:3, :3] if frame is None else frame
+            goal = tip.copy()
+            goal[:3, 3] += axes @ step[:3]
+            goal[:3, :3] = matrix_from_rotvec(axes @ step[3:]) @ tip[:3, :3]
+            flange = goal @ np.linalg.inv(tool)
+            return line_move(self._arm, start, flange, speed, _JOG_LINE_ACCELERATION, tool=tool)
+
+        return line
+
+
+def _check_jog(param: MoveJogTaskParam) -> None:
+    for name, value, allowed in (
+        ("jog_direction", param.jog_direction, (-1, 1)),
+        ("jog_type", param.jog_type, (_CARTESIAN, _JOINTS)),
+        ("axis_num", param.axis_num, range(6)),
+        ("jog_coordinate", param.jog_coordinate, range(4)),
+    ):
+        if value not in allowed:
+            raise mismatch(f"{name} is {value}, but must be one of {list(allowed)}")
+    arguments.positive("vel", param.vel, 100.0, "%")
+    if param.use_step:
+        step = ("step_jointValue", param.step_jointValue)
+        if param.jog_type == _CARTESIAN:
+            step = ("step_cartvalue", param.step_cartvalue)
+        arguments.positive(*step, 2 * math.pi, "m or rad")
+
+
+def _speeds(name: str, values: Sequence[float], most: Sequence[float]) -> Vector:
+    numbers = arguments.numbers(name, values, 6)
+    for value, limit in zip(numbers, most, strict=True):
+        arguments.number(name, value, -limit, limit, "rad/s or m/s")
+    return np.array(numbers)
+
+
+def _time(milliseconds: int) -> float:
+    """How long it goes on [s]; -1 for as long as nobody ends it."""
+    if milliseconds == -1:
+        return math.inf
+    if milliseconds <= 0:
+        raise mismatch(f"time is {milliseconds}, but must be above 0 ms, or -1")
+    return milliseconds / 1000.0

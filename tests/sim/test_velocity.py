@@ -1,0 +1,207 @@
+"""Velocities, jogs and hand guiding over the wire."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from aioduco._wire.rpc import MoveJogTaskParam
+from aioduco.models.enums import TaskState
+from aioduco.models.pose import Pose
+from aioduco.sim.simulator import READY, Simulator
+
+if TYPE_CHECKING:
+    from .conftest import Program
+
+STILL = [0.0] * 6
+
+
+def test_joints_turn_until_the_time_is_over(sim: Simulator, robot: Program) -> None:
+    begin = sim.time
+    speeds = [0.4, 0.0, -0.2, 0.0, 0.0, 0.0]
+    assert robot.speedj(speeds, 2.0, 1000, True) == TaskState.FINISHED
+    # 0.2 s to speed, then until 1 s, then 0.2 s to stand
+    assert sim.time - begin == pytest.approx(1.2, abs=0.1)
+    sim.wait_until(lambda: not sim.moving)
+    assert sim.joints[0] == pytest.approx(0.4, abs=5e-3)
+    assert sim.joints[2] - READY[2] == pytest.approx(-0.2, abs=5e-3)
+
+
+def test_speed_stop_ends_it_in_good_order(sim: Simulator, robot: Program) -> None:
+    id_ = robot.speedj([0.2, *STILL[1:]], 1.0, -1, False)
+    sim.wait_until(lambda: sim.joints[0] > 0.1, 60.0)
+    assert robot.get_noneblock_taskstate(id_) == TaskState.RUNNING
+    assert robot.to(*READY) == TaskState.ILLEGAL
+    assert robot.speed_stop(True) == TaskState.FINISHED
+    assert robot.get_noneblock_taskstate(id_) == TaskState.FINISHED
+    assert not sim.moving
+    assert robot.speed_stop(True) == TaskState.FINISHED
+    assert robot.to(*READY) == TaskState.FINISHED
+
+
+def test_a_second_velocity_takes_over(sim: Simulator, robot: Program) -> None:
+    first = robot.speedj([0.2, *STILL[1:]], 1.0, -1, False)
+    sim.wait_until(lambda: sim.joints[0] > 0.05, 60.0)
+    second = robot.speedj([-0.2, *STILL[1:]], 1.0, -1, False)
+    assert robot.get_noneblock_taskstate(first) == TaskState.INTERRUPT
+    sim.wait_until(lambda: sim.joints[0] < 0.0, 60.0)
+    assert robot.speedl([0.1, *STILL[1:]], 1.0, -1, True) == TaskState.ILLEGAL
+    assert robot.stop(True) == TaskState.FINISHED
+    assert robot.get_noneblock_taskstate(second) == TaskState.STOPPED
+
+
+def test_the_tool_moves_along_its_own_axes(sim: Simulator, robot: Program) -> None:
+    start = Pose.of(robot.get_tcp_pose())
+    assert robot.speedl([0.0, 0.0, 0.1, 0.0, 0.0, 0.0], 1.0, 1000, True) == TaskState.FINISHED
+    sim.wait_until(lambda: not sim.moving)
+    goal = start @ Pose(0.0, 0.0, 0.1, 0.0, 0.0, 0.0)
+    assert Pose.of(robot.get_tcp_pose()).almost_equal(goal, position=1e-3, rotation=1e-3)
+    assert robot.speedl([0.0, 0.0, 0.0, 0.0, 0.0, 0.5], 5.0, 1000, True) == TaskState.FINISHED
+    sim.wait_until(lambda: not sim.moving)
+    turned = goal @ Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.5)
+    assert Pose.of(robot.get_tcp_pose()).almost_equal(turned, position=1e-3, rotation=3e-3)
+
+
+def test_the_end_of_the_reach_ends_it(sim: Simulator, robot: Program) -> None:
+    assert robot.speedl([0.0, 0.0, -0.3, 0.0, 0.0, 0.0], 1.0, -1, True) == TaskState.ERROR
+    assert robot.get_last_error()
+    sim.wait_until(lambda: not sim.moving)
+    assert robot.get_robot_state() == [6, 0, 5, 1]
+    assert robot.speedj([0.0, 0.0, 0.0, 0.0, 0.0, 2.0], 5.0, -1, True) == TaskState.ERROR
+    assert "joint 6" in robot.get_last_error()[-1]
+    assert sim.joints[5] <= 2 * math.pi + 1e-3
+
+
+def test_the_global_speed_scales_it(sim: Simulator, robot: Program) -> None:
+    assert robot.speed(10.0) == TaskState.FINISHED
+    assert robot.speedj([0.5, *STILL[1:]], 5.0, 1000, True) == TaskState.FINISHED
+    sim.wait_until(lambda: not sim.moving)
+    assert sim.joints[0] == pytest.approx(0.05, abs=5e-3)
+
+
+def test_pause_and_resume(sim: Simulator, robot: Program) -> None:
+    id_ = robot.speedl([0.05, *STILL[1:]], 1.0, -1, False)
+    sim.wait_until(lambda: sim.moving)
+    assert robot.pause(True) == TaskState.FINISHED
+    assert robot.get_noneblock_taskstate(id_) == TaskState.PAUSED
+    assert robot.resume(True) == TaskState.FINISHED
+    assert robot.speed_stop(True) == TaskState.FINISHED
+    assert robot.get_noneblock_taskstate(id_) == TaskState.FINISHED
+
+
+def test_wrong_velocities(robot: Program) -> None:
+    assert robot.speedj([4.0, *STILL[1:]], 1.0, 100, True) == TaskState.PARAMETER_MISMATCH
+    assert robot.speedj([0.1] * 5, 1.0, 100, True) == TaskState.PARAMETER_MISMATCH
+    assert robot.speedj([math.nan] * 6, 1.0, 100, True) == TaskState.PARAMETER_MISMATCH
+    assert robot.speedj([0.1] * 6, 0.0, 100, True) == TaskState.PARAMETER_MISMATCH
+    assert robot.speedj([0.1] * 6, 1.0, 0, True) == TaskState.PARAMETER_MISMATCH
+    assert robot.speedl([6.0, *STILL[1:]], 1.0, 100, True) == TaskState.PARAMETER_MISMATCH
+
+
+# -- jogs ----------------------------------------------------------------------------------------
+
+
+def jog(**given: Any) -> MoveJogTaskParam:
+    settings = {"jog_direction": 1, "jog_type": 2, "axis_num": 0, "vel": 50.0, "jog_coordinate": 1}
+    return MoveJogTaskParam(**(settings | given))
+
+
+def test_a_jog_goes_on_until_it_is_ended(sim: Simulator, robot: Program) -> None:
+    id_ = robot.move_jog(jog(jog_direction=-1, axis_num=5), False)
+    sim.wait_until(lambda: sim.joints[5] < -0.1, 60.0)
+    assert robot.stop_manual_move(True) == TaskState.FINISHED
+    assert robot.get_noneblock_taskstate(id_) == TaskState.FINISHED
+    assert not sim.moving
+    assert robot.stop_manual_move(True) == TaskState.FINISHED
+
+
+def test_a_jog_by_a_step(sim: Simulator, robot: Program) -> None:
+    assert robot.move_jog(jog(use_step=True, step_jointValue=0.1), True) == TaskState.FINISHED
+    sim.wait_until(lambda: not sim.moving)
+    assert sim.joints[0] == pytest.approx(0.1, abs=1e-3)
+
+
+@pytest.mark.parametrize("frame", [0, 1, 2, 3])
+def test_a_cartesian_jog_follows_the_axes_of_its_frame(
+    sim: Simulator, robot: Program, frame: int
+) -> None:
+    assert robot.set_wobj("bench", [0.1, 0.0, 0.0, 0.0, 0.0, 0.5]) == TaskState.FINISHED
+    start = Pose.from_matrix(sim.arm.fkine(sim.joints))
+    step = jog(jog_type=1, jog_coordinate=frame, use_step=True, step_cartvalue=0.05)
+    assert robot.move_jog(step, True) == TaskState.FINISHED
+    sim.wait_until(lambda: not sim.moving)
+    moved = sim.arm.fkine(sim.joints)[:3, 3] - start.matrix[:3, 3]
+    axes = {2: start.matrix[:3, 0].tolist(), 3: [math.cos(0.5), math.sin(0.5), 0.0]}
+    axis: list[float] = axes.get(frame, [1.0, 0.0, 0.0])
+    assert moved == pytest.approx([0.05 * a for a in axis], abs=1e-3)
+    robot.move_jog(jog(jog_type=1, jog_coordinate=frame, jog_direction=-1), False)
+    there = sim.arm.fkine(sim.joints)[:3, 3]
+    sim.wait_until(
+        lambda: float(sum((sim.arm.fkine(sim.joints)[:3, 3] - there) ** 2)) > 0.02**2, 60.0
+    )
+    assert robot.stop_manual_move(True) == TaskState.FINISHED
+    back = sim.arm.fkine(sim.joints)[:3, 3] - there
+    assert back @ [-a for a in axis] == pytest.approx(float(sum(back**2)) ** 0.5, rel=0.02)
+
+
+def test_a_step_can_be_ended(sim: Simulator, robot: Program) -> None:
+    id_ = robot.move_jog(jog(use_step=True, step_jointValue=3.0, vel=10.0), False)
+    sim.wait_until(lambda: sim.joints[0] > 0.05, 60.0)
+    assert robot.stop_manual_move(True) == TaskState.FINISHED
+    assert robot.get_noneblock_taskstate(id_) == TaskState.STOPPED
+    assert sim.joints[0] < 3.0
+
+
+def test_a_jog_begins_only_where_nothing_else_runs(sim: Simulator, robot: Program) -> None:
+    robot.to(2.0, *READY[1:], v=0.02, block=False)
+    sim.wait_until(lambda: sim.moving)
+    assert robot.move_jog(jog(), True) == TaskState.ILLEGAL
+    assert robot.move_jog(jog(use_step=True, step_jointValue=0.1), True) == TaskState.ILLEGAL
+    assert robot.stop(True) == TaskState.FINISHED
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"jog_direction": 0},
+        {"jog_type": 3},
+        {"axis_num": 6},
+        {"jog_coordinate": 4},
+        {"vel": 0.0},
+        {"vel": math.nan},
+        {"use_step": True, "step_jointValue": 0.0},
+    ],
+)
+def test_wrong_jogs(robot: Program, wrong: dict[str, Any]) -> None:
+    assert robot.move_jog(jog(**wrong), True) == TaskState.PARAMETER_MISMATCH
+
+
+# -- hand guiding --------------------------------------------------------------------------------
+
+
+def test_hand_guiding_holds_the_arm_and_lets_it_be_pushed(sim: Simulator, robot: Program) -> None:
+    assert robot.teach_mode(True) == TaskState.FINISHED
+    assert robot.to(*READY) == TaskState.ILLEGAL
+    before = sim.time
+    sim.wait_until(lambda: sim.time > before + 2.0, 10.0)
+    assert max(abs(a - b) for a, b in zip(sim.joints, READY, strict=True)) < 5e-3
+    sim.push([0.0, 30.0, 0.0, 0.0, 0.0, 0.0])
+    sim.wait_until(lambda: sim.joints[0] > 0.2, 20.0)
+    sim.push(STILL)
+    at = sim.time
+    sim.wait_until(lambda: sim.time > at + 2.0, 10.0)
+    assert robot.end_teach_mode(True) == TaskState.FINISHED
+    assert robot.get_robot_state() == [6, 0, 5, 1]
+    rest = sim.joints
+    assert robot.to(*READY) == TaskState.FINISHED
+    assert rest[0] > 0.2
+
+
+def test_a_stop_ends_hand_guiding(sim: Simulator, robot: Program) -> None:
+    assert robot.teach_mode(True) == TaskState.FINISHED
+    assert robot.stop(True) == TaskState.FINISHED
+    assert robot.end_teach_mode(True) == TaskState.FINISHED
+    sim.wait_until(lambda: not sim.moving)
+    assert robot.to(*READY) == TaskState.FINISHED
