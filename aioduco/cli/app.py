@@ -6,6 +6,8 @@ import typer
 
 import aioduco
 from aioduco.cli.demo.command import demo
+from aioduco.cli.doctor import doctor
+from aioduco.cli.plot import plot
 from aioduco.cli.sim import sim
 
 __all__ = ["app"]
@@ -19,6 +21,8 @@ app = typer.Typer(
 )
 app.command()(sim)
 app.command()(demo)
+app.command()(doctor)
+app.command()(plot)
 
 
 def _version(wanted: bool) -> None:

@@ -1,0 +1,41 @@
+"""`aioduco doctor` and `aioduco plot`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from typer.testing import CliRunner
+
+from aioduco.cli.app import app
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from .conftest import Controller
+
+
+def test_doctor_measures_and_plot_draws_it(controller: Controller, tmp_path: Path) -> None:
+    figures = tmp_path / "figures.json"
+    port = str(controller.server.port)
+    shown = CliRunner().invoke(
+        app, ["doctor", "127.0.0.1", "--port", port, "--seconds", "0.2", "--json", str(figures)]
+    )
+    assert shown.exit_code == 0, shown.output
+    assert "can be held" in shown.output
+    assert set(controller.names()) == {"get_robot_state"}
+    drawn = CliRunner().invoke(app, ["plot", str(figures)])
+    assert drawn.exit_code == 0, drawn.output
+    assert (tmp_path / "figures.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_doctor_without_a_controller_says_so() -> None:
+    shown = CliRunner().invoke(app, ["doctor", "127.0.0.1", "--port", "1", "--seconds", "0.2"])
+    assert shown.exit_code == 1
+    assert "cannot connect" in shown.output
+
+
+def test_plot_says_what_it_cannot_draw(tmp_path: Path) -> None:
+    (tmp_path / "figures.json").write_text("{}")
+    shown = CliRunner().invoke(app, ["plot", str(tmp_path / "figures.json")])
+    assert shown.exit_code == 1
+    assert "cannot be drawn" in shown.output
