@@ -26,7 +26,9 @@ from aioduco.models.enums import (
     TaskState,
 )
 from aioduco.models.external_axis import ExternalAxis, ExternalAxisScheme, ExternalAxisState
+from aioduco.models.force import ForceFrame, ForceLogic, GuardedForce
 from aioduco.models.jog import Jog, JogDirections, JogFrame
+from aioduco.models.load import Load
 from aioduco.models.op import (
     Op,
     PointOp,
@@ -73,14 +75,18 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     "word_register",
     "Op",
     "PointOp",
-    # jogs, weaves, realtime control, external axes, outputs, files
+    # jogs, weaves, realtime control, external axes, force control, loads, outputs, files
     "ExternalAxis",
     "ExternalAxisScheme",
     "ExternalAxisState",
     "FileKind",
+    "ForceFrame",
+    "ForceLogic",
+    "GuardedForce",
     "Jog",
     "JogDirections",
     "JogFrame",
+    "Load",
     "OutputMode",
     "RealtimeMode",
     "RealtimePoint",

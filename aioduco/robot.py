@@ -19,11 +19,19 @@ if TYPE_CHECKING:
     from aioduco.api.bus import Bus
     from aioduco.api.compound import Compound
     from aioduco.api.external_axes import ExternalAxes
+    from aioduco.api.force import Force
+    from aioduco.api.frames import Frames
     from aioduco.api.io import IO
+    from aioduco.api.kinematics import Kinematics
+    from aioduco.api.log import Log
+    from aioduco.api.modbus import Modbus
     from aioduco.api.motion import Motion
+    from aioduco.api.optimization import Optimization
     from aioduco.api.program import Program
     from aioduco.api.realtime import Realtime
     from aioduco.api.registers import Registers
+    from aioduco.api.service import Service
+    from aioduco.api.settings import Settings as SettingsSection
     from aioduco.api.state import State
     from aioduco.api.system import System
     from aioduco.api.track import Track
@@ -138,6 +146,14 @@ class Robot:
         io: inputs and outputs.
         registers: registers and variables of the controller.
         bus: RS-485 and CAN.
+        frames: tools, work objects, loads.
+        kinematics: kinematics, as the controller computes it.
+        settings: speeds, collision detection, simulation, pendant.
+        optimization: how motions are optimized.
+        force: force control.
+        modbus: signals over Modbus.
+        log: the controller's log and its pendant.
+        service: functions of the factory: only with its instructions.
         version: type of the arm, version of the software.
     """
 
@@ -152,6 +168,14 @@ class Robot:
     io: IO
     registers: Registers
     bus: Bus
+    frames: Frames
+    kinematics: Kinematics
+    settings: SettingsSection
+    optimization: Optimization
+    force: Force
+    modbus: Modbus
+    log: Log
+    service: Service
     version: Version
 
     def __init__(self, host: str, port: int, settings: Settings) -> None:
@@ -163,11 +187,19 @@ class Robot:
         from aioduco.api.bus import Bus  # noqa: PLC0415
         from aioduco.api.compound import Compound  # noqa: PLC0415
         from aioduco.api.external_axes import ExternalAxes  # noqa: PLC0415
+        from aioduco.api.force import Force  # noqa: PLC0415
+        from aioduco.api.frames import Frames  # noqa: PLC0415
         from aioduco.api.io import IO  # noqa: PLC0415
+        from aioduco.api.kinematics import Kinematics  # noqa: PLC0415
+        from aioduco.api.log import Log  # noqa: PLC0415
+        from aioduco.api.modbus import Modbus  # noqa: PLC0415
         from aioduco.api.motion import Motion  # noqa: PLC0415
+        from aioduco.api.optimization import Optimization  # noqa: PLC0415
         from aioduco.api.program import Program  # noqa: PLC0415
         from aioduco.api.realtime import Realtime  # noqa: PLC0415
         from aioduco.api.registers import Registers  # noqa: PLC0415
+        from aioduco.api.service import Service  # noqa: PLC0415
+        from aioduco.api.settings import Settings as SettingsSection  # noqa: PLC0415
         from aioduco.api.state import State  # noqa: PLC0415
         from aioduco.api.system import System  # noqa: PLC0415
         from aioduco.api.track import Track  # noqa: PLC0415
@@ -188,6 +220,14 @@ class Robot:
         self.io = IO(self._supervisor)
         self.registers = Registers(self._supervisor)
         self.bus = Bus(self._supervisor)
+        self.frames = Frames(self._supervisor)
+        self.kinematics = Kinematics(self._supervisor)
+        self.settings = SettingsSection(self._supervisor)
+        self.optimization = Optimization(self._supervisor)
+        self.force = Force(self._supervisor)
+        self.modbus = Modbus(self._supervisor)
+        self.log = Log(self._supervisor)
+        self.service = Service(self._supervisor)
         self.version = Version(self._supervisor)
 
     def __repr__(self) -> str:

@@ -184,6 +184,22 @@ class Section:
         else:
             done(name, answer)
 
+    async def _must_stand(self, function: str) -> None:
+        """See that nothing moves the arm, for what makes it jump if something does.
+
+        Args:
+            function: the function of the wire that is to be called.
+
+        Raises:
+            RobotStateError: something moves it.
+        """
+        self._supervisor.check_open(function)
+        if self._supervisor.keeper.moving or await self._rpc.robotmoving():
+            raise RobotStateError(
+                f"{function} was not sent: the arm moves, and would move in an unforeseen way; "
+                "wait until all motions have ended, or stop it"
+            )
+
 
 def noted(call: Call) -> tuple[str, tuple[Any, ...]]:
     """Name and arguments of a call, without making it."""

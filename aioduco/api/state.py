@@ -159,3 +159,10 @@ class State(Section):
     async def get_flange_acceleration(self) -> Vector:
         """Read the acceleration of the flange (法兰加速度) [m/s², rad/s²]. Manual section 1.3.7."""
         return vector(await self._rpc.get_flange_acceleration())
+
+    async def read_encoder_count(self) -> int:
+        """Read the count of an external incremental encoder (外接 INC 的实际 count 值).
+
+        Manual section 1.3.7.
+        """
+        return await self._rpc.read_encoder_count()

@@ -15,7 +15,7 @@ def call(section: str, name: str, args: dict[str, Any], *wire: Any, **rest: Any)
     return Case(section, name, args, wire, **rest)
 
 
-def frozen(*values: float) -> Any:
+def frozen(*values: Any) -> Any:
     """A read-only array."""
     array = np.array(values)
     array.flags.writeable = False

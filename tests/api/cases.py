@@ -25,7 +25,7 @@ MANUAL: dict[str, dict[str, Any]] = {one["wire"]: one for one in DATA["functions
 
 #: what the manual calls our parameters; the first name that the function has
 NAMES = {
-    "joints": ("joints_list",),
+    "joints": ("joints_list", "joints_position"),
     "velocities": ("joints_list",),
     "pose": ("p", "pose_list", "p2"),
     "twist": ("pose_list",),
@@ -35,6 +35,9 @@ NAMES = {
     "poses": ("p_list",),
     "data": ("data", "value"),
     "num": ("num", "portnum"),
+    "dead_band": ("number_list",),
+    "frame": ("type",),
+    "middle": ("middle_value",),
     "points": ("pose_list", "points", "realtime_data"),
     "r": ("r", "rad"),
     "radius": ("rad",),
@@ -130,6 +133,7 @@ def refusal(case: Case, **changed: Any) -> BaseException | None:
 @cache
 def cases() -> tuple[Case, ...]:
     """All of them."""
-    from api import bus_cases, motion_cases, section_cases  # noqa: PLC0415  # they are made of what is here
+    from api import bus_cases, motion_cases, section_cases, setting_cases  # noqa: PLC0415  # they are made of what is here
 
-    return (*motion_cases.CASES, *section_cases.CASES, *bus_cases.CASES)
+    modules = (motion_cases, section_cases, bus_cases, setting_cases)
+    return tuple(case for module in modules for case in module.CASES)

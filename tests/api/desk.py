@@ -10,6 +10,8 @@ from client.bench import Bench, BenchTask
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from aioduco import TaskState
+
 #: where the time in ms stands among the arguments of what goes on; None if it has none
 HELD: dict[str, int | None] = {
     "speedj": 2,
@@ -49,6 +51,24 @@ class Desk(Bench):
             with self._lock:
                 now = time.monotonic()
                 return self._add(BenchTask(name, now, now + self.motion_time))
+
+        self.answer(name, start)
+
+    def begins(self, name: str, lasting: float = 0.02, end: TaskState | None = None) -> None:
+        """Make a function start a task that moves nothing.
+
+        Args:
+            name: the function.
+            lasting: how long the task takes [s].
+            end: a state in which it is at once.
+        """
+
+        def start(*args: Any) -> int:
+            with self._lock:
+                now = time.monotonic()
+                task = BenchTask(name, now, now + lasting, motion=False)
+                task.state = end or task.state
+                return self._add(task)
 
         self.answer(name, start)
 

@@ -16,7 +16,11 @@ if TYPE_CHECKING:
     from api.desk import Desk
 
 #: parameters of the manual that ours do not have, and why
-WITHOUT = {("move_eaxis", "def_acc"): "the wire has none"}
+WITHOUT = {
+    ("move_eaxis", "def_acc"): "the wire has none",
+    ("modbus_write_multiple_regs", "len"): "the length of the list",
+    ("modbus_write_multiple_coils", "len"): "the length of the list",
+}
 
 CALLS = [case for case in cases() if not case.moves]
 #: those that answer with the end state of a task

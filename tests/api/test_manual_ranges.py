@@ -17,6 +17,7 @@ WHERE = {
     "angular": range(3, 6),
     "rotation": range(3, 6),
     "value": range(6),
+    "mass": range(1),
 }
 #: the manual prints ranges of amounts here, the value has a sign
 AMOUNTS = {("speedj", "joints_list"), ("speedl", "pose_list")}

@@ -31,29 +31,6 @@ ELSEWHERE = {
     "close": aioduco.Robot.aclose,
     "get_version": aioduco.__version__,
 }
-#: not written yet
-_PENDING = """
-    apply_servo_config cal_fkine cal_ikine change_recipe collision_detect
-    collision_detection_reset disable_acc_optimization disable_singularity_control
-    disable_speed_optimization disable_vibration_control enable_acc_optimization
-    enable_singularity_control enable_speed_optimization enable_vibration_control fc_config
-    fc_force_set_value fc_get_ft fc_guard_act fc_guard_deact fc_mode_is_active fc_move fc_start
-    fc_stop fc_wait_ft fc_wait_logic fc_wait_pos fc_wait_vel get_axis_motor_kt
-    get_axis_motor_rated_current get_axis_ratio get_calib_DH get_dynamic_calibration_params
-    get_global_speed get_motor_pole_pair_number get_motor_stator_slots get_origin_DH
-    get_pos_bias get_tcp_offset get_teach_speed get_tool_load get_vibration_calibration_params
-    get_wobj log_error log_info modbus_add_signal modbus_delete_signal modbus_read
-    modbus_set_frequency modbus_write modbus_write_multiple_coils modbus_write_multiple_regs
-    reach_check read_encoder_count save_dynamic_calibration_params
-    save_kinematic_calibration_params set_dynamic_calibration_info
-    set_dynamic_calibration_params set_kinematic_calibration_info
-    set_kinematic_calibration_params set_load_data set_pendant_type set_servo_config
-    set_servo_file_params set_teach_pendant set_teach_speed set_tool_data
-    set_vibration_calibration_info set_wobj set_wobj_offset simulation speed start_record_track
-    stop_record_track upload_robot_param_to_toolboard
-"""
-PENDING = set(_PENDING.split())
-
 #: says that a function, or what is said of it, is not in manual 3.8
 BEYOND = re.compile(r"[Nn]ot in (the )?manual|only on the wire|on the wire alone|manual 4\.3")
 
@@ -76,12 +53,12 @@ def reachable() -> dict[str, Callable[..., Any]]:
     return found
 
 
-WIRE = sorted(set(idl.functions()) - set(EXCEPTIONS) - PENDING)
+WIRE = sorted(set(idl.functions()) - set(EXCEPTIONS))
 
 
 def test_every_function_of_the_wire_is_reachable() -> None:
     assert len(idl.functions()) == 226
-    assert set(idl.functions()) - set(reachable()) - set(EXCEPTIONS) <= PENDING
+    assert set(idl.functions()) - set(reachable()) == set(EXCEPTIONS)
     assert not set(EXCEPTIONS) & set(reachable())
 
 
@@ -92,7 +69,7 @@ def test_every_function_of_the_manual_is_reachable() -> None:
         if wire is None:
             assert ELSEWHERE[name]
         else:
-            assert wire in reachable() or wire in EXCEPTIONS or wire in PENDING, name
+            assert wire in reachable() or wire in EXCEPTIONS, name
 
 
 @pytest.mark.parametrize("name", WIRE)

@@ -1,0 +1,329 @@
+"""Force control (力控函数, manual 1.3.10)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.section import Section
+from aioduco.models.state import vector
+
+if TYPE_CHECKING:
+    from aioduco.models.force import ForceFrame, ForceLogic, GuardedForce
+    from aioduco.models.rules import FlagsLike, Real, VectorLike, WholesLike
+    from aioduco.models.state import Vector
+    from aioduco.supervision.command import MotionCommand
+
+__all__ = ["Force"]
+
+#: seconds in which the controller must have done what takes no time
+_LIMIT = 10.0
+
+
+class Force(Section):
+    """Force control (力控函数, manual 1.3.10): motions give way to the force at the tool.
+
+        z = (False, False, True, False, False, False)
+        await robot.force.fc_config(z, ref_ft=(0, 0, -10, 0, 0, 0), damp=damping, max_vel=slow)
+        await robot.force.fc_start()
+        await robot.force.fc_wait_ft(target, tolerance, absolute=True, duration=0.2, timeout=30)
+        await robot.force.fc_wait_logic((0, 0, 1))
+        await robot.force.fc_move()                # presses until the condition holds
+        await robot.force.fc_stop()
+
+    It needs a force sensor that is mounted, connected and set up: with a wrong setup the arm
+    moves in an unforeseen way. Force acts only while a motion runs, such as `fc_move`; a stop
+    ends the motion, and the arm stands. Force control itself stays on until `fc_stop`, also
+    after the program: the next motion gives way, too.
+
+    Vectors are along x, y, z, then about them. Shape (6,).
+    """
+
+    __slots__ = ()
+
+    async def fc_start(self) -> None:
+        """Start force control (开启机器人末端力控): motions give way from now on.
+
+        Raises:
+            TaskError: it was not started.
+
+        Manual section 1.3.10.
+        """
+        await self._settle(lambda rpc: rpc.fc_start(), _LIMIT)
+
+    async def fc_stop(self) -> None:
+        """End force control (退出机器人末端力控).
+
+        All motions must have ended, or the arm moves in an unforeseen way and stops with an
+        alarm. So this is refused while it moves; see to it that no other program moves it.
+
+        Raises:
+            RobotStateError: the arm moves; nothing was sent.
+            TaskError: it was not ended.
+
+        Manual section 1.3.10.
+        """
+        await self._must_stand("fc_stop")
+        await self._settle(lambda rpc: rpc.fc_stop(), _LIMIT)
+
+    async def fc_config(
+        self,
+        direction: FlagsLike,
+        ref_ft: VectorLike,
+        damp: VectorLike,
+        max_vel: VectorLike,
+        *,
+        dead_band: VectorLike = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        tool: str = "",
+        wobj: str = "",
+        frame: ForceFrame | int = 0,
+    ) -> None:
+        """Set how motions give way (配置机器人末端力控参数).
+
+        The arm gives way at the difference of the force from `ref_ft`, divided by `damp`, at
+        most at `max_vel`.
+
+        Args:
+            direction: for each direction whether it gives way. Shape (6,).
+            ref_ft: force that is kept up, -1000 to 1000 [N, N·m]. Shape (6,).
+            damp: damping, above 0 in directions that give way [N/(m/s), N·m/(rad/s)]; 1000 to
+                2000 and 57 are usual. Shape (6,).
+            max_vel: largest speed, -5 to 5 [m/s, rad/s]; 0.03 to 0.15 m/s are usual. Shape (6,).
+            dead_band: difference of the force below which nothing gives way, -1000 to 1000
+                [N, N·m]. The manual calls it number_list. Shape (6,).
+            tool: name of the tool about whose tip the arm gives way; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            frame: whose directions they are: a `ForceFrame`, 0 the tool's, 1 the work object's.
+                The manual calls it type.
+
+        Raises:
+            ParameterError: an argument is out of range, or a direction that gives way has no
+                damping; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.10.
+        """
+        on, by = ranges.damping(direction, damp)
+        ft = ranges.WRENCH("ref_ft", ref_ft)
+        fastest = ranges.FORCE_SPEED("max_vel", max_vel)
+        band = ranges.FORCE_DEAD_BAND("dead_band", dead_band)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        frame_ = ranges.FORCE_FRAME("frame", frame)
+        await self._settle(
+            lambda rpc: rpc.fc_config(on, ft, by, fastest, band, tool_, wobj_, frame_), _LIMIT
+        )
+
+    def fc_move(self) -> MotionCommand:
+        """Move by force control alone (仅基于末端力控产生的补偿运动).
+
+        Without a condition (`fc_wait_logic`) that comes true it does not end by itself.
+        Cancelling its await stops the arm.
+
+        Returns:
+            The motion, not sent yet.
+
+        Manual section 1.3.10.
+        """
+        return self._motion(lambda rpc: rpc.fc_move(False))
+
+    async def fc_guard_act(
+        self,
+        direction: FlagsLike,
+        ref_ft: VectorLike,
+        *,
+        tool: str = "",
+        wobj: str = "",
+        frame: ForceFrame | int = 0,
+        force_property: GuardedForce | int = 0,
+    ) -> None:
+        """Watch the force in force control (力安全监控): an emergency stop if it is exceeded.
+
+        Args:
+            direction: for each direction whether it is watched. Shape (6,).
+            ref_ft: largest force, from 0, of either sign [N, N·m]. Shape (6,).
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            frame: whose directions they are: a `ForceFrame`, 0 the tool's, 1 the work object's.
+                The manual calls it type.
+            force_property: a `GuardedForce`: 0 load and external force, 1 external force alone.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it is not watched.
+
+        Manual section 1.3.10.
+        """
+        on, ft = ranges.DIRECTIONS("direction", direction), ranges.GUARD_WRENCH("ref_ft", ref_ft)
+        tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
+        frame_ = ranges.FORCE_FRAME("frame", frame)
+        property_ = ranges.FORCE_PROPERTY("force_property", force_property)
+        await self._settle(
+            lambda rpc: rpc.fc_guard_act(on, ft, tool_, wobj_, frame_, property_), _LIMIT
+        )
+
+    async def fc_guard_deact(self) -> None:
+        """Watch the force no more (禁用力安全监控).
+
+        Raises:
+            TaskError: it is watched on.
+
+        Manual section 1.3.10.
+        """
+        await self._settle(lambda rpc: rpc.fc_guard_deact(), _LIMIT)
+
+    async def fc_force_set_value(self, direction: FlagsLike, ref_ft: VectorLike) -> None:
+        """Set what the force sensor reads at present (力传感器读数设置为指定值), to tare it.
+
+        Args:
+            direction: for each direction of the sensor whether it is set. Shape (6,).
+            ref_ft: what it reads then [N, N·m]. Shape (6,).
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.10.
+        """
+        on, ft = ranges.DIRECTIONS("direction", direction), ranges.SENSOR_WRENCH("ref_ft", ref_ft)
+        await self._settle(lambda rpc: rpc.fc_force_set_value(on, ft), _LIMIT)
+
+    async def fc_wait_pos(
+        self,
+        middle: VectorLike,
+        range: VectorLike,  # noqa: A002  # the manual's name
+        *,
+        absolute: bool,
+        duration: Real,
+        timeout: Real,
+    ) -> None:
+        """Set the condition on position (位置判断条件) under which motions end in force control.
+
+        It returns at once. When the conditions hold, as `fc_wait_logic` combines them, the
+        running motion ends, and those that follow are skipped until `fc_stop` or the next
+        `fc_wait_logic`.
+
+        Args:
+            middle: middle of the range [m, rad]. Shape (6,).
+            range: width of the range, from 0 [m, rad]; noise must fit in. Shape (6,).
+            absolute: true for the value itself, false for its change since the last
+                `fc_wait_logic`.
+            duration: how long it must hold, from 0 [s].
+            timeout: how long after the last `fc_wait_logic` the controller gives up, from 0 [s].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.10.
+        """
+        middle_ = ranges.WAIT_POSITION("middle", middle)
+        range_ = ranges.WAIT_POSITION_RANGE("range", range)
+        absolute_ = ranges.FLAG("absolute", absolute)
+        duration_ = ranges.WAIT_DURATION("duration", duration)
+        timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)
+        await self._settle(
+            lambda rpc: rpc.fc_wait_pos(middle_, range_, absolute_, duration_, timeout_), _LIMIT
+        )
+
+    async def fc_wait_vel(
+        self,
+        middle: VectorLike,
+        range: VectorLike,  # noqa: A002  # the manual's name
+        *,
+        absolute: bool,
+        duration: Real,
+        timeout: Real,
+    ) -> None:
+        """Set the condition on speed (速度判断条件) under which motions end in force control.
+
+        It returns at once. When the conditions hold, as `fc_wait_logic` combines them, the
+        running motion ends, and those that follow are skipped until `fc_stop` or the next
+        `fc_wait_logic`.
+
+        Args:
+            middle: middle of the range, -5 to 5 and -2π to 2π [m/s, rad/s]. Shape (6,).
+            range: width of the range, from 0 [m/s, rad/s]; noise must fit in. Shape (6,).
+            absolute: true for the value itself, false for its change since the last
+                `fc_wait_logic`.
+            duration: how long it must hold, from 0 [s].
+            timeout: how long after the last `fc_wait_logic` the controller gives up, from 0 [s].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.10.
+        """
+        middle_ = ranges.WAIT_VELOCITY("middle", middle)
+        range_ = ranges.WAIT_VELOCITY_RANGE("range", range)
+        absolute_ = ranges.FLAG("absolute", absolute)
+        duration_ = ranges.WAIT_DURATION("duration", duration)
+        timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)
+        await self._settle(
+            lambda rpc: rpc.fc_wait_vel(middle_, range_, absolute_, duration_, timeout_), _LIMIT
+        )
+
+    async def fc_wait_ft(
+        self,
+        middle: VectorLike,
+        range: VectorLike,  # noqa: A002  # the manual's name
+        *,
+        absolute: bool,
+        duration: Real,
+        timeout: Real,
+    ) -> None:
+        """Set the condition on force (力判断条件) under which motions end in force control.
+
+        It returns at once. When the conditions hold, as `fc_wait_logic` combines them, the
+        running motion ends, and those that follow are skipped until `fc_stop` or the next
+        `fc_wait_logic`.
+
+        Args:
+            middle: middle of the range, -1000 to 1000 [N, N·m]. Shape (6,).
+            range: width of the range, from 0 [N, N·m]; noise must fit in. Shape (6,).
+            absolute: true for the value itself, false for its change since the last
+                `fc_wait_logic`.
+            duration: how long it must hold, from 0 [s].
+            timeout: how long after the last `fc_wait_logic` the controller gives up, from 0 [s].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.10.
+        """
+        middle_ = ranges.WAIT_WRENCH("middle", middle)
+        range_ = ranges.WAIT_WRENCH_RANGE("range", range)
+        absolute_ = ranges.FLAG("absolute", absolute)
+        duration_ = ranges.WAIT_DURATION("duration", duration)
+        timeout_ = ranges.WAIT_TIMEOUT("timeout", timeout)
+        await self._settle(
+            lambda rpc: rpc.fc_wait_ft(middle_, range_, absolute_, duration_, timeout_), _LIMIT
+        )
+
+    async def fc_wait_logic(self, logic: WholesLike | tuple[ForceLogic, ...]) -> None:
+        """Combine the conditions, and have them begin anew (条件判断间的逻辑关系).
+
+        Args:
+            logic: for position, speed and force a `ForceLogic`: 0 off, 1 and, 2 or. Shape (3,).
+
+        Raises:
+            ParameterError: it is something else; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.10.
+        """
+        logic_ = ranges.WAIT_LOGIC("logic", logic)
+        await self._settle(lambda rpc: rpc.fc_wait_logic(logic_), _LIMIT)
+
+    async def fc_get_ft(self) -> Vector:
+        """Read the force sensor (末端传感器的原始反馈读数), tared, in its frame [N, N·m].
+
+        A read-only array of shape (6,). It is tared as the arm is enabled or disabled, and by
+        `fc_force_set_value`. Manual section 1.3.10.
+        """
+        return vector(await self._rpc.fc_get_ft())
+
+    async def fc_mode_is_active(self) -> bool:
+        """Tell whether force control is on (末端力控功能启用状态). Manual section 1.3.10."""
+        return await self._rpc.fc_mode_is_active()

@@ -1,0 +1,140 @@
+"""Tools, work objects and loads (manual 1.3.7)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.section import Section, done, settled
+from aioduco.errors import StaleState
+from aioduco.models.load import Load
+from aioduco.supervision.samples import pose
+
+if TYPE_CHECKING:
+    from aioduco.models.pose import Pose, PoseLike
+    from aioduco.models.rules import VectorLike
+
+__all__ = ["Frames"]
+
+
+class Frames(Section):
+    """Tools (工具), work objects (工件坐标系) and loads (负载), manual 1.3.7.
+
+        await robot.frames.set_tool_data("grip", [0, 0, 0.12, 0, 0, 0], Load(0.8, z=0.05))
+        await robot.frames.set_load_data(Load(1.5))      # what the gripper holds from now on
+
+    Motions take the names of a tool and a work object, or use those that were set last. The
+    weights decide how the arm holds itself in hand guiding, and when it takes a force for a
+    collision: set what is there.
+    """
+
+    __slots__ = ()
+
+    async def set_tool_data(
+        self,
+        name: str,
+        tool_offset: PoseLike,
+        payload: Load | VectorLike,
+        *,
+        inertia_tensor: VectorLike = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    ) -> None:
+        """Define a tool (设置工具末端相对于法兰面坐标系的偏移), and use it from now on.
+
+        Motions that name it, or name no tool, use it.
+
+        Args:
+            name: its name, 1 to 32 bytes of UTF-8.
+            tool_offset: pose of its tip in the flange's frame [m, rad].
+            payload: mass of the tool, from 0, and its centre [kg, m]. A `Load`, or shape (4,).
+            inertia_tensor: xx, xy, xz, yy, yz, zz [kg·m²]. Shape (6,).
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not defined.
+
+        Manual section 1.3.7.
+        """
+        answer = await self._rpc.set_tool_data(
+            ranges.NAME("name", name),
+            ranges.POSE("tool_offset", tool_offset),
+            ranges.PAYLOAD("payload", payload),
+            ranges.INERTIA("inertia_tensor", inertia_tensor),
+        )
+        done("set_tool_data", answer)
+
+    async def set_load_data(self, load: Load | VectorLike) -> None:
+        """Set what the tool holds (设置抓取负载), also while a program runs.
+
+        Args:
+            load: its mass, 0 to 35, and its centre in the tool's frame [kg, m]. A `Load`, or
+                shape (4,).
+
+        Raises:
+            ParameterError: a number is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        settled("set_load_data", await self._rpc.set_load_data(ranges.LOAD("load", load)))
+
+    async def set_wobj(self, name: str, wobj: PoseLike) -> None:
+        """Define a work object (工件坐标系).
+
+        Not in the manual, which has only `set_wobj_offset`.
+
+        Args:
+            name: its name, 1 to 32 bytes of UTF-8.
+            wobj: its pose in the base frame [m, rad].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not defined.
+        """
+        name_, wobj_ = ranges.NAME("name", name), ranges.POSE("wobj", wobj)
+        settled("set_wobj", await self._rpc.set_wobj(name_, wobj_))
+
+    async def set_wobj_offset(self, wobj: PoseLike, active: bool) -> None:
+        """Shift the work object of all motions that follow (工件坐标系偏移量), or end that.
+
+        The offset is multiplied to the work object's pose from the right: it is along the work
+        object's own axes. It stays until it is ended, also for other programs.
+
+        Args:
+            wobj: the offset [m, rad].
+            active: true to apply it, false for no offset.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        wobj_, active_ = ranges.POSE("wobj", wobj), ranges.FLAG("active", active)
+        settled("set_wobj_offset", await self._rpc.set_wobj_offset(wobj_, active_))
+
+    async def get_tcp_offset(self) -> Pose:
+        """Read the pose of the tool in use in the flange's frame (工具的偏移量) [m, rad].
+
+        Manual section 1.3.7.
+        """
+        return pose(await self._rpc.get_tcp_offset())
+
+    async def get_tool_load(self) -> Load:
+        """Read mass and centre of mass of the tool in use (工具的负载质量及质心位置) [kg, m].
+
+        Manual section 1.3.7.
+        """
+        wire = await self._rpc.get_tool_load()
+        if len(wire) < 4:
+            raise StaleState(
+                f"the controller sent {len(wire)} of 4 numbers of a load: it is still starting; "
+                "ask again"
+            )
+        return Load(*wire[:4])
+
+    async def get_wobj(self) -> Pose:
+        """Read the pose of the work object in use in the base frame (工件坐标系的值) [m, rad].
+
+        Manual section 1.3.7.
+        """
+        return pose(await self._rpc.get_wobj())

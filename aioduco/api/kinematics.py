@@ -1,0 +1,200 @@
+"""Kinematics, as the controller computes it (manual 1.3.7)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aioduco.api import ranges
+from aioduco.api.section import Section
+from aioduco.errors import ControllerError, Unreachable
+from aioduco.models.pose import Joints, Pose
+from aioduco.models.state import vector
+from aioduco.supervision.samples import pose as pose_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.models.state import Vector
+
+__all__ = ["Kinematics", "Reachability"]
+
+#: how far joints may lead from the pose that they were computed for [m, rad]: much more than
+#: rounding, much less than an arm that was left where it is
+_POSITION, _ROTATION = 1e-4, 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Reachability:
+    """What `reach_check` found (ReachabilityParam, manual 1.3.7).
+
+    Attributes:
+        reachable: whether all poses can be reached.
+        joints: joints for each pose, in their order, if so.
+    """
+
+    reachable: bool
+    joints: tuple[Joints, ...]
+
+    def __bool__(self) -> bool:
+        return self.reachable
+
+
+class Kinematics(Section):
+    """Kinematics, as the controller computes it (manual 1.3.7).
+
+    It knows the arm's calibration. `aioduco.kinematics` computes on this computer, without a
+    controller, for the arm as designed.
+    """
+
+    __slots__ = ()
+
+    async def cal_fkine(
+        self,
+        joints: JointsLike,
+        *,
+        tool: PoseLike | None = None,
+        wobj: PoseLike | None = None,
+    ) -> Pose:
+        """Compute the pose that joints lead to (正运动学).
+
+        Args:
+            joints: joint angles, -2π to 2π [rad]. Shape (6,).
+            tool: pose of the tool in the flange's frame [m, rad]; None for the one in use.
+            wobj: pose of the work object in the base frame [m, rad]; None for the one in use.
+
+        Returns:
+            The pose of the tool in the work object [m, rad].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+
+        Manual section 1.3.7.
+        """
+        joints_ = ranges.JOINTS("joints", joints)
+        tool_ = ranges.POSE_OR_CURRENT("tool", tool)
+        wobj_ = ranges.POSE_OR_CURRENT("wobj", wobj)
+        return pose_of(await self._rpc.cal_fkine(joints_, tool_, wobj_))
+
+    async def cal_ikine(
+        self,
+        pose: PoseLike,
+        *,
+        q_near: JointsLike | None = None,
+        tool: PoseLike | None = None,
+        wobj: PoseLike | None = None,
+    ) -> Joints:
+        """Compute joints that lead to a pose (逆运动学).
+
+        Controllers answer a pose out of reach with `q_near` itself. So the answer is led back
+        through `cal_fkine` and compared with the pose: one that leads elsewhere is an error. Do
+        not set another tool or work object meanwhile if you leave them out here.
+
+        Args:
+            pose: pose of the tool in the work object [m, rad].
+            q_near: joint angles, -2π to 2π [rad], near which a solution is looked for; None for
+                the arm's present ones. Shape (6,).
+            tool: pose of the tool in the flange's frame [m, rad]; None for the one in use.
+            wobj: pose of the work object in the base frame [m, rad]; None for the one in use.
+
+        Returns:
+            The joints [rad].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            Unreachable: the controller found no joints that lead to the pose.
+
+        Manual section 1.3.7.
+        """
+        pose_ = ranges.POSE("pose", pose)
+        near_ = ranges.JOINTS_NEAR("q_near", q_near)
+        tool_ = ranges.POSE_OR_CURRENT("tool", tool)
+        wobj_ = ranges.POSE_OR_CURRENT("wobj", wobj)
+        found = await self._rpc.cal_ikine(pose_, near_, tool_, wobj_)
+        target = Pose(*pose_)
+        if len(found) < 6:
+            raise Unreachable(f"the controller found no joints for {target}; nothing was moved")
+        led = pose_of(await self._rpc.cal_fkine(found, tool_, wobj_))
+        if not led.almost_equal(target, position=_POSITION, rotation=_ROTATION):
+            apart, turned = led.distance(target)
+            raise Unreachable(
+                f"{target} is out of the arm's reach: the controller's joints for it lead "
+                f"{apart:.3g} m and {turned:.3g} rad away from it; nothing was moved"
+            )
+        return Joints(*found[:6])
+
+    async def reach_check(
+        self,
+        *,
+        base: PoseLike,
+        wobj: PoseLike,
+        tool: PoseLike,
+        ref_pos: JointsLike,
+        check_points: Iterable[PoseLike],
+    ) -> Reachability:
+        """Tell whether an arm that is mounted somewhere reaches poses (可达性).
+
+        Manual 4.3 has `tool` before `wobj`: on such a controller exchange them.
+
+        Args:
+            base: pose of the arm's base in the world [m, rad].
+            wobj: pose of the work object in the world [m, rad].
+            tool: pose of the tool in the flange's frame [m, rad].
+            ref_pos: joint angles near which solutions are looked for, -2π to 2π [rad].
+                Shape (6,).
+            check_points: poses of the tool in the work object [m, rad], at least one.
+
+        Returns:
+            Whether all can be reached, and the joints for each if so.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            ControllerError: the controller says that all can be reached, but not with which
+                joints, as one of manual 4.3 does.
+
+        Manual section 1.3.7.
+        """
+        points = ranges.CHECK_POINTS("check_points", check_points)
+        found = await self._rpc.reach_check(
+            ranges.POSE("base", base),
+            ranges.POSE("wobj", wobj),
+            ranges.POSE("tool", tool),
+            ranges.JOINTS("ref_pos", ref_pos),
+            points,
+        )
+        if not found.result:
+            return Reachability(reachable=False, joints=())
+        joints = [row for row in found.joints_pos if len(row) >= 6]
+        if len(joints) != len(points):
+            raise ControllerError(
+                "reach_check",
+                f"the controller sent the joints of {len(joints)} of {len(points)} poses: it may "
+                "be newer than manual 3.8, and take tool and work object in the other order",
+            )
+        return Reachability(reachable=True, joints=tuple(Joints(*row[:6]) for row in joints))
+
+    async def get_origin_DH(self) -> Vector:  # noqa: N802  # the manual's name
+        """Read the Denavit-Hartenberg parameters of the arm as designed (原始 DH 参数).
+
+        A read-only array of shape (6, 4): a [m], alpha [rad], d [m], theta [rad] of each joint.
+        Manual section 1.3.7.
+        """
+        return _table(await self._rpc.get_origin_DH())
+
+    async def get_calib_DH(self) -> Vector:  # noqa: N802  # the manual's name
+        """Read the Denavit-Hartenberg parameters of this arm, calibrated (补偿后 DH 参数).
+
+        A read-only array of shape (6, 4): a [m], alpha [rad], d [m], theta [rad] of each joint.
+        Manual section 1.3.7.
+        """
+        return _table(await self._rpc.get_calib_DH())
+
+
+def _table(wire: Sequence[Sequence[float]]) -> Vector:
+    """A row of four numbers for each joint; read-only."""
+    table = np.array([vector(row, 4) for row in wire]).reshape(-1, 4)
+    table.flags.writeable = False
+    return table

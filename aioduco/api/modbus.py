@@ -1,0 +1,158 @@
+"""Signals over Modbus (manual 1.3.9)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.section import Section, done, settled
+from aioduco.errors import ParameterError
+
+if TYPE_CHECKING:
+    from aioduco.models.rules import Whole, WholesLike
+
+__all__ = ["Modbus"]
+
+
+class Modbus(Section):
+    """Signals that the controller exchanges over Modbus (Modbus, manual 1.3.9).
+
+    A signal is a register or a coil of a device; it has a name in the controller, which reads it
+    again and again. For Modbus over the tool's RS-485 see `robot.bus`.
+    """
+
+    __slots__ = ()
+
+    async def modbus_read(self, signal_name: str) -> int:
+        """Read a signal (读取 modbus 节点), as the controller last had it from the device.
+
+        Args:
+            signal_name: its name.
+
+        Manual section 1.3.9.
+        """
+        return await self._rpc.modbus_read(ranges.LONG_NAME("signal_name", signal_name))
+
+    async def modbus_write(self, signal_name: str, value: Whole) -> None:
+        """Write a signal (modbus 节点写操作).
+
+        Args:
+            signal_name: its name.
+            value: 0 to 65535 for a register, 0 or 1 for a coil.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not written.
+
+        Manual section 1.3.9.
+        """
+        name_ = ranges.LONG_NAME("signal_name", signal_name)
+        value_ = ranges.MODBUS_VALUE("value", value)
+        done("modbus_write", await self._rpc.modbus_write(name_, value_))
+
+    async def modbus_set_frequency(self, signal_name: str, frequency: Whole) -> None:
+        """Set how often the controller reads a signal (刷新频率).
+
+        Args:
+            signal_name: its name.
+            frequency: 1 to 100, 10 unless it is set [Hz].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+
+        Manual section 1.3.9.
+        """
+        name_ = ranges.LONG_NAME("signal_name", signal_name)
+        frequency_ = ranges.MODBUS_FREQUENCY("frequency", frequency)
+        await self._rpc.modbus_set_frequency(name_, frequency_)
+
+    async def modbus_write_multiple_regs(
+        self, slave_num: Whole, name: str, word_list: WholesLike
+    ) -> None:
+        """Write registers that follow each other (多寄存器写操作).
+
+        Args:
+            slave_num: number of the device, 0 to 255.
+            name: name of the signal.
+            word_list: what is written, each 0 to 65535; at least one.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: they were not written.
+
+        Manual section 1.3.9.
+        """
+        unit, name_ = ranges.MODBUS_UNIT("slave_num", slave_num), ranges.LONG_NAME("name", name)
+        words = ranges.MODBUS_WORDS("word_list", word_list)
+        answer = await self._rpc.modbus_write_multiple_regs(unit, name_, len(words), words)
+        settled("modbus_write_multiple_regs", answer)
+
+    async def modbus_write_multiple_coils(
+        self, slave_num: Whole, name: str, byte_list: WholesLike
+    ) -> None:
+        """Write coils that follow each other (多线圈写操作).
+
+        Args:
+            slave_num: number of the device, 0 to 255.
+            name: name of the signal.
+            byte_list: what is written, each 0 or 1; at least one.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: they were not written.
+
+        Manual section 1.3.9.
+        """
+        unit, name_ = ranges.MODBUS_UNIT("slave_num", slave_num), ranges.LONG_NAME("name", name)
+        coils = ranges.MODBUS_COILS("byte_list", byte_list)
+        if not coils:
+            raise ParameterError("byte_list", byte_list, "at least one, each 0 or 1")
+        answer = await self._rpc.modbus_write_multiple_coils(unit, name_, len(coils), coils)
+        settled("modbus_write_multiple_coils", answer)
+
+    async def modbus_add_signal(
+        self,
+        ip: str,
+        slave_number: Whole,
+        signal_address: Whole,
+        signal_type: Whole,
+        signal_name: str,
+    ) -> None:
+        """Have the controller exchange one more signal.
+
+        Not in the manual: what the numbers of the types mean is not known.
+
+        Args:
+            ip: address of the device.
+            slave_number: number of the device, 0 to 255.
+            signal_address: address of the register or coil, 0 to 65535.
+            signal_type: number of the type.
+            signal_name: name for it.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not added.
+        """
+        answer = await self._rpc.modbus_add_signal(
+            ranges.LONG_NAME("ip", ip),
+            ranges.MODBUS_UNIT("slave_number", slave_number),
+            ranges.MODBUS_VALUE("signal_address", signal_address),
+            ranges.INT_32("signal_type", signal_type),
+            ranges.LONG_NAME("signal_name", signal_name),
+        )
+        settled("modbus_add_signal", answer)
+
+    async def modbus_delete_signal(self, signal_name: str) -> None:
+        """Have the controller exchange a signal no more.
+
+        Not in the manual.
+
+        Args:
+            signal_name: its name.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            TaskError: it was not deleted.
+        """
+        name_ = ranges.LONG_NAME("signal_name", signal_name)
+        settled("modbus_delete_signal", await self._rpc.modbus_delete_signal(name_))

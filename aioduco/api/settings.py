@@ -1,0 +1,121 @@
+"""Settings of the robot as a whole (manual 1.3.7)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.api import ranges
+from aioduco.api.section import Section, done, settled
+
+if TYPE_CHECKING:
+    from aioduco.models.rules import Real, Whole
+
+__all__ = ["Settings"]
+
+
+class Settings(Section):
+    """Speeds, collision detection, simulation, pendant (manual 1.3.7).
+
+    What is set here holds for all programs, and after the end of this one.
+    """
+
+    __slots__ = ()
+
+    async def speed(self, val: Real) -> None:
+        """Set the global speed (全局速度百分比), which all motions are scaled by.
+
+        Args:
+            val: percent, 1 to 100.
+
+        Raises:
+            ParameterError: it is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        done("speed", await self._rpc.speed(ranges.GLOBAL_SPEED("val", val)))
+
+    async def get_global_speed(self) -> int:
+        """Read the global speed (全局速度的百分比), in percent. Manual section 1.3.7."""
+        return await self._rpc.get_global_speed()
+
+    async def set_teach_speed(self, v: Whole) -> None:
+        """Set the speed of jogs (示教速度的百分比).
+
+        Args:
+            v: percent, a whole number from 1 to 100.
+
+        Raises:
+            ParameterError: it is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        done("set_teach_speed", await self._rpc.set_teach_speed(ranges.TEACH_SPEED("v", v)))
+
+    async def get_teach_speed(self) -> int:
+        """Read the speed of jogs (示教速度的百分比), in percent. Manual section 1.3.7."""
+        return await self._rpc.get_teach_speed()
+
+    async def collision_detect(self, level: Whole) -> None:
+        """Set how readily the arm takes a force for a collision (碰撞检测等级).
+
+        Args:
+            level: 0 for no detection at all, else 1 to 5.
+
+        Raises:
+            ParameterError: it is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        level_ = ranges.COLLISION_LEVEL("level", level)
+        done("collision_detect", await self._rpc.collision_detect(level_))
+
+    async def collision_detection_reset(self) -> None:
+        """Clear the alarm of a collision (重置碰撞检测警告).
+
+        `Robot.recover` does it as part of leading the arm out of its stop.
+
+        Raises:
+            TaskError: it was not cleared.
+
+        Manual section 1.3.7.
+        """
+        answer = await self._rpc.collision_detection_reset()
+        settled("collision_detection_reset", answer)
+
+    async def simulation(self, sim: bool) -> None:
+        """Switch between the controller's own simulation and the real arm (仿真或者真机模式).
+
+        The arm must stand, or it moves in an unforeseen way and stops with an alarm. So this is
+        refused while it moves; see to it that no other program moves it.
+
+        Args:
+            sim: true for the simulation, false for the real arm.
+
+        Raises:
+            ParameterError: it is neither; nothing was sent.
+            RobotStateError: the arm moves; nothing was sent.
+            TaskError: it was not switched.
+
+        Manual section 1.3.7.
+        """
+        sim_ = ranges.FLAG("sim", sim)
+        await self._must_stand("simulation")
+        done("simulation", await self._rpc.simulation(sim_, True))
+
+    async def set_teach_pendant(self, enable: bool) -> None:
+        """Turn the keys of the pendant on or off (示教器的物理按键).
+
+        Args:
+            enable: true for on.
+
+        Raises:
+            ParameterError: it is neither true nor false; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        enable_ = ranges.FLAG("enable", enable)
+        done("set_teach_pendant", await self._rpc.set_teach_pendant(enable_))

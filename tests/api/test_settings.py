@@ -1,0 +1,163 @@
+"""Kinematics of the controller, force control, settings: what is particular about them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+import aioduco
+from aioduco import Joints, Load, Pose
+from aioduco._wire import rpc
+from aioduco.api.section import settled
+from api.motion_cases import HOME, NEAR, OTHER, POSE
+from api.setting_cases import CAPS, DAMP, FORCE, ON, PRESS
+
+if TYPE_CHECKING:
+    from aioduco.api.kinematics import Reachability
+    from api.cases import Case
+    from api.desk import Desk
+
+STARTED = [case for case in FORCE if case.answer == 4 and not case.moves]
+
+
+async def test_a_pose_out_of_reach_is_an_error(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.answer("cal_ikine", lambda p, q_near, tool, wobj: q_near)
+    desk.answer("cal_fkine", lambda q, tool, wobj: POSE if q == NEAR else OTHER)
+    with pytest.raises(aioduco.Unreachable, match="out of the arm's reach"):
+        await robot.kinematics.cal_ikine(OTHER, q_near=NEAR)
+    assert await robot.kinematics.cal_ikine(POSE, q_near=NEAR) == Joints(*NEAR)
+    desk.answer("cal_ikine", [])
+    with pytest.raises(aioduco.Unreachable, match="no joints"):
+        await robot.kinematics.cal_ikine(POSE)
+
+
+async def test_joints_are_led_back_with_the_same_frames(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.answer("cal_ikine", HOME)
+    desk.answer("cal_fkine", POSE)
+    await robot.kinematics.cal_ikine(POSE, wobj=OTHER)
+    (asked,), (checked,) = desk.received("cal_ikine"), desk.received("cal_fkine")
+    assert asked.args == (POSE, [], [], OTHER)
+    assert checked.args == (HOME, [], OTHER)
+
+
+async def test_one_orientation_has_many_angles(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.answer("cal_ikine", HOME)
+    desk.answer("cal_fkine", [*POSE[:3], POSE[3] - 2 * 3.141592653589793, *POSE[4:]])
+    assert await robot.kinematics.cal_ikine(POSE) == Joints(*HOME)
+
+
+async def check(robot: aioduco.Robot) -> Reachability:
+    return await robot.kinematics.reach_check(
+        base=POSE, wobj=POSE, tool=POSE, ref_pos=HOME, check_points=[POSE, OTHER]
+    )
+
+
+async def test_what_cannot_be_reached(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.answer("reach_check", rpc.ReachabilityParam(result=False, joints_pos=[HOME]))
+    found = await check(robot)
+    assert not found
+    assert found.joints == ()
+
+
+async def test_reach_without_joints_is_no_answer(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.answer("reach_check", rpc.ReachabilityParam(result=True, joints_pos=[HOME]))
+    with pytest.raises(aioduco.ControllerError, match="1 of 2 poses"):
+        await check(robot)
+
+
+async def test_a_load_goes_out_as_it_came_in(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.answer("get_tool_load", [1.5, 0.1, 0.2, 0.3])
+    desk.answer("set_load_data", 1234)
+    load = await robot.frames.get_tool_load()
+    assert load == Load(mass=1.5, x=0.1, y=0.2, z=0.3)
+    await robot.frames.set_load_data(load)
+    desk.answer("get_tool_load", [])
+    with pytest.raises(aioduco.StaleState, match="0 of 4"):
+        await robot.frames.get_tool_load()
+
+
+def test_what_returns_nothing_by_the_manual() -> None:
+    for taken in (0, 1, 2, 4, 1000):
+        settled("set_load_data", taken)
+    with pytest.raises(aioduco.Refused):
+        settled("set_load_data", -1)
+    for code, error in [
+        (3, aioduco.TaskStopped),
+        (5, aioduco.TaskInterrupted),
+        (6, aioduco.TaskFailed),
+        (7, aioduco.TaskIllegal),
+        (8, aioduco.TaskParameterMismatch),
+    ]:
+        with pytest.raises(error):
+            settled("set_load_data", code)
+
+
+@pytest.mark.parametrize(("mode", "interval"), [(0, 5.0), (1, 0.5)])
+async def test_a_track_has_the_interval_of_its_mode(
+    robot: aioduco.Robot, desk: Desk, mode: int, interval: float
+) -> None:
+    desk.answer("start_record_track", 1000)
+    await robot.motion.start_record_track("seam", mode)
+    await robot.motion.start_record_track("seam", mode, interval=1.0)
+    default, given = desk.received("start_record_track")
+    assert default.args == ("seam", mode, "", "", interval)
+    assert given.args[-1] == pytest.approx(1.0 if mode else 57.29577951308232)
+
+
+# -- force control: functions that answer with the id of a task ------------------------------------
+
+
+@pytest.mark.parametrize("case", STARTED, ids=str)
+async def test_a_task_is_followed_to_its_end(robot: aioduco.Robot, desk: Desk, case: Case) -> None:
+    desk.begins(case.name)
+    await case.method(robot)(**case.args)
+    (task,) = (one for one in desk.tasks.values() if one.name == case.name)
+    assert task.state is aioduco.TaskState.FINISHED
+    assert not robot.tasks
+
+
+async def test_a_task_that_fails(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.errors = ["no force sensor"]
+    desk.begins("fc_start", end=aioduco.TaskState.ERROR)
+    with pytest.raises(aioduco.TaskFailed, match="no force sensor"):
+        await robot.force.fc_start()
+
+
+async def test_a_direction_that_gives_way_has_damping(robot: aioduco.Robot, desk: Desk) -> None:
+    with pytest.raises(aioduco.ParameterError, match=r"damp\[2\]"):
+        await robot.force.fc_config(ON, PRESS, [1000.0, 0, 0, 0, 57.0, 0], CAPS)
+    assert desk.received("fc_config") == ()
+    desk.answer("fc_config", 4)
+    await robot.force.fc_config(ON, PRESS, DAMP, CAPS)
+    (call,) = desk.received("fc_config")
+    assert call.args == (ON, PRESS, DAMP, CAPS, [0.0] * 6, "", "", 0)
+
+
+@pytest.mark.parametrize("name", ["fc_stop", "simulation"])
+async def test_the_arm_must_stand(robot: aioduco.Robot, desk: Desk, name: str) -> None:
+    async def call() -> None:
+        await (robot.force.fc_stop() if name == "fc_stop" else robot.settings.simulation(True))
+
+    desk.answer(name, 4)
+    desk.motion_time = 30.0
+    await robot.motion.movej2(HOME, 1.0, 1.0).start()
+    with pytest.raises(aioduco.RobotStateError, match="the arm moves"):
+        await call()
+    assert desk.received(name) == ()
+    await robot.stop()
+    await call()
+    assert len(desk.received(name)) == 1
+
+
+async def test_another_program_moves_the_arm(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.answer("robotmoving", True)
+    with pytest.raises(aioduco.RobotStateError, match="the arm moves"):
+        await robot.force.fc_stop()
+    desk.answer("robotmoving", False)
+    assert desk.received("fc_stop") == ()
+
+
+async def test_poses_are_values(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.answer("get_wobj", [*POSE, 9.0])
+    assert await robot.frames.get_wobj() == Pose(*POSE)
