@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from aioduco.sim.following import Following
     from aioduco.sim.motion import Plan
     from aioduco.sim.planner.mover import Mover
+    from aioduco.sim.triggers import Along
 
     Vector = NDArray[np.float64]
 
@@ -159,12 +160,12 @@ class Controller:
         """power_on, power_off, enable, disable, shutdown or restart."""
         return self._power.request(name)
 
-    def move(self, name: str, plan: Plan) -> int:
-        """Queue a motion."""
+    def move(self, name: str, plan: Plan, triggers: Along | None = None) -> int:
+        """Queue a motion, with what it triggers on its way."""
         if reason := self._cannot_take():
             return self.reject(name, TaskState.ILLEGAL, reason)
         id_ = self.tasks.new(name)
-        self._motion.append(id_, plan)
+        self._motion.append(id_, plan, triggers)
         self._collect_failures()
         return id_
 
@@ -308,7 +309,7 @@ class Controller:
         self._power_went(before, self._power.state)
         if self._power.state is not RobotState.ENABLE:
             return Drive(SetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
-        setpoint = self._motion.tick(sensed.q, sensed.qd, at_rest=self._at_rest)
+        setpoint = self._motion.tick(sensed.time, sensed.q, sensed.qd, at_rest=self._at_rest)
         self._collect_failures()
         deviation = np.abs(setpoint.q - sensed.q)
         if deviation.max() > _DEVIATION:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from aioduco.models.enums import TaskState
 from aioduco.sim.following import Following
 from aioduco.sim.planner.errors import PlanError
+from aioduco.sim.triggers import Triggers
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.mover import Mover, SetPoint
     from aioduco.sim.planner.segments import Segment
     from aioduco.sim.tasks import TaskTable
+    from aioduco.sim.triggers import Along
 
     Vector = NDArray[np.float64]
     #: makes the segment of one motion, given the joints [rad] that it starts from
@@ -65,6 +67,8 @@ class Motion:
         self._ending = (TaskState.STOPPED, "")
         self._waiting_for_rest: list[int] = []
         self._at_rest = True
+        self._triggers = Triggers()
+        self._time = 0.0
         self._follower: Follower | None = None
         self._following: tuple[int, Following] | None = None
         self._behind: deque[tuple[int, Plan | Following]] = deque()
@@ -124,9 +128,11 @@ class Motion:
         if self._follower is not None:
             self._follower.set_speed(fraction)
 
-    def append(self, id_: int, plan: Plan) -> None:
-        """Queue a motion."""
+    def append(self, id_: int, plan: Plan, triggers: Along | None = None) -> None:
+        """Queue a motion, with what it triggers on its way."""
         self._enter(id_)
+        if triggers is not None:
+            self._triggers.add(id_, triggers)
         if self._follower is not None or self._behind:
             self._behind.append((id_, plan))
         else:
@@ -247,20 +253,24 @@ class Motion:
                 self._tasks.set(id_, TaskState.RUNNING)
         self._finish_waiting(TaskState.INTERRUPT)
 
-    def tick(self, q: Vector, qd: Vector, *, at_rest: bool) -> SetPoint:
+    def tick(self, time: float, q: Vector, qd: Vector, *, at_rest: bool) -> SetPoint:
         """The set-point of the next cycle.
 
         Args:
+            time: of the simulation [s].
             q: actual joints [rad]. Shape (6,).
             qd: actual joint speeds [rad/s]. Shape (6,).
             at_rest: whether the arm itself stands: it comes to rest after its set-points.
         """
-        self._at_rest = at_rest
+        self._at_rest, self._time = at_rest, time
         if self._follower is not None:
             return self._tick_follower(self._follower, q, qd)
         tick = self._mover.tick()
         for key, event, _ in tick.events:
             self._note(key, event)
+        if self._triggers:
+            mover, halting = self._mover, self._phase not in (Phase.IDLE, Phase.RUNNING)
+            self._triggers.tick(time, tick.setpoint, mover.active, mover.travel, halting=halting)
         if self._behind:
             self._go_on()
         if self._phase is not Phase.IDLE or self._waiting_for_rest:
@@ -317,9 +327,9 @@ class Motion:
         if event == "started":
             self._tasks.set(id_, TaskState.RUNNING)
         elif event == "finished":
-            self._end(id_, TaskState.FINISHED)
+            self._end(id_, TaskState.FINISHED, reached=True)
         elif event == "blended":
-            self._end(id_, TaskState.INTERRUPT, "blended into the next motion")
+            self._end(id_, TaskState.INTERRUPT, "blended into the next motion", reached=True)
         # "stopped" is told when the arm stands, see `_settle`; "failed" was told by the plan.
 
     def _settle(self) -> None:
@@ -364,8 +374,10 @@ class Motion:
         self._phase = Phase.IDLE
         self._finish_waiting()
 
-    def _end(self, id_: int, state: TaskState, message: str = "") -> None:
+    def _end(self, id_: int, state: TaskState, message: str = "", *, reached: bool = False) -> None:
         del self._queue[id_]
+        if self._triggers:
+            self._triggers.end(id_, self._time, self.setpoint, reached=reached)
         self._tasks.set(id_, state, message)
 
     def _finish_waiting(self, state: TaskState = TaskState.FINISHED) -> None:

@@ -6,8 +6,13 @@ no clock here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections import deque
+from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from aioduco.models.enums import TaskState
 from aioduco.sim.refusal import Rejected
@@ -15,13 +20,21 @@ from aioduco.sim.refusal import Rejected
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from numpy.typing import NDArray
+
     from aioduco._wire.rpc import Op
-    from aioduco.sim.planner.mover import Travel
+    from aioduco.sim.planner.mover import SetPoint, Travel
     from aioduco.sim.signals import Signals
 
-__all__ = ["Along", "Trigger", "along", "at_point"]
+    Vector = NDArray[np.float64]
+
+__all__ = ["Along", "Trigger", "Triggers", "along", "at_point"]
 
 _TIME, _DISTANCE = 1, 2
+#: what comes before the number of a bool register; further targets do not fit into the wire's byte
+_REGISTERS = 100
+#: a point is reached within the first distance, and passed where it was nearest within the other
+_THERE, _NEAR = 1e-4, 0.02  # [m]
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +60,18 @@ class Along:
         start: counted from its start.
         end: counted to its end, or from it if negative.
         halt: fired when the motion is paused or stopped; counted to standstill, or from it.
+        tip: position of the tool for joints [rad].
+        points: what is fired where, in order: positions of the flange [m].
+        flange: position of the flange for joints [rad].
     """
 
+    tip: Callable[[Vector], Vector]
     start: Trigger | None = None
     end: Trigger | None = None
     halt: Trigger | None = None
+    points: deque[tuple[Vector, Callable[[], None]]] = field(default_factory=deque)
+    flange: Callable[[Vector], Vector] | None = None
+    _distance: float = math.inf  # from the next point
 
     @property
     def late(self) -> bool:
@@ -72,8 +92,21 @@ class Along:
                 self.end = None
                 end.fire()
 
+    def pass_points(self, q: Vector) -> None:
+        """Fire at the points that are passed: where the flange is nearest to them."""
+        if not self.points or self.flange is None:
+            return
+        distance = float(np.linalg.norm(self.flange(q) - self.points[0][0]))
+        if distance <= _THERE or self._distance < min(distance, _NEAR):
+            self._distance = math.inf
+            self.points.popleft()[1]()
+        else:
+            self._distance = distance
+
     def ended(self) -> None:
         """The motion has reached its end: fire what was to come on the way."""
+        while self.points:
+            self.points.popleft()[1]()
         if self.start is not None:
             self.start.fire()
             self.start = None
@@ -104,12 +137,104 @@ class Along:
             halt.fire()
 
 
-def along(op: Op, signals: Signals, *, distance: bool) -> Along | None:
+class Triggers:
+    """The triggers of all motions, by the ids of their tasks."""
+
+    def __init__(self) -> None:
+        self._ahead: dict[int, Along] = {}
+        self._behind: list[_Behind] = []
+        self._stood: float | None = None  # since when the arm stands in a pause or after a stop
+
+    def __bool__(self) -> bool:
+        return bool(self._ahead) or bool(self._behind)
+
+    def add(self, id_: int, triggers: Along) -> None:
+        """A motion was queued."""
+        self._ahead[id_] = triggers
+
+    def end(self, id_: int, time: float, setpoint: SetPoint, *, reached: bool) -> None:
+        """A motion has ended, at its end or before it."""
+        triggers = self._ahead.pop(id_, None)
+        if triggers is None:
+            return
+        if reached:
+            triggers.ended()
+            triggers.halt = None
+        else:
+            triggers.start = triggers.end = None
+        if triggers.end is not None or triggers.halt is not None:
+            self._behind.append(_Behind(triggers, time, triggers.tip(setpoint.q)))
+
+    def tick(
+        self,
+        time: float,
+        setpoint: SetPoint,
+        active: int | None,
+        travel: Travel | None,
+        *,
+        halting: bool,
+    ) -> None:
+        """Fire what is due.
+
+        Args:
+            time: of the simulation [s].
+            setpoint: the latest.
+            active: id of the motion that runs.
+            travel: how far it has come.
+            halting: whether it is paused, or being stopped.
+        """
+        speed, change = np.abs(setpoint.qd).max(), np.abs(setpoint.qdd).max()
+        if not halting or speed > 0.0:
+            self._stood = None
+        elif self._stood is None:
+            self._stood = time
+        triggers = self._ahead.get(active) if active is not None else None
+        if triggers is not None:
+            if travel is not None:
+                triggers.travel(travel)
+            triggers.pass_points(setpoint.q)
+            if halting:
+                left = float(speed / change) if change > 0.0 else 0.0
+                triggers.halting(left, 0.0 if self._stood is None else time - self._stood)
+        for behind in tuple(self._behind):
+            behind.tick(time, setpoint)
+            if behind.triggers.end is None and behind.triggers.halt is None:
+                self._behind.remove(behind)
+
+
+@dataclass(slots=True, eq=False)
+class _Behind:
+    """The triggers of a motion that has ended.
+
+    Attributes:
+        triggers: what is left of them.
+        since: when it ended [s].
+        at: where the tool is [m]. Shape (3,).
+        way: that it has made since the end [m].
+    """
+
+    triggers: Along
+    since: float
+    at: Vector
+    way: float = 0.0
+
+    def tick(self, time: float, setpoint: SetPoint) -> None:
+        at = self.triggers.tip(setpoint.q)
+        self.way += float(np.linalg.norm(at - self.at))
+        self.at = at
+        self.triggers.beyond(time - self.since, self.way)
+        self.triggers.halting(0.0, time - self.since)
+
+
+def along(
+    op: Op, signals: Signals, tip: Callable[[Vector], Vector], *, distance: bool
+) -> Along | None:
     """Give the triggers of a motion; None if it has none.
 
     Args:
         op: as it came.
         signals: whose outputs are set.
+        tip: position of the tool for joints [rad].
         distance: whether the motion has a length in metres.
 
     Raises:
@@ -130,7 +255,7 @@ def along(op: Op, signals: Signals, *, distance: bool) -> Along | None:
         _target(op.time_or_dist_3, op.trig_io_3, op.trig_value_3, op.trig_event_3, signals),
         distance=False,
     )  # fmt: skip
-    return Along(start, end, halt) if start or end or halt else None
+    return Along(tip, start, end, halt) if start or end or halt else None
 
 
 def at_point(op: Op, signals: Signals) -> Callable[[], None] | None:
@@ -138,7 +263,7 @@ def at_point(op: Op, signals: Signals) -> Callable[[], None] | None:
 
     At a point there is neither a way nor a time: all triggers that are on fire at once.
     """
-    found = along(op, signals, distance=True)
+    found = along(op, signals, lambda q: q, distance=True)
     if found is None:
         return None
     fires = [t.fire for t in (found.start, found.end, found.halt) if t is not None]
@@ -170,17 +295,11 @@ def _target(
         raise _wrong(f"a trigger is of kind {kind}, but must be 0, 1 or 2")
     if event:
         raise _wrong(f"there is no event {event!r}: none is defined in this controller")
-    if 1 <= index <= 16:
-        bank, num = signals.standard_out, index
-    elif 101 <= index <= 164:
-        bank, num = signals.bool_out, index - 100
-    else:
-        raise _wrong(f"a trigger's target is {index}, but must be 1 to 16 or 101 to 127")
-
-    def fire() -> None:
-        bank[num] = value
-
-    return fire
+    if 1 <= index <= len(signals.standard_out):
+        return partial(signals.standard_out.__setitem__, index, value)
+    if 1 <= index - _REGISTERS <= len(signals.bool_out):
+        return partial(signals.bool_out.__setitem__, index - _REGISTERS, value)
+    raise _wrong(f"a trigger's target is {index}, but must be 1 to 16 or 101 to 127")
 
 
 def _finite(value: float) -> float:

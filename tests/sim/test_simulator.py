@@ -294,8 +294,6 @@ def test_a_refusal_without_blocking_is_an_id_whose_task_has_ended(robot: Program
 def test_what_is_not_simulated_says_so(sim: Simulator, robot: Program) -> None:
     with pytest.raises(ControllerError, match="fc_start is not simulated yet"):
         robot.fc_start()
-    with pytest.raises(ControllerError, match="op"):
-        robot.movej2(READY, 1.0, 1.0, 0.0, True, Op(time_or_dist_1=1, trig_io_1=1), False)
     assert not sim.moving
 
 

@@ -9,9 +9,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from aioduco._wire import rpc
+from aioduco.sim.handlers.curves import CurveHandlers
 from aioduco.sim.handlers.frames import FrameHandlers
 from aioduco.sim.handlers.log import LogHandlers
 from aioduco.sim.handlers.motion import MotionHandlers
+from aioduco.sim.handlers.offsets import OffsetHandlers
 from aioduco.sim.handlers.realtime import RealtimeHandlers
 from aioduco.sim.handlers.servo import ServoHandlers
 from aioduco.sim.handlers.settings import SettingHandlers
@@ -35,6 +37,8 @@ def _not_simulated(name: str, _args: tuple[Any, ...]) -> NoReturn:
 class Handlers(
     SystemHandlers,
     MotionHandlers,
+    OffsetHandlers,
+    CurveHandlers,
     ServoHandlers,
     RealtimeHandlers,
     TrackHandlers,

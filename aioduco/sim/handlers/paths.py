@@ -1,0 +1,111 @@
+"""What the handlers of motions with a path share (manual 1.3.5)."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aioduco.sim.handlers import arguments
+from aioduco.sim.handlers.base import Section
+from aioduco.sim.triggers import Along, along
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from aioduco._wire.rpc import Op
+    from aioduco.sim.controller import Controller
+    from aioduco.sim.motion import Plan
+
+    Vector = NDArray[np.float64]
+    Matrix = NDArray[np.float64]
+
+_JOINT_SPEED = (math.radians(0.01), 1.25 * math.pi, "rad/s")
+_JOINT_ACCELERATION = (math.radians(0.01), math.inf, "rad/s²")
+_LINE_SPEED = (0.01, 5.0, "m/s")
+_LINE_ACCELERATION = (0.01, math.inf, "m/s²")
+#: what the controller takes when it is to choose the acceleration itself: an assumption
+DEFAULT_JOINT_ACCELERATION = 5.0
+_DEFAULT_LINE_ACCELERATION = 2.0
+
+
+class PathSection(Section):
+    """Base of the handlers of motions that are planned as a whole."""
+
+    def _motion(
+        self,
+        name: str,
+        plan: Callable[[], Plan],
+        op: Op,
+        block: bool,
+        *,
+        line: bool = True,
+        points: Sequence[tuple[Vector, Callable[[], None]]] = (),
+    ) -> int:
+        """Queue a motion.
+
+        Args:
+            name: of the function.
+            plan: makes the plan of what came; raises Rejected if it makes no sense.
+            op: triggers along the path.
+            block: whether to wait for its end.
+            line: whether its path has a length in metres, for triggers by distance.
+            points: what happens where on the way, in order; filled by `plan`.
+        """
+
+        def command(controller: Controller) -> int:
+            tool = self._frames.tool().matrix
+
+            def tip(q: Vector) -> Vector:
+                return (self._arm.fkine(q) @ tool)[:3, 3]
+
+            planned = plan()
+            triggers = along(op, self._signals, tip, distance=line)
+            if points:
+                triggers = triggers or Along(tip)
+                triggers.points.extend(points)
+                triggers.flange = lambda q: self._arm.fkine(q)[:3, 3]
+            return controller.move(name, planned, triggers)
+
+        return self._task(name, block, command)
+
+    def _target(self, name: str, p: Sequence[float], tool: str, wobj: str) -> tuple[Matrix, Matrix]:
+        """Pose of the flange in the base frame, and of the tool's tip in the flange's."""
+        used = arguments.tool(self._frames, tool)
+        base = arguments.wobj(self._frames, wobj)
+        return base.matrix @ arguments.pose(name, p).matrix @ used.inverse, used.matrix
+
+
+def near(q_near: Sequence[float]) -> Vector | None:
+    """Reference joints; None for none given."""
+    return np.array(arguments.joints("q_near", q_near)) if q_near else None
+
+
+def blend(r: float) -> float:
+    """Radius of a blend [m]."""
+    return arguments.number("r", r, 0.0, math.inf, "m")
+
+
+def joint_speed(v: float) -> float:
+    """Speed of a joint [rad/s]."""
+    return arguments.number("v", v, *_JOINT_SPEED)
+
+
+def line_speed(v: float) -> float:
+    """Speed of the tool [m/s]."""
+    return arguments.number("v", v, *_LINE_SPEED)
+
+
+def joint_acceleration(a: float, chosen: bool) -> float:
+    """Acceleration of a joint [rad/s²]; that of the controller if it is to choose."""
+    if chosen:
+        return DEFAULT_JOINT_ACCELERATION
+    return arguments.number("a", a, *_JOINT_ACCELERATION)
+
+
+def line_acceleration(a: float, chosen: bool) -> float:
+    """Acceleration of the tool [m/s²]; that of the controller if it is to choose."""
+    return _DEFAULT_LINE_ACCELERATION if chosen else arguments.number("a", a, *_LINE_ACCELERATION)

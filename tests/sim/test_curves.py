@@ -1,0 +1,198 @@
+"""Offsets, circles, spirals and splines over the wire, and what they trigger."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from aioduco._wire.rpc import Op, PointOp
+from aioduco.models.enums import TaskState
+from aioduco.models.pose import Pose
+from aioduco.sim.simulator import READY, Simulator
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .conftest import Program
+
+END = (True, Op(), False)
+
+
+def tip(robot: Program, sim: Simulator) -> Pose:
+    sim.wait_until(lambda: not sim.moving)
+    return Pose.of(robot.get_tcp_pose())
+
+
+def near(pose: Pose, goal: Pose) -> bool:
+    return pose.almost_equal(goal, position=1e-3, rotation=3e-3)
+
+
+def test_offsets_between_two_poses(sim: Simulator, robot: Program) -> None:
+    start = tip(robot, sim)
+    p1, p2 = Pose(0.1, 0.2, 0.3, 0.0, 0.0, 0.5), Pose(0.15, 0.2, 0.3, 0.0, 0.0, 0.7)
+    step = p1.inverse() @ p2
+    assert robot.tcp_move_2p(list(p1), list(p2), 0.2, 1.0, 0.0, "", "", *END) == 4
+    assert near(tip(robot, sim), start @ step)
+
+
+def test_offsets_along_the_work_object(sim: Simulator, robot: Program) -> None:
+    assert robot.set_wobj("bench", [0.3, 0.0, 0.0, 0.0, 0.0, 0.5]) == TaskState.FINISHED
+    start = Pose.from_matrix(sim.arm.fkine(sim.joints))
+    assert robot.wobj_move([0.05, 0, 0, 0, 0, 0.2], 0.2, 1.0, 0.0, "bench", *END) == 4
+    sim.wait_until(lambda: not sim.moving)
+    turned = Pose(0, 0, 0, 0, 0, 0.2).matrix[:3, :3] @ start.matrix[:3, :3]
+    there = sim.arm.fkine(sim.joints)
+    way = np.array([0.05 * math.cos(0.5), 0.05 * math.sin(0.5), 0.0])
+    assert there[:3, 3] == pytest.approx(start.matrix[:3, 3] + way, abs=1e-3)
+    assert there[:3, :3] == pytest.approx(turned, abs=3e-3)
+    p1, p2 = [0.1, 0, 0, 0, 0, 0.2], [0.05, 0, 0, 0, 0, 0.0]
+    assert robot.wobj_move_2p(p1, p2, 0.2, 1.0, 0.0, "", "bench", *END) == 4
+    sim.wait_until(lambda: not sim.moving)
+    assert near(Pose.from_matrix(sim.arm.fkine(sim.joints)), start)
+
+
+def test_a_circle_ends_where_it_began(sim: Simulator, robot: Program) -> None:
+    start = tip(robot, sim)
+    p1, p2 = list(start.shifted(x=0.05, y=0.05)), list(start.shifted(x=0.1))
+    begin = sim.time
+    assert robot.move_circle(p1, p2, 0.1, 1.0, 0.0, 1, [], "", "", *END) == TaskState.FINISHED
+    assert sim.time - begin > 2 * math.pi * 0.05 / 0.1
+    assert near(tip(robot, sim), start)
+    assert robot.move_circle(p1, p2, 0.1, 1.0, 0.0, 0, [], "", "", *END) == 8
+
+
+def test_spirals(sim: Simulator, robot: Program) -> None:
+    start = tip(robot, sim)
+    centre = Pose(start.x - 0.05, start.y, start.z, 0.0, 0.0, 0.0)
+    spiral: Any = robot.move_spiral
+    by_parameters: Any = (list(centre), [0.0] * 6, 2.0, 0.04, 0.02, 0, 0.1, 1.0, [], "", "")
+    assert spiral(*by_parameters, *END) == TaskState.FINISHED
+    assert near(tip(robot, sim), start.shifted(x=-0.03, z=0.04))
+    by_end: Any = (list(centre), list(start), 2.0, 0.0, 0.0, 1, 0.1, 1.0, [], "", "")
+    assert spiral(*by_end, *END) == TaskState.FINISHED
+    assert near(tip(robot, sim), start)
+    wrong: Any = (list(centre), list(start), math.nan, 0.0, 0.0, 1, 0.1, 1.0, [], "", "")
+    assert spiral(*wrong, *END) == TaskState.PARAMETER_MISMATCH
+    assert spiral(*by_end[:5], 2, *by_end[6:], *END) == TaskState.PARAMETER_MISMATCH
+
+
+def test_splines_go_through_their_poses_and_trigger_there(sim: Simulator, robot: Program) -> None:
+    start = tip(robot, sim)
+    goals = [start.shifted(x=0.05 * i, z=-0.04 * (i % 2)) for i in range(1, 4)]
+    plain = [list(goal) for goal in goals]
+    spline = (0.1, 1.0, "", "", True, Op(), 0.0, False)
+    assert robot.spline(plain, *spline) == TaskState.FINISHED
+    assert near(tip(robot, sim), goals[-1])
+    assert robot.to(*READY) == TaskState.FINISHED
+    there = tip(robot, sim)
+    middle = Op(time_or_dist_1=1, trig_io_1=2, trig_value_1=True)
+    points = [PointOp(plain[0], Op()), PointOp(plain[1], middle), PointOp(plain[2], Op())]
+    seen: list[float] = []
+    id_ = robot.spline_op(points, 0.02, 1.0, "", "", False, Op(), 0.0, False)
+
+    def set_and_moving() -> bool:
+        if robot.get_standard_digital_out(2):
+            seen.append(Pose.from_matrix(sim.arm.fkine(sim.joints)).x - there.x)
+        return bool(seen)
+
+    sim.wait_until(set_and_moving, 60.0)
+    assert 0.099 < seen[0] < 0.149
+    sim.wait_until(lambda: robot.get_noneblock_taskstate(id_) == TaskState.FINISHED, 60.0)
+    assert robot.spline([], *spline) == TaskState.PARAMETER_MISMATCH
+    assert robot.spline(plain * 20, *spline) == TaskState.PARAMETER_MISMATCH
+
+
+def test_how_far_motions_are_read_ahead_has_a_range(robot: Program) -> None:
+    assert robot.set_blend_ahead(50, 0) == TaskState.FINISHED
+    assert robot.set_blend_ahead(0, 3) == TaskState.FINISHED
+    assert robot.set_blend_ahead(101, 1) == TaskState.PARAMETER_MISMATCH
+    assert robot.set_blend_ahead(0, 4) == TaskState.PARAMETER_MISMATCH
+
+
+# -- triggers ------------------------------------------------------------------------------------
+
+
+def line(robot: Program, op: Op, way: float = 0.1, v: float = 0.05, *, block: bool = True) -> int:
+    return robot.tcp_move([0, 0, way, 0, 0, 0], v, 1.0, 0.0, "", block, op, False)
+
+
+def at_output(sim: Simulator, robot: Program, num: int, start: Pose) -> float:
+    """How far the tool was when an output was set."""
+    found: list[float] = []
+
+    def seen() -> bool:
+        if robot.get_standard_digital_out(num):
+            found.append(Pose.from_matrix(sim.arm.fkine(sim.joints)).distance(start)[0])
+        return bool(found)
+
+    sim.wait_until(seen, 60.0)
+    return found[0]
+
+
+@pytest.mark.parametrize(
+    ("op", "way"),
+    [
+        ({"time_or_dist_1": 2, "trig_dist_1": 0.03, "trig_io_1": 5, "trig_value_1": True}, 0.03),
+        ({"time_or_dist_1": 1, "trig_time_1": 1025, "trig_io_1": 5, "trig_value_1": True}, 0.05),
+        ({"time_or_dist_2": 2, "trig_dist_2": 0.02, "trig_io_2": 5, "trig_value_2": True}, 0.08),
+        ({"time_or_dist_2": 1, "trig_time_2": 425, "trig_io_2": 5, "trig_value_2": True}, 0.08),
+    ],
+)
+def test_triggers_by_time_and_distance(
+    connect: Callable[..., Program], op: dict[str, Any], way: float
+) -> None:
+    # Not as fast as possible: the thread that looks on shall get to see the arm often.
+    with Simulator(speed=2.0) as sim:
+        robot = connect(sim)
+        robot.bring_up()
+        start = tip(robot, sim)
+        line(robot, Op(**op), block=False)
+        assert at_output(sim, robot, 5, start) == pytest.approx(way, abs=0.012)
+
+
+def test_a_trigger_after_the_end(sim: Simulator, robot: Program) -> None:
+    op = Op(time_or_dist_2=1, trig_time_2=-500, trig_io_2=101, trig_value_2=True)
+    assert line(robot, op, 0.02) == TaskState.FINISHED
+    begin = sim.time
+    sim.wait_until(lambda: robot.getRobotIOStatus().boolRegisterOutputs[0], 10.0)
+    assert sim.time - begin > 0.3
+    later = Op(time_or_dist_2=2, trig_dist_2=-0.01, trig_io_2=7, trig_value_2=True)
+    assert line(robot, later, 0.02) == TaskState.FINISHED
+    assert not robot.get_standard_digital_out(7)
+    assert line(robot, Op(), -0.02) == TaskState.FINISHED
+    assert robot.get_standard_digital_out(7)
+
+
+def test_a_trigger_at_a_pause_and_at_a_stop(sim: Simulator, robot: Program) -> None:
+    op = Op(time_or_dist_3=1, trig_time_3=0, trig_io_3=8, trig_value_3=True)
+    line(robot, op, 0.2, block=False)
+    sim.wait_until(lambda: sim.moving)
+    assert not robot.get_standard_digital_out(8)
+    assert robot.pause(True) == TaskState.FINISHED
+    sim.wait_until(lambda: robot.get_standard_digital_out(8))
+    assert robot.stop(True) == TaskState.FINISHED
+    assert robot.set_standard_digital_out(8, False, True) == TaskState.FINISHED
+    line(robot, op, 0.2, block=False)
+    sim.wait_until(lambda: sim.moving)
+    assert robot.stop(True) == TaskState.FINISHED
+    sim.wait_until(lambda: robot.get_standard_digital_out(8))
+
+
+def test_triggers_that_make_no_sense(robot: Program) -> None:
+    assert line(robot, Op(time_or_dist_1=3)) == TaskState.PARAMETER_MISMATCH
+    assert line(robot, Op(time_or_dist_1=1, trig_io_1=17)) == TaskState.PARAMETER_MISMATCH
+    assert line(robot, Op(time_or_dist_1=1, trig_event_1="weld")) == TaskState.PARAMETER_MISMATCH
+    nan = Op(time_or_dist_1=1, trig_io_1=1, trig_time_1=math.nan)
+    assert line(robot, nan) == TaskState.PARAMETER_MISMATCH
+
+
+def test_a_trigger_by_distance_is_without_effect_on_a_joint_motion(robot: Program) -> None:
+    op = Op(time_or_dist_1=2, trig_dist_1=0.01, trig_io_1=9, trig_value_1=True)
+    assert robot.movej2([0.5, *READY[1:]], 1.0, 2.0, 0.0, True, op, False) == TaskState.FINISHED
+    assert not robot.get_standard_digital_out(9)
+    timed = Op(time_or_dist_1=1, trig_time_1=10, trig_io_1=9, trig_value_1=True)
+    assert robot.movej2(READY, 1.0, 2.0, 0.0, True, timed, False) == TaskState.FINISHED
+    assert robot.get_standard_digital_out(9)
