@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -229,6 +230,6 @@ def per_group(name: str, value: float | Sequence[float], groups: int) -> tuple[f
         ParameterError: it is not that, or not above zero.
     """
     values = (value,) * groups if isinstance(value, (int, float)) else tuple(value)
-    if len(values) != groups or not all(v > 0 for v in values):
-        raise ParameterError(name, value, f"above zero: one number, or {groups}")
+    if len(values) != groups or not all(0 < v < math.inf for v in values):
+        raise ParameterError(name, value, f"above zero and finite: one number, or {groups}")
     return tuple(float(v) for v in values)
