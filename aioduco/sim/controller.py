@@ -22,6 +22,7 @@ from aioduco.sim.cycle import Drive, Sensed, View
 from aioduco.sim.frames import Frames
 from aioduco.sim.heartbeat import Heartbeat
 from aioduco.sim.motion import Motion, Phase
+from aioduco.sim.optimization import Optimization
 from aioduco.sim.planner.mover import SetPoint
 from aioduco.sim.planner.realtime import Commands
 from aioduco.sim.planner.track import Pool
@@ -71,6 +72,7 @@ class Controller:
         self.heartbeat = Heartbeat()
         self.commands = Commands()
         self.pool = Pool()
+        self.optimization = Optimization()
         self.mode = OperationMode.AUTO
         self.halted = False
         self._power = Power(self.tasks)

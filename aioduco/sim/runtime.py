@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.models.enums import TaskState
+    from aioduco.sim.optimization import Optimization
 
     Vector = NDArray[np.float64]
 
@@ -156,6 +157,11 @@ class Runtime:
         if self._failure is not None:
             raise Refusal(f"the simulation failed: {self._failure!r}")
         return self._snapshot
+
+    @property
+    def optimization(self) -> Optimization:
+        """What of 1.3.11 is switched on; for handlers within a command."""
+        return self._controller.optimization
 
     @contextlib.contextmanager
     def command(self) -> Iterator[Controller]:

@@ -14,6 +14,7 @@ from aioduco.sim.handlers.frames import FrameHandlers
 from aioduco.sim.handlers.log import LogHandlers
 from aioduco.sim.handlers.motion import MotionHandlers
 from aioduco.sim.handlers.offsets import OffsetHandlers
+from aioduco.sim.handlers.optimization import OptimizationHandlers
 from aioduco.sim.handlers.realtime import RealtimeHandlers
 from aioduco.sim.handlers.servo import ServoHandlers
 from aioduco.sim.handlers.settings import SettingHandlers
@@ -39,6 +40,7 @@ class Handlers(
     MotionHandlers,
     OffsetHandlers,
     CurveHandlers,
+    OptimizationHandlers,
     ServoHandlers,
     RealtimeHandlers,
     TrackHandlers,

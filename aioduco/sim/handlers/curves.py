@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import mismatch
-from aioduco.sim.handlers.paths import PathSection, blend, line_acceleration, line_speed, near
+from aioduco.sim.handlers.paths import PathSection, blend, line_acceleration, near
 from aioduco.sim.planner.segments import circle_move, spiral_move, spline_move
 from aioduco.sim.triggers import at_point
 
@@ -54,7 +54,7 @@ class CurveHandlers(PathSection):
             near(q_near)
             if mode not in (1, 2):
                 raise mismatch(f"mode is {mode}, but must be 1 or 2")
-            speed, acceleration, radius = line_speed(v), line_acceleration(a, def_acc), blend(r)
+            (speed, acceleration), radius = self._line_pace(v, a, def_acc), blend(r)
             return lambda start: circle_move(
                 self._arm, start, first, second, speed, acceleration, radius, mode=mode, tool=tip
             )
@@ -91,7 +91,7 @@ class CurveHandlers(PathSection):
             turns = arguments.number("rev", rev, -1000.0, 1000.0, "turns")
             axial = arguments.number("len", len, -10.0, 10.0, "m") if target is None else 0.0
             end = arguments.number("r", r, 0.0, 10.0, "m") if target is None else 0.0
-            speed, acceleration = line_speed(v), line_acceleration(a, def_acc)
+            speed, acceleration = self._line_pace(v, a, def_acc)
             return lambda start: spiral_move(
                 self._arm,
                 start,
@@ -122,7 +122,7 @@ class CurveHandlers(PathSection):
         """Along a smooth curve through up to 50 poses."""
 
         def plan() -> Plan:
-            pace = line_speed(v), line_acceleration(a, def_acc)
+            pace = self._line_pace(v, a, def_acc)
             return self._spline(pose_list, pace, tool, wobj, r)
 
         return self._motion("spline", plan, op, block)

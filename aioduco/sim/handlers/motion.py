@@ -13,14 +13,10 @@ from aioduco.sim.handlers.paths import (
     DEFAULT_JOINT_ACCELERATION,
     PathSection,
     blend,
-    joint_acceleration,
-    joint_speed,
-    line_acceleration,
-    line_speed,
     near,
 )
 from aioduco.sim.planner.errors import PlanError
-from aioduco.sim.planner.segments import arc_move, joint_move, line_move
+from aioduco.sim.planner.segments import arc_move, joint_move
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,7 +47,7 @@ class MotionHandlers(PathSection):
         """To joints, all arriving together."""
 
         def plan() -> Plan:
-            return self._to_joints(joints_list, joint_speed(v), joint_acceleration(a, def_acc), r)
+            return self._to_joints(joints_list, *self._joint_pace(v, a, def_acc), r)
 
         return self._motion("movej2", plan, op, block, line=False)
 
@@ -88,7 +84,7 @@ class MotionHandlers(PathSection):
         """To a pose of the tool, all joints arriving together."""
 
         def plan() -> Plan:
-            speed, acceleration = joint_speed(v), joint_acceleration(a, def_acc)
+            speed, acceleration = self._joint_pace(v, a, def_acc)
             return self._to_pose(p, q_near, tool, wobj, speed, acceleration, r)
 
         return self._motion("movej_pose2", plan, op, block, line=False)
@@ -131,10 +127,8 @@ class MotionHandlers(PathSection):
         def plan() -> Plan:
             target, tip = self._target("p", p, tool, wobj)
             near(q_near)
-            speed, acceleration, radius = line_speed(v), line_acceleration(a, def_acc), blend(r)
-            return lambda start: line_move(
-                self._arm, start, target, speed, acceleration, radius, tool=tip
-            )
+            (speed, acceleration), radius = self._line_pace(v, a, def_acc), blend(r)
+            return lambda start: self._line(start, target, (speed, acceleration), radius, tip)
 
         return self._motion("movel", plan, op, block)
 
@@ -161,7 +155,7 @@ class MotionHandlers(PathSection):
             near(q_near)
             if mode not in (0, 1, 2):
                 raise mismatch(f"mode is {mode}, but must be 0, 1 or 2")
-            speed, acceleration, radius = line_speed(v), line_acceleration(a, def_acc), blend(r)
+            (speed, acceleration), radius = self._line_pace(v, a, def_acc), blend(r)
             return lambda start: arc_move(
                 self._arm, start, via, target, speed, acceleration, radius, mode=mode, tool=tip
             )

@@ -8,8 +8,7 @@ import numpy as np
 
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import mismatch
-from aioduco.sim.handlers.paths import PathSection, blend, line_acceleration, line_speed
-from aioduco.sim.planner.segments import line_move
+from aioduco.sim.handlers.paths import PathSection, blend
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -142,13 +141,11 @@ class OffsetHandlers(PathSection):
         r: float,
         def_acc: bool,
     ) -> Plan:
-        speed, acceleration, radius = line_speed(v), line_acceleration(a, def_acc), blend(r)
+        (speed, acceleration), radius = self._line_pace(v, a, def_acc), blend(r)
 
         def from_there(start: Vector) -> Segment:
             target = moved(self._arm.fkine(start) @ tool.matrix) @ tool.inverse
-            return line_move(
-                self._arm, start, target, speed, acceleration, radius, tool=tool.matrix
-            )
+            return self._line(start, target, (speed, acceleration), radius, tool.matrix)
 
         return from_there
 

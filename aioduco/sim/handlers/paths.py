@@ -7,8 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from aioduco.errors import Unreachable
+from aioduco.models.enums import OperationMode
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import Section
+from aioduco.sim.planner.errors import PlanError
+from aioduco.sim.planner.segments import joint_move, line_move
 from aioduco.sim.triggers import Along, along
 
 if TYPE_CHECKING:
@@ -19,6 +23,7 @@ if TYPE_CHECKING:
     from aioduco._wire.rpc import Op
     from aioduco.sim.controller import Controller
     from aioduco.sim.motion import Plan
+    from aioduco.sim.planner.segments import Segment
 
     Vector = NDArray[np.float64]
     Matrix = NDArray[np.float64]
@@ -30,6 +35,8 @@ _LINE_ACCELERATION = (0.01, math.inf, "m/s²")
 #: what the controller takes when it is to choose the acceleration itself: an assumption
 DEFAULT_JOINT_ACCELERATION = 5.0
 _DEFAULT_LINE_ACCELERATION = 2.0
+_STEEPEST = 1e3  # stands for an acceleration that only the joints limit [m/s²]
+_AROUND = (0.5, 2.0)  # pace of a joint motion in place of a line [rad/s, rad/s²]; an assumption
 
 
 class PathSection(Section):
@@ -71,6 +78,39 @@ class PathSection(Section):
             return controller.move(name, planned, triggers)
 
         return self._task(name, block, command)
+
+    def _joint_pace(self, v: float, a: float, def_acc: bool) -> tuple[float, float]:
+        """Speed and acceleration of joints, as asked for or optimized."""
+        speed, acceleration = joint_speed(v), joint_acceleration(a, def_acc)
+        fast, steep = self._optimized()
+        return _JOINT_SPEED[1] if fast else speed, math.inf if steep else acceleration
+
+    def _line_pace(self, v: float, a: float, def_acc: bool) -> tuple[float, float]:
+        """Speed and acceleration of the tool, as asked for or optimized."""
+        speed, acceleration = line_speed(v), line_acceleration(a, def_acc)
+        fast, steep = self._optimized()
+        return _LINE_SPEED[1] if fast else speed, _STEEPEST if steep else acceleration
+
+    def _optimized(self) -> tuple[bool, bool]:
+        """Whether speeds and accelerations are the controller's to choose."""
+        switches, mode = self._runtime.optimization, self._runtime.snapshot.view.mode
+        fast = switches.speed and mode is OperationMode.AUTO
+        return fast, fast or switches.acceleration
+
+    def _line(
+        self, start: Vector, target: Matrix, pace: tuple[float, float], r: float, tool: Matrix
+    ) -> Segment:
+        """A line, or where it cannot be followed and shall be gone around, a joint motion."""
+        try:
+            return line_move(self._arm, start, target, *pace, r, tool=tool)
+        except PlanError as exc:
+            if exc.code != "singular" or not self._runtime.optimization.avoids:
+                raise
+        try:
+            end = self._arm.ikine(target, start)
+        except Unreachable as exc:
+            raise PlanError("unreachable", str(exc)) from exc
+        return joint_move(self._arm, start, end, *_AROUND, r, tool=tool)
 
     def _target(self, name: str, p: Sequence[float], tool: str, wobj: str) -> tuple[Matrix, Matrix]:
         """Pose of the flange in the base frame, and of the tool's tip in the flange's."""

@@ -1,0 +1,59 @@
+"""The switches of 1.3.11: what they do to motions that come later."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco._wire.rpc import Op
+from aioduco.models.enums import TaskState
+from aioduco.models.pose import Pose
+from aioduco.sim.simulator import READY, Simulator
+
+if TYPE_CHECKING:
+    from .conftest import Program
+
+
+def duration(sim: Simulator, robot: Program, angle: float, v: float = 0.5) -> float:
+    begin = sim.time
+    assert robot.to(angle, *READY[1:], v=v) == TaskState.FINISHED
+    return sim.time - begin
+
+
+def test_speed_optimization_is_for_automatic_mode(sim: Simulator, robot: Program) -> None:
+    plain = duration(sim, robot, 1.0)
+    assert robot.enable_speed_optimization() == TaskState.FINISHED
+    assert duration(sim, robot, 0.0) < 0.5 * plain
+    assert robot.switch_mode(0) == TaskState.FINISHED
+    assert duration(sim, robot, 1.0) > 0.9 * plain
+    assert robot.switch_mode(1) == TaskState.FINISHED
+    assert robot.disable_speed_optimization() == TaskState.FINISHED
+    assert duration(sim, robot, 0.0) > 0.9 * plain
+
+
+def test_acceleration_optimization_shortens_a_motion(sim: Simulator, robot: Program) -> None:
+    plain = duration(sim, robot, 1.0, 3.0)
+    assert robot.enable_acc_optimization() == TaskState.FINISHED
+    assert duration(sim, robot, 0.0, 3.0) < 0.8 * plain
+    assert robot.disable_acc_optimization() == TaskState.FINISHED
+    assert duration(sim, robot, 1.0, 3.0) > 0.9 * plain
+
+
+def test_a_line_through_a_singularity_is_gone_around(sim: Simulator, robot: Program) -> None:
+    # Past the wrist's singularity: joint 5 changes its sign on the way.
+    start = (0.0, 0.3, 1.2, 0.0, 0.2, 0.0)
+    goal = list(Pose.from_matrix(sim.arm.fkine((0.0, 0.3, 1.2, 0.0, -0.2, 0.0))))
+    assert robot.to(*start) == TaskState.FINISHED
+
+    def line() -> int:
+        return robot.movel(goal, 0.1, 1.0, 0.0, [], "", "", True, Op(), False)
+
+    assert line() == TaskState.ERROR
+    assert robot.enable_singularity_control() == TaskState.FINISHED
+    assert line() == TaskState.ERROR  # vibration control goes first
+    assert robot.disable_vibration_control() == TaskState.FINISHED
+    assert line() == TaskState.FINISHED
+    sim.wait_until(lambda: not sim.moving)
+    there = Pose.of(robot.get_tcp_pose())
+    assert there.almost_equal(Pose.of(goal), position=1e-3, rotation=2e-3)
+    assert robot.enable_vibration_control() == TaskState.FINISHED
+    assert robot.disable_singularity_control() == TaskState.FINISHED
