@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import socket
 import threading
 import time
@@ -73,7 +74,9 @@ class Connection:
         self._guard = threading.RLock()
         self._stream: Stream | None = None
         self._owner: int | None = None
-        self._sequence = 0
+        # Begun anywhere: a stray or forged answer must not fit by chance, as one with a low
+        # number would on most connections.
+        self._sequence = random.randrange(codec.LAST_SEQUENCE)
         self._calls = 0
         self._answered = 0
         self._bytes_sent = 0
