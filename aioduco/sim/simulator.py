@@ -11,16 +11,18 @@ import numpy as np
 
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.pose import Joints
+from aioduco.sim.cabinet import Cabinet
 from aioduco.sim.controller import Controller
 from aioduco.sim.handlers import handlers
 from aioduco.sim.handlers.base import Context
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.runtime import Runtime
 from aioduco.sim.server import Server
+from aioduco.sim.values import SystemValues
 from aioduco.sim.world import World
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from types import TracebackType
     from typing import Self
 
@@ -30,7 +32,9 @@ if TYPE_CHECKING:
     from aioduco.sim.clock import LoopStatistics
     from aioduco.sim.controller import View
     from aioduco.sim.process import SimulatorProcess
+    from aioduco.sim.signals import Signals
     from aioduco.sim.tasks import Task
+    from aioduco.sim.values import Value
 
 #: time of one controller cycle [s]
 CYCLE = 0.001
@@ -56,6 +60,7 @@ class Simulator:
         speed: simulated seconds in a real one; `math.inf` for as fast as possible.
         seed: of everything random in the simulation.
         joints: where the arm stands at the start [rad]; None for the elbow bent, flange down.
+        values: system values by name, which a controller's pendant would define.
         on_shutdown: called when a client has shut the controller down, from one of its threads.
 
     Raises:
@@ -71,12 +76,14 @@ class Simulator:
         speed: float = 1.0,
         seed: int = 0,
         joints: JointsLike | None = None,
+        values: Mapping[str, Value] | None = None,
         on_shutdown: Callable[[], object] = lambda: None,
     ) -> None:
         self.arm = arm_of(model)
         self.speed = speed
         self.seed = seed
         self._start = Joints.of(READY if joints is None else joints).array
+        self.cabinet = Cabinet(SystemValues(values))
         self._address = (host, port)
         self._halted = threading.Event()
         self._on_shutdown = on_shutdown
@@ -119,6 +126,7 @@ class Simulator:
             series,
             model,
             f"SIM{self.seed:08d}",
+            self.cabinet,
         )
         server = Server(handlers(context), host=self._address[0], port=self._address[1])
         server.start()
@@ -225,7 +233,12 @@ class Simulator:
 
     def get_digital_output(self, num: int) -> bool:
         """A general output of the cabinet, 1 to 16."""
-        return self._machine().signals.standard_out[num]
+        return self._machine().signals.standard_out.level(num, self.time)
+
+    @property
+    def signals(self) -> Signals:
+        """Every signal and register by number, such as `sim.signals.voltage_in[2] = 5.0`."""
+        return self._machine().signals
 
     def statistics(self) -> LoopStatistics:
         """How well the controller's cycle is kept."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from aioduco._wire import rpc
+from aioduco.sim.handlers.cabinet import CabinetHandlers
 from aioduco.sim.handlers.curves import CurveHandlers
 from aioduco.sim.handlers.frames import FrameHandlers
 from aioduco.sim.handlers.log import LogHandlers
@@ -18,7 +19,6 @@ from aioduco.sim.handlers.optimization import OptimizationHandlers
 from aioduco.sim.handlers.realtime import RealtimeHandlers
 from aioduco.sim.handlers.servo import ServoHandlers
 from aioduco.sim.handlers.settings import SettingHandlers
-from aioduco.sim.handlers.signals import SignalHandlers
 from aioduco.sim.handlers.state import StateHandlers
 from aioduco.sim.handlers.system import SystemHandlers
 from aioduco.sim.handlers.track import TrackHandlers
@@ -45,7 +45,7 @@ class Handlers(
     RealtimeHandlers,
     TrackHandlers,
     VelocityHandlers,
-    SignalHandlers,
+    CabinetHandlers,
     FrameHandlers,
     StateHandlers,
     SettingHandlers,

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from aioduco.models.enums import TaskState
+from aioduco.sim.cabinet import Cabinet
 from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ class Context:
         signals: inputs and outputs.
         frames: tools and work objects.
         series, model, serial: what get_robot_type tells.
+        cabinet: what the controller keeps besides: variables, ports, files.
     """
 
     arm: Arm
@@ -42,6 +44,7 @@ class Context:
     series: str
     model: str
     serial: str
+    cabinet: Cabinet = field(default_factory=Cabinet)
 
 
 class Section:
@@ -52,6 +55,7 @@ class Section:
         self._runtime = context.runtime
         self._signals = context.signals
         self._frames = context.frames
+        self._cabinet = context.cabinet
         self._context = context
 
     def _task(self, name: str, block: bool, command: Callable[[Controller], int]) -> int:

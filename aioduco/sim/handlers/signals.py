@@ -1,15 +1,21 @@
-"""Digital inputs and outputs (manual 1.3.7)."""
+"""Digital and analog inputs and outputs (manual 1.3.7)."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from aioduco._wire.rpc import IOStatus
+from aioduco.sim.handlers.arguments import number
 from aioduco.sim.handlers.base import Section, mismatch
+from aioduco.sim.outputs import LEVEL, Pulses
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from aioduco.sim.controller import Controller
     from aioduco.sim.signals import Bank
+
+T = TypeVar("T")
 
 
 class SignalHandlers(Section):
@@ -28,7 +34,7 @@ class SignalHandlers(Section):
 
     def get_standard_digital_out(self, num: int) -> bool:
         """通用 IO 输出."""
-        return self._signals.standard_out[num]
+        return self._signals.standard_out.level(num, self._runtime.snapshot.time)
 
     def get_standard_digital_in(self, num: int) -> bool:
         """通用 IO 输入."""
@@ -63,7 +69,7 @@ class SignalHandlers(Section):
             analogCurrentInputs=signals.current_in.all(),
             analogVoltageInputs=signals.voltage_in.all(),
             digitalInputs=signals.standard_in.all(),
-            digitalOutputs=signals.standard_out.all(),
+            digitalOutputs=signals.standard_out.levels(self._runtime.snapshot.time),
             toolIOIn=signals.tool_in.all(),
             toolIOOut=signals.tool_out.all(),
             toolButton=signals.tool_buttons.all(),
@@ -71,17 +77,97 @@ class SignalHandlers(Section):
             funRegisterOutputs=signals.function_reg_out.all(),
             boolRegisterInputs=signals.bool_in.all(),
             boolRegisterOutputs=signals.bool_out.all(),
-            wordRegisterInputs=signals.word_in.all(),
-            wordRegisterOutputs=signals.word_out.all(),
+            wordRegisterInputs=[signed16(word) for word in signals.word_in.all()],
+            wordRegisterOutputs=[signed16(word) for word in signals.word_out.all()],
             floatRegisterInputs=signals.float_in.all(),
             floatRegisterOutputs=signals.float_out.all(),
         )
 
-    def _set(self, name: str, bank: Bank[bool], num: int, value: bool, block: bool) -> int:
+    def set_digital_output_mode(self, num: int, type: int, freq: int, duty_cycle: int) -> int:  # noqa: A002 - the name on the wire
+        """Make a general output a level (0) or pulses (1)."""
+
+        def command(controller: Controller) -> int:
+            outputs = self._signals.standard_out
+            if num not in outputs:
+                raise mismatch(f"there is no output {num}; there are 1 to {len(outputs)}")
+            if type not in (0, 1):
+                raise mismatch(f"type is {type}, but must be 0 or 1")
+            pulses = LEVEL
+            if type == 1:
+                number("freq", freq, 1, 100, "Hz")
+                number("duty_cycle", duty_cycle, 1, 100, "%")
+                pulses = Pulses(freq, duty_cycle)
+            outputs.choose(num, pulses)
+            return controller.finish("set_digital_output_mode")
+
+        return self._task("set_digital_output_mode", True, command)
+
+    # -- analog --------------------------------------------------------------------------------
+
+    def get_standard_analog_voltage_in(self, num: int) -> float:
+        """控制柜上的模拟电压输入 [V]."""
+        return self._signals.voltage_in[num]
+
+    def get_standard_analog_current_in(self, num: int) -> float:
+        """控制柜上的模拟电流输入 [mA]."""
+        return self._signals.current_in[num]
+
+    def get_tool_analog_voltage_in(self, num: int) -> float:
+        """机械臂末端的模拟电压输入 [V]."""
+        return self._signals.tool_voltage_in[num]
+
+    def set_standard_analog_voltage_out(self, num: int, value: float, block: bool) -> int:
+        """控制柜上的模拟电压输出, 0 to 10 V."""
+        return self._set(
+            "set_standard_analog_voltage_out",
+            self._signals.voltage_out,
+            num,
+            value,
+            block,
+            lambda: number("value", value, 0.0, 10.0, "V"),
+        )
+
+    def set_standard_analog_current_out(self, num: int, value: float, block: bool) -> int:
+        """控制柜上的模拟电流输出, 4 to 20 mA."""
+        return self._set(
+            "set_standard_analog_current_out",
+            self._signals.current_out,
+            num,
+            value,
+            block,
+            lambda: number("value", value, 4.0, 20.0, "mA"),
+        )
+
+    def set_analog_output_mode(self, num: int, mode: int, block: bool) -> int:
+        """Voltage (0) or current (1); on the wire, not in the manual."""
+        return self._set(
+            "set_analog_output_mode",
+            self._signals.analog_mode,
+            num,
+            mode,
+            block,
+            lambda: number("mode", mode, 0, 1, "in whole numbers"),
+        )
+
+    def _set(
+        self,
+        name: str,
+        bank: Bank[T],
+        num: int,
+        value: T,
+        block: bool,
+        check: Callable[[], object] = lambda: None,
+    ) -> int:
         def command(controller: Controller) -> int:
             if num not in bank:
                 raise mismatch(f"there is no output {num}; there are 1 to {len(bank)}")
+            check()
             bank[num] = value
             return controller.finish(name)
 
         return self._task(name, block, command)
+
+
+def signed16(word: int) -> int:
+    """A register of 16 bits as the wire's i16."""
+    return (word + 0x8000) % 0x10000 - 0x8000

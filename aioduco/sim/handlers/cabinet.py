@@ -1,0 +1,12 @@
+"""Everything of the wire that the cabinet answers without the arm's motion."""
+
+from __future__ import annotations
+
+from aioduco.sim.handlers.registers import RegisterHandlers
+from aioduco.sim.handlers.signals import SignalHandlers
+
+__all__ = ["CabinetHandlers"]
+
+
+class CabinetHandlers(SignalHandlers, RegisterHandlers):
+    """Signals, registers, system values."""
