@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import random
 import threading
-from contextlib import asynccontextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -22,28 +21,15 @@ from aioduco._wire.worker import Worker
 from aioduco.errors import CallTimeout, ConnectionLost, NotSent, OutcomeUnknown
 from aioduco.testing import eventually_async, no_leaks
 
+from .lanes import SHORT, opened
 from .servers import PATIENCE, Peer, ScriptedServer, black_hole, honest
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Coroutine
+    from collections.abc import Callable, Coroutine
 
     from aioduco._wire.handoff import Call
 
     Script = Callable[[Peer], None]
-
-SHORT = 0.1
-
-
-@asynccontextmanager
-async def opened(*scripts: Script, **options: Any) -> AsyncIterator[tuple[Lane, ScriptedServer]]:
-    async with no_leaks():
-        with ScriptedServer(*scripts) as server:
-            lane = Lane("test", server.host, server.port, **options)
-            await lane.open()
-            try:
-                yield lane, server
-            finally:
-                await lane.aclose()
 
 
 def doubling(peer: Peer) -> None:

@@ -6,7 +6,6 @@ And what is sent again, and what never: a command is carried out at most once.
 from __future__ import annotations
 
 import threading
-from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
 import anyio
@@ -29,14 +28,14 @@ from aioduco.errors import (
 from aioduco.testing import eventually_async, no_leaks
 from aioduco.testing.messages import Kind, Message
 
+from .lanes import SHORT, opened
 from .servers import PATIENCE, Peer, ScriptedServer, honest, reply
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
+    from collections.abc import Callable
 
     Script = Callable[[Peer], None]
 
-SHORT = 0.1
 
 #: one function of each kind, with arguments
 READ = ("get_noneblock_taskstate", (7,))
@@ -53,18 +52,6 @@ def numbered(peer: Peer) -> None:
     while (call := peer.receive()) is not None:
         answer = 2 * call.args[0] if call.name == READ[0] else None
         peer.answer(call, [1, 2] if call.name == CONSUMING[0] else answer)
-
-
-@asynccontextmanager
-async def opened(*scripts: Script, **options: Any) -> AsyncIterator[tuple[Lane, ScriptedServer]]:
-    async with no_leaks():
-        with ScriptedServer(*scripts) as server:
-            lane = Lane("test", server.host, server.port, **options)
-            await lane.open()
-            try:
-                yield lane, server
-            finally:
-                await lane.aclose()
 
 
 # Late

@@ -1,0 +1,48 @@
+"""Lanes of these tests, and what holds their server back."""
+
+from __future__ import annotations
+
+import threading
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Any
+
+from aioduco._wire.lane import Lane
+from aioduco.testing import no_leaks
+
+from .servers import PATIENCE, Peer, ScriptedServer
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+
+    Script = Callable[[Peer], None]
+
+#: seconds after which a server that says nothing is given up
+SHORT = 0.1
+
+
+@asynccontextmanager
+async def opened(*scripts: Script, **options: Any) -> AsyncIterator[tuple[Lane, ScriptedServer]]:
+    """A lane and its server; when they are closed, nothing is left of either."""
+    async with no_leaks():
+        with ScriptedServer(*scripts) as server:
+            lane = Lane("test", server.host, server.port, **options)
+            await lane.open()
+            try:
+                yield lane, server
+            finally:
+                await lane.aclose()
+
+
+class Gate:
+    """A script that holds every answer back until it is opened."""
+
+    def __init__(self) -> None:
+        self._open = threading.Event()
+
+    def __call__(self, peer: Peer) -> None:
+        while (call := peer.receive()) is not None:
+            assert self._open.wait(PATIENCE)
+            peer.answer(call, call.args[0] if call.name == "get_noneblock_taskstate" else None)
+
+    def open(self) -> None:
+        self._open.set()
