@@ -20,22 +20,24 @@ def duration(sim: Simulator, robot: Program, angle: float, v: float = 0.5) -> fl
 
 
 def test_speed_optimization_is_for_automatic_mode(sim: Simulator, robot: Program) -> None:
-    plain = duration(sim, robot, 1.0)
+    # At 0.5 rad/s and 2 rad/s² it takes 2.25 s; a busy machine only makes it longer.
+    assert duration(sim, robot, 1.0) > 2.2
     assert robot.enable_speed_optimization() == TaskState.FINISHED
-    assert duration(sim, robot, 0.0) < 0.5 * plain
+    assert duration(sim, robot, 0.0) < 1.9
     assert robot.switch_mode(0) == TaskState.FINISHED
-    assert duration(sim, robot, 1.0) > 0.9 * plain
+    assert duration(sim, robot, 1.0) > 2.2
     assert robot.switch_mode(1) == TaskState.FINISHED
     assert robot.disable_speed_optimization() == TaskState.FINISHED
-    assert duration(sim, robot, 0.0) > 0.9 * plain
+    assert duration(sim, robot, 0.0) > 2.2
 
 
 def test_acceleration_optimization_shortens_a_motion(sim: Simulator, robot: Program) -> None:
-    plain = duration(sim, robot, 1.0, 3.0)
+    # At 2 rad/s² it takes 2.45 s, whatever the speed.
+    assert duration(sim, robot, 3.0, 3.9) > 2.4
     assert robot.enable_acc_optimization() == TaskState.FINISHED
-    assert duration(sim, robot, 0.0, 3.0) < 0.8 * plain
+    assert duration(sim, robot, 0.0, 3.9) < 2.0
     assert robot.disable_acc_optimization() == TaskState.FINISHED
-    assert duration(sim, robot, 1.0, 3.0) > 0.9 * plain
+    assert duration(sim, robot, 3.0, 3.9) > 2.4
 
 
 def test_a_line_through_a_singularity_is_gone_around(sim: Simulator, robot: Program) -> None:

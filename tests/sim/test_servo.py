@@ -40,7 +40,7 @@ def test_it_goes_to_joints_and_ends_there(sim: Simulator, robot: Program) -> Non
 
 
 def test_the_latest_target_counts(sim: Simulator, robot: Program) -> None:
-    first = servoj(robot, turned(2.0), 0.1)
+    first = servoj(robot, turned(2.0), 0.01)
     second = servoj(robot, turned(-0.2), 1.0)
     assert robot.get_noneblock_taskstate(first) == TaskState.INTERRUPT
     assert ended(sim, robot, second) == TaskState.FINISHED
@@ -50,7 +50,7 @@ def test_the_latest_target_counts(sim: Simulator, robot: Program) -> None:
 
 def test_another_type_waits_until_the_running_one_has_ended(sim: Simulator, robot: Program) -> None:
     start = Pose.of(robot.get_tcp_pose())
-    first = servoj(robot, turned(0.5))
+    first = servoj(robot, turned(0.5), 0.02)  # slow, so that the others come in time
     dropped = robot.servo_tcp([0, 0, 0.3, 0, 0, 0], 1.0, 5.0, "", False, *GAINS)
     second = robot.servo_tcp([0, 0, 0.02, 0, 0, 0], 1.0, 5.0, "", False, *GAINS)
     assert ended(sim, robot, second) == TaskState.FINISHED
@@ -160,4 +160,4 @@ def test_the_global_speed_does_not_scale_it(sim: Simulator, robot: Program) -> N
     assert robot.speed(10.0) == TaskState.FINISHED
     begin = sim.time
     assert ended(sim, robot, servoj(robot, turned(0.0))) == TaskState.FINISHED
-    assert sim.time - begin < 1.5 * fast
+    assert sim.time - begin < 3.0 * fast

@@ -46,7 +46,7 @@ CAPACITY = 1000
 _ACROSS = 0.5  # share of the acceleration for the bends of the way; the rest is along it
 _SAME = 1e-9  # points nearer than this are one [m, rad]
 _MARGIN = 0.95  # of the joints' largest speeds, for what chords do not tell of the curve
-_PER_CYCLE = 50  # points that are looked at in one cycle, so that none takes long
+_PER_CYCLE = 8  # points that are looked at in one cycle, so that none takes long
 _JUMP = 0.1  # largest change of a joint in one cycle that is still the same branch [rad]
 
 
