@@ -21,6 +21,10 @@ __all__ = [
     "GuardLost",
     "HeartbeatLost",
     "LaneFailed",
+    "ModbusError",
+    "ModbusGarbled",
+    "ModbusRefused",
+    "ModbusTimeout",
     "NotAController",
     "NotSent",
     "OutcomeUnknown",
@@ -182,6 +186,40 @@ class BusError(DucoError):
         super().__init__(
             f"{function} failed: the controller says that the bytes were not written to the bus"
         )
+
+
+class ModbusError(DucoError):
+    """A device on RS-485 did not do what a Modbus request asked for, or it is not known."""
+
+
+class ModbusRefused(ModbusError):
+    """The device answered a request with a Modbus exception: it did not do it.
+
+    Attributes:
+        function: the Modbus function that was asked for.
+        code: the exception's code.
+    """
+
+    def __init__(self, function: int, code: int, meaning: str) -> None:
+        self.function = function
+        self.code = code
+        super().__init__(
+            f"the device refused Modbus function {function:#04x}: exception {code}, {meaning}"
+        )
+
+
+class ModbusTimeout(ModbusError, TimeoutError):
+    """The device did not answer in time. If it was to write, it may or may not have done so.
+
+    Look at wiring, bit rate and the number of the device. Nothing is sent again by itself.
+    """
+
+
+class ModbusGarbled(ModbusError):
+    """What came over the bus is no answer to the request: a wrong checksum, or another's bytes.
+
+    If the device was to write, it may or may not have done so. Nothing is sent again by itself.
+    """
 
 
 class TrackPoolFull(Refused):

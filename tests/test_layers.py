@@ -29,6 +29,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "supervision": BASE | {"models", "_wire"},
     "api": BASE | {"models", "supervision"},
     "streaming": CLIENT - {"streaming"},
+    "bus": CLIENT - {"streaming"},
     "robot": CLIENT,
     "events": {"supervision"},
     "__init__": CLIENT | {"robot", "events"},
@@ -36,7 +37,9 @@ MAY_IMPORT: dict[str, set[str]] = {
     "sim": BASE | {"models", "kinematics", "_wire"},
     "testing": BASE | {"models", "_wire", "sim"},
     # what follows uses the package as a program does
+    "compat": BASE | {"_wire"},
     "recording": CLIENT | {"robot", "__init__"},
+    "sync": CLIENT | {"robot", "__init__"},
     "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "testing"},
     "cli": CLIENT | {"robot", "__init__", "sim", "recording"},
 }
@@ -56,7 +59,13 @@ ONLY_IN: dict[str, set[str]] = {
 }
 
 #: these are pure: no threads, sockets, clocks or files
-PURE = {"_wire/framing.py", "_wire/lifecycle.py", "_wire/pool.py", "_wire/semantics.py"}
+PURE = {
+    "bus/frames.py",
+    "_wire/framing.py",
+    "_wire/lifecycle.py",
+    "_wire/pool.py",
+    "_wire/semantics.py",
+}
 IMPURE = {"socket", "threading", "time", "queue", "anyio", "asyncio", "pathlib", "os"}
 
 

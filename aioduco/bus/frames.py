@@ -1,0 +1,149 @@
+"""Frames of Modbus RTU: bytes in, bytes out, without I/O or clock.
+
+A request knows which bytes answer it. `Request.answer` is given what has come so far, and says
+that more is needed, what the answer is, or what is wrong with it. Modbus over serial line,
+version 1.02; Modbus application protocol, version 1.1b3.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import TYPE_CHECKING
+
+from aioduco.errors import ModbusGarbled, ModbusRefused
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["Function", "Request", "crc16", "framed", "read", "write", "write_one"]
+
+#: unit, function, exception's code, checksum
+_SHORTEST = 5
+#: unit, function, address, value or number, checksum
+_ECHO = 8
+_ERROR = 0x80
+
+_MEANINGS = {
+    1: "it does not have this function",
+    2: "it does not have this register",
+    3: "it does not take this value",
+    4: "it failed while it did it",
+    5: "it has taken it, and needs longer",
+    6: "it is busy",
+}
+_UNLISTED = "whose meaning is the device's own"
+
+
+class Function(IntEnum):
+    """Functions of Modbus that are used here."""
+
+    READ_HOLDING = 0x03
+    READ_INPUT = 0x04
+    WRITE_ONE = 0x06
+    WRITE = 0x10
+
+
+def crc16(data: bytes) -> int:
+    """Compute the checksum of Modbus RTU: polynomial 0xA001, beginning with 0xFFFF."""
+    crc = 0xFFFF
+    for byte in data:
+        crc ^= byte
+        for _ in range(8):
+            crc = crc >> 1 ^ (0xA001 if crc & 1 else 0)
+    return crc
+
+
+def framed(body: bytes) -> bytes:
+    """Add the checksum, its low byte first."""
+    return body + struct.pack("<H", crc16(body))
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A request, and what answers it.
+
+    Attributes:
+        unit: number of the device, 1 to 247.
+        function: what is asked for.
+        body: what follows unit and function, without the checksum.
+        count: how many registers an answer to a read brings; 0 for a write.
+    """
+
+    unit: int
+    function: Function
+    body: bytes
+    count: int = 0
+
+    @property
+    def frame(self) -> bytes:
+        """The bytes that are sent."""
+        return framed(bytes((self.unit, self.function)) + self.body)
+
+    def _length(self, got: bytes) -> int:
+        """How long the answer is, or the least it can be while that is not known yet."""
+        if len(got) < 2 or got[1] & _ERROR:
+            return _SHORTEST
+        return _SHORTEST + 2 * self.count if self.count else _ECHO
+
+    def missing(self, got: bytes) -> int:
+        """How many bytes must come yet, at least; 0 when the answer is whole."""
+        return max(0, self._length(got) - len(got))
+
+    def answer(self, got: bytes) -> tuple[int, ...] | None:
+        """Take the answer apart.
+
+        Args:
+            got: what has come so far.
+
+        Returns:
+            The registers, none for a write; None while bytes are missing.
+
+        Raises:
+            ModbusRefused: it is an exception.
+            ModbusGarbled: it is no answer to this request.
+        """
+        if got and got[0] != self.unit:
+            raise self._garbled(got, f"it begins with {got[0]}, not with the device's number")
+        if len(got) >= 2 and got[1] & ~_ERROR != self.function:
+            raise self._garbled(got, f"it answers another function, {got[1]:#04x}")
+        if self.missing(got):
+            return None
+        if len(got) != self._length(got):
+            raise self._garbled(got, f"it has {len(got)} bytes instead of {self._length(got)}")
+        if framed(got[:-2]) != got:
+            raise self._garbled(got, "its checksum is wrong")
+        if got[1] & _ERROR:
+            raise ModbusRefused(self.function, got[2], _MEANINGS.get(got[2], _UNLISTED))
+        if not self.count:
+            # A write is answered by its own address, and the value or the number of registers.
+            if got[2:6] != self.body[:4]:
+                raise self._garbled(got, "it speaks of other registers or another value")
+            return ()
+        if got[2] != 2 * self.count:
+            raise self._garbled(got, f"it says {got[2]} bytes instead of {2 * self.count}")
+        return struct.unpack(f">{self.count}H", got[3:-2])
+
+    def _garbled(self, got: bytes, why: str) -> ModbusGarbled:
+        return ModbusGarbled(
+            f"the answer of device {self.unit} to function {self.function:#04x}, "
+            f"{got.hex(' ')}, is none: {why}"
+        )
+
+
+def read(unit: int, address: int, count: int, function: Function) -> Request:
+    """Ask for registers that follow each other: 1 to 125."""
+    return Request(unit, function, struct.pack(">HH", address, count), count)
+
+
+def write_one(unit: int, address: int, value: int) -> Request:
+    """Ask to write a register."""
+    return Request(unit, Function.WRITE_ONE, struct.pack(">HH", address, value))
+
+
+def write(unit: int, address: int, values: Sequence[int]) -> Request:
+    """Ask to write registers that follow each other: 1 to 123."""
+    count = len(values)
+    head = struct.pack(">HHB", address, count, 2 * count)
+    return Request(unit, Function.WRITE, head + struct.pack(f">{count}H", *values))

@@ -1,0 +1,216 @@
+"""Modbus RTU over RS-485: a device at the tool, such as a gripper.
+
+Guarantees:
+- One request at a time: who comes second waits until the first is answered, or given up.
+- What is left in the controller's buffer is thrown away before a request, so that the late answer
+  to one that was given up is not taken for the answer to the next.
+- A request is never sent twice.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import anyio
+
+from aioduco.bus import frames
+from aioduco.errors import ModbusGarbled, ModbusTimeout, ParameterError
+from aioduco.models.rules import Integer, Number, Signed
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from aioduco.api.bus import Bus
+    from aioduco.bus.frames import Request
+    from aioduco.models.rules import Whole, WholesLike
+
+__all__ = ["ModbusRtu", "Port"]
+
+_SOURCE = "Modbus application protocol 1.1b3"
+_UNIT = Integer(1, 247, source="Modbus over serial line 1.02")
+_WORD = Integer(0, 0xFFFF, source=_SOURCE)
+_WORDS = Signed(16, "words", source=_SOURCE)
+_READ_COUNT = Integer(1, 125, "registers", source=_SOURCE)
+_MOST_WRITTEN = 123
+_SECONDS = Number(0.0, unit="s", open_low=True, source="this package")
+
+#: bytes asked for at once while the buffer is emptied; the longest frame has 256
+_GULP = 256
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """A serial port: what it takes to write to it, and to read what has come.
+
+    Attributes:
+        write: writes bytes.
+        read: gives up to so many bytes of those that have come, at once; none if none have.
+    """
+
+    write: Callable[[bytes], Awaitable[None]]
+    read: Callable[[int], Awaitable[bytes]]
+
+    @classmethod
+    def tool(cls, bus: Bus) -> Port:
+        """The tool's RS-485 port, of `robot.bus`."""
+        return cls(bus.tool_write_raw_data_485, bus.tool_read_raw_data_485)
+
+    @classmethod
+    def cabinet(cls, bus: Bus) -> Port:
+        """The cabinet's RS-485 port, of `robot.bus`."""
+        return cls(bus.write_raw_data_485, bus.read_raw_data_485)
+
+
+class ModbusRtu:
+    """A device that speaks Modbus RTU.
+
+        gripper = ModbusRtu(Port.tool(robot.bus), unit=1)
+        await gripper.write_register(0x0103, 500)
+        (position,) = await gripper.read_registers(0x0202)
+
+    Bit rate and parity of the tool's port must be the device's: the wire has no function that
+    sets them. For several devices on one bus use `device`, so that they wait for each other.
+
+    Args:
+        port: where it is connected.
+        unit: number of the device, 1 to 247.
+        timeout: seconds in which it must answer, the emptying of the buffer not included.
+        poll: seconds from one look for the answer to the next.
+
+    Raises:
+        ParameterError: an argument is out of range.
+    """
+
+    def __init__(
+        self, port: Port, unit: Whole, *, timeout: float = 0.5, poll: float = 0.01
+    ) -> None:
+        self._port = port
+        self._unit = _UNIT("unit", unit)
+        self._timeout = _SECONDS("timeout", timeout)
+        self._poll = _SECONDS("poll", poll)
+        self._turn = anyio.Lock()
+
+    def __repr__(self) -> str:
+        return f"<ModbusRtu device {self._unit}>"
+
+    def device(self, unit: Whole) -> ModbusRtu:
+        """Another device on the same bus: the two wait for each other.
+
+        Args:
+            unit: its number, 1 to 247.
+        """
+        other = ModbusRtu(self._port, unit, timeout=self._timeout, poll=self._poll)
+        other._turn = self._turn
+        return other
+
+    async def read_registers(self, address: Whole, count: Whole = 1) -> tuple[int, ...]:
+        """Read holding registers that follow each other (function 0x03).
+
+        Args:
+            address: address of the first, 0 to 0xFFFF.
+            count: how many, 1 to 125.
+
+        Returns:
+            Their values, 0 to 0xFFFF each.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            ModbusError: it was not answered as it should: one of the subclasses.
+            BusError: the controller could not write to the bus.
+        """
+        return await self._read(address, count, frames.Function.READ_HOLDING)
+
+    async def read_inputs(self, address: Whole, count: Whole = 1) -> tuple[int, ...]:
+        """Read input registers that follow each other (function 0x04).
+
+        Args:
+            address: address of the first, 0 to 0xFFFF.
+            count: how many, 1 to 125.
+
+        Returns:
+            Their values, 0 to 0xFFFF each.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            ModbusError: it was not answered as it should: one of the subclasses.
+            BusError: the controller could not write to the bus.
+        """
+        return await self._read(address, count, frames.Function.READ_INPUT)
+
+    async def _read(
+        self, address: Whole, count: Whole, function: frames.Function
+    ) -> tuple[int, ...]:
+        first, many = _WORD("address", address), _READ_COUNT("count", count)
+        return await self._exchange(frames.read(self._unit, first, many, function))
+
+    async def write_register(self, address: Whole, value: Whole) -> None:
+        """Write a register (function 0x06).
+
+        Args:
+            address: its address, 0 to 0xFFFF.
+            value: its value, 0 to 0xFFFF.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            ModbusError: it was not answered as it should: one of the subclasses. Unless it is
+                `ModbusRefused`, the register may have been written.
+            BusError: the controller could not write to the bus.
+        """
+        request = frames.write_one(self._unit, _WORD("address", address), _WORD("value", value))
+        await self._exchange(request)
+
+    async def write_registers(self, address: Whole, values: WholesLike) -> None:
+        """Write registers that follow each other (function 0x10).
+
+        Args:
+            address: address of the first, 0 to 0xFFFF.
+            values: their values, 0 to 0xFFFF each; 1 to 123.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            ModbusError: it was not answered as it should: one of the subclasses. Unless it is
+                `ModbusRefused`, the registers may have been written.
+            BusError: the controller could not write to the bus.
+        """
+        words = [value & 0xFFFF for value in _WORDS("values", values)]
+        if len(words) > _MOST_WRITTEN:
+            raise ParameterError("values", f"{len(words)} values", f"at most {_MOST_WRITTEN}")
+        await self._exchange(frames.write(self._unit, _WORD("address", address), words))
+
+    async def _exchange(self, request: Request) -> tuple[int, ...]:
+        async with self._turn:
+            await self._drain()
+            await self._port.write(request.frame)
+            return await self._answer(request)
+
+    async def _drain(self) -> None:
+        """Throw away what is left in the controller's buffer."""
+        until = time.monotonic() + self._timeout
+        while left := await self._port.read(_GULP):
+            if time.monotonic() >= until:
+                raise ModbusGarbled(
+                    f"the bus does not fall silent: bytes came for {self._timeout:g} s without a "
+                    f"request, the last of them {left[-8:].hex(' ')}; nothing was sent"
+                )
+
+    async def _answer(self, request: Request) -> tuple[int, ...]:
+        due = time.monotonic()
+        until = due + self._timeout
+        got = b""
+        while True:
+            # Never more than is missing: what comes after the answer is for nobody.
+            got += await self._port.read(request.missing(got))
+            answer = request.answer(got)
+            if answer is not None:
+                return answer
+            now = time.monotonic()
+            if now >= until:
+                come = f"only {got.hex(' ')} came" if got else "nothing came"
+                raise ModbusTimeout(
+                    f"device {self._unit} did not answer function {request.function:#04x} within "
+                    f"{self._timeout:g} s: {come}"
+                )
+            due = max(due + self._poll, now)
+            await anyio.sleep(due - now)
