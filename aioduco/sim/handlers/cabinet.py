@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from aioduco.sim.handlers.buses import CanHandlers, ModbusHandlers
 from aioduco.sim.handlers.registers import RegisterHandlers
 from aioduco.sim.handlers.signals import SignalHandlers
 
 __all__ = ["CabinetHandlers"]
 
 
-class CabinetHandlers(SignalHandlers, RegisterHandlers):
-    """Signals, registers, system values."""
+class CabinetHandlers(SignalHandlers, RegisterHandlers, CanHandlers, ModbusHandlers):
+    """Signals, registers, system values, buses."""

@@ -1,0 +1,249 @@
+"""RS-485, CAN and Modbus (manual 1.3.6 and 1.3.9)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.models.enums import TaskState
+from aioduco.sim.handlers.base import Section, mismatch
+from aioduco.sim.modbus import Kind, NoAnswer, Signal
+from aioduco.sim.refusal import Refusal, Rejected
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from aioduco.sim.buses import SerialPort
+    from aioduco.sim.controller import Controller
+
+Octets = list[int]
+
+
+class SerialHandlers(Section):
+    """The RS-485 ports of the cabinet and of the tool. Bytes are signed on the wire."""
+
+    def set_baudrate_485(self, value: int, block: bool) -> int:
+        """设置 485 的波特率: the cabinet's port."""
+
+        def change(rate: int) -> None:
+            self._cabinet.serial.baudrate = rate
+
+        return self._rate("set_baudrate_485", value, block, change)
+
+    def read_raw_data_485(self, len: int) -> Octets:  # noqa: A002 - the name on the wire
+        """Up to so many bytes."""
+        return self._receive(self._cabinet.serial, lambda port: port.read(len))
+
+    def read_raw_data_485_h(self, head: Sequence[int], len: int) -> Octets:  # noqa: A002 - as above
+        """A frame with a head."""
+        return self._receive(self._cabinet.serial, lambda port: port.read_framed(_bytes(head), len))
+
+    def read_raw_data_485_ht(self, head: Sequence[int], tail: Sequence[int]) -> Octets:
+        """A frame between a head and a tail."""
+        ends = _bytes(head), _bytes(tail)
+        return self._receive(self._cabinet.serial, lambda port: port.read_between(*ends))
+
+    def read_data_485(self) -> Octets:
+        """Every byte that there is; on the wire, not in the manual."""
+        return self._receive(self._cabinet.serial, lambda port: port.read())
+
+    def write_raw_data_485(self, data: Sequence[int]) -> bool:
+        """485 写原生数据."""
+        return self._send(self._cabinet.serial, data)
+
+    def write_raw_data_485_h(self, data: Sequence[int], head: Sequence[int]) -> bool:
+        """With a head before it."""
+        return self._send(self._cabinet.serial, head, data)
+
+    def write_raw_data_485_ht(
+        self, data: Sequence[int], head: Sequence[int], tail: Sequence[int]
+    ) -> bool:
+        """With a head before and a tail behind it."""
+        return self._send(self._cabinet.serial, head, data, tail)
+
+    def write_data_485(self, data: Sequence[int]) -> bool:
+        """The same as write_raw_data_485; on the wire, not in the manual."""
+        return self._send(self._cabinet.serial, data)
+
+    def tool_read_raw_data_485(self, len: int) -> Octets:  # noqa: A002 - the name on the wire
+        """Up to so many bytes."""
+        return self._receive(self._cabinet.tool_serial, lambda port: port.read(len))
+
+    def tool_read_raw_data_485_h(self, head: Sequence[int], len: int) -> Octets:  # noqa: A002 - as above
+        """A frame with a head."""
+        return self._receive(
+            self._cabinet.tool_serial, lambda port: port.read_framed(_bytes(head), len)
+        )
+
+    def tool_read_raw_data_485_ht(self, head: Sequence[int], tail: Sequence[int]) -> Octets:
+        """A frame between a head and a tail."""
+        ends = _bytes(head), _bytes(tail)
+        return self._receive(self._cabinet.tool_serial, lambda port: port.read_between(*ends))
+
+    def tool_read_data_485(self) -> Octets:
+        """Every byte that there is; on the wire, not in the manual."""
+        return self._receive(self._cabinet.tool_serial, lambda port: port.read())
+
+    def tool_write_raw_data_485(self, data: Sequence[int]) -> bool:
+        """末端 485 写原生数据."""
+        return self._send(self._cabinet.tool_serial, data)
+
+    def tool_write_raw_data_485_h(self, data: Sequence[int], head: Sequence[int]) -> bool:
+        """With a head before it."""
+        return self._send(self._cabinet.tool_serial, head, data)
+
+    def tool_write_raw_data_485_ht(
+        self, data: Sequence[int], head: Sequence[int], tail: Sequence[int]
+    ) -> bool:
+        """With a head before and a tail behind it."""
+        return self._send(self._cabinet.tool_serial, head, data, tail)
+
+    def tool_write_data_485(self, data: Sequence[int]) -> bool:
+        """The same as tool_write_raw_data_485; on the wire, not in the manual."""
+        return self._send(self._cabinet.tool_serial, data)
+
+    def _receive(self, port: SerialPort, read: Callable[[SerialPort], bytes]) -> Octets:
+        with self._cabinet.lock:
+            return _octets(read(port))
+
+    def _send(self, port: SerialPort, *parts: Sequence[int]) -> bool:
+        with self._cabinet.lock:
+            return port.write(b"".join(map(_bytes, parts)))
+
+    def _rate(self, name: str, value: int, block: bool, change: Callable[[int], None]) -> int:
+        def command(controller: Controller) -> int:
+            if value < 1:
+                raise mismatch(f"value is {value}, but must be from 1 bit/s")
+            change(value)
+            return controller.finish(name)
+
+        return self._task(name, block, command)
+
+
+class CanHandlers(SerialHandlers):
+    """The CAN bus."""
+
+    def set_baudrate_can(self, value: int, block: bool) -> int:
+        """设置 CAN 的波特率."""
+
+        def change(rate: int) -> None:
+            self._cabinet.can.bitrate = rate
+
+        return self._rate("set_baudrate_can", value, block, change)
+
+    def read_raw_data_can(self) -> Octets:
+        """A frame: its identifier, then its data. Of a longer identifier the lowest byte fits."""
+        with self._cabinet.lock:
+            frame = self._cabinet.can.read()
+        return [] if frame is None else _octets(bytes([frame[0] & 0xFF]) + frame[1])
+
+    def read_data_can(self) -> Octets:
+        """The same; on the wire, not in the manual."""
+        return self.read_raw_data_can()
+
+    def write_raw_data_can(self, id: int, data: Sequence[int]) -> bool:  # noqa: A002 - as on the wire
+        """Send a frame."""
+        with self._cabinet.lock:
+            return self._cabinet.can.write(id, _bytes(data))
+
+    def write_data_can(self, id: int, data: Sequence[int]) -> bool:  # noqa: A002 - as on the wire
+        """The same; on the wire, not in the manual."""
+        return self.write_raw_data_can(id, data)
+
+
+class ModbusHandlers(Section):
+    """The controller as a Modbus master."""
+
+    def modbus_add_signal(
+        self, ip: str, slave_number: int, signal_address: int, signal_type: int, signal_name: str
+    ) -> int:
+        """Define a signal; on the wire, not in the manual."""
+
+        def change() -> None:
+            kind = Kind(signal_type)
+            self._cabinet.modbus.add(signal_name, Signal(ip, slave_number, signal_address, kind))
+
+        return self._change("modbus_add_signal", change)
+
+    def modbus_delete_signal(self, signal_name: str) -> int:
+        """Take a signal away; on the wire, not in the manual."""
+        return self._change(
+            "modbus_delete_signal", lambda: self._cabinet.modbus.delete(signal_name)
+        )
+
+    def modbus_read(self, signal_name: str) -> int:
+        """读取 modbus 节点的数据."""
+        try:
+            with self._cabinet.lock:
+                return self._cabinet.modbus.read(signal_name, self._runtime.snapshot.time)
+        except NoAnswer as exc:
+            raise Refusal(f"modbus_read: {exc}") from None
+
+    def modbus_write(self, signal_name: str, value: int) -> int:
+        """对 modbus 节点进行写操作."""
+        return self._change(
+            "modbus_write", lambda: self._cabinet.modbus.write(signal_name, [value])
+        )
+
+    def modbus_set_frequency(self, signal_name: str, frequence: int) -> None:
+        """修改 modbus 节点的刷新频率 [Hz]."""
+        self._change(
+            "modbus_set_frequency",
+            lambda: self._cabinet.modbus.set_frequency(signal_name, frequence),
+        )
+
+    def modbus_write_multiple_regs(
+        self,
+        slave_num: int,
+        name: str,
+        len: int,  # noqa: A002 - as on the wire
+        word_list: Sequence[int],
+    ) -> int:
+        """对多寄存器进行写操作; words are signed on the wire."""
+        words = [word & 0xFFFF for word in word_list]
+        return self._several(
+            "modbus_write_multiple_regs", slave_num, name, len, words, Kind.REGISTER
+        )
+
+    def modbus_write_multiple_coils(
+        self,
+        slave_num: int,
+        name: str,
+        len: int,  # noqa: A002 - as on the wire
+        byte_list: Sequence[int],
+    ) -> int:
+        """对多线圈进行写操作."""
+        coils = list(byte_list)
+        return self._several("modbus_write_multiple_coils", slave_num, name, len, coils, Kind.COIL)
+
+    def _several(
+        self, function: str, slave: int, name: str, length: int, values: list[int], kind: Kind
+    ) -> int:
+        def change() -> None:
+            if length != len(values):
+                raise ValueError(f"len is {length}, but there are {len(values)} values")
+            if self._cabinet.modbus.unit(name) != slave:
+                raise ValueError(f"{name!r} is not a signal of slave {slave}")
+            self._cabinet.modbus.write(name, values, kind)
+
+        return self._change(function, change)
+
+    def _change(self, name: str, change: Callable[[], None]) -> int:
+        def command(controller: Controller) -> int:
+            try:
+                with self._cabinet.lock:
+                    change()
+            except ValueError as exc:
+                raise mismatch(str(exc)) from None
+            except NoAnswer as exc:
+                raise Rejected(TaskState.ERROR, str(exc)) from None
+            return controller.finish(name)
+
+        return self._task(name, True, command)
+
+
+def _bytes(octets: Sequence[int]) -> bytes:
+    return bytes(octet & 0xFF for octet in octets)
+
+
+def _octets(data: bytes) -> Octets:
+    return [octet - 256 if octet > 127 else octet for octet in data]
