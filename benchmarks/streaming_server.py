@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import socket
 import sys
 import threading
 import time
@@ -19,6 +20,7 @@ import rpc_server
 import thriftpy2
 
 from aioduco._wire import idl
+from aioduco.streaming.pacing import shorten_slice
 
 CYCLE = 0.001
 #: a servo stream without a point for longer counts as tripped, as a realtime queue does
@@ -141,7 +143,13 @@ def main() -> None:
     sys.setswitchinterval(0.0005)
     module = thriftpy2.load(str(idl.path()), module_name="streaming_server_thrift")
     handlers = Handlers(module)
-    port = rpc_server.listen(lambda sock: rpc_server.answer_calls(sock, module.RPCRobot, handlers))
+
+    def answer(sock: socket.socket) -> None:
+        # A controller is another machine: it does not wait behind the program's own work.
+        shorten_slice(100_000)
+        rpc_server.answer_calls(sock, module.RPCRobot, handlers)
+
+    port = rpc_server.listen(answer)
     print(json.dumps({"thrift": port}), flush=True)
     sys.stdin.read()
     # threads that wait for bytes need no farewell

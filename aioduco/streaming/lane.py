@@ -27,7 +27,7 @@ from aioduco._wire.connection import Connection
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError
 from aioduco.streaming.drive import Driver, Each
-from aioduco.streaming.pacing import Schedule, sharpen_sleep, sleep_until
+from aioduco.streaming.pacing import Schedule, sharpen_sleep, shorten_slice, sleep_until
 from aioduco.streaming.probe import Probe
 from aioduco.streaming.queued import Pool, Queue
 from aioduco.streaming.shared import Block, Command, Control, Status, Unmet
@@ -51,6 +51,7 @@ _STOPS = (
     Reason.FAILED,
 )
 _ANSWER = 50_000  # ns: no controller answers sooner
+_SLICE = 100_000  # ns: the shortest that the system gives
 _LOOK = 5_000_000  # ns between two looks at whether the program lives
 _REPORT = 10_000_000  # ns between two reports of the set-point
 
@@ -238,6 +239,8 @@ def prepare(config: dict[str, Any]) -> Unmet:
     unmet = Unmet(0)
     if not sharpen_sleep(threading.get_native_id()):
         unmet |= Unmet.TIMER_SLACK
+    if not shorten_slice(_SLICE):
+        unmet |= Unmet.SLICE
     if config["cpus"]:
         try:
             os.sched_setaffinity(0, config["cpus"])

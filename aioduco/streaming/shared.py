@@ -90,6 +90,7 @@ class Unmet(IntFlag):
     TIMER_SLACK = 1
     CPUS = 2
     PRIORITY = 4
+    SLICE = 8
 
 
 _WORDS = 32
