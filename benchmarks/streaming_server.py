@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import json
 import os
-import socket
 import sys
 import threading
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import rpc_server
@@ -21,6 +20,9 @@ import thriftpy2
 
 from aioduco._wire import idl
 from aioduco.streaming.pacing import shorten_slice
+
+if TYPE_CHECKING:
+    import socket
 
 CYCLE = 0.001
 #: a servo stream without a point for longer counts as tripped, as a realtime queue does
