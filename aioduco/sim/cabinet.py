@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from aioduco.sim.buses import CanPort, SerialPort
 from aioduco.sim.modbus import ModbusSignals
+from aioduco.sim.project import Project
 from aioduco.sim.values import SystemValues
 
 __all__ = ["Cabinet"]
@@ -22,6 +23,12 @@ class Cabinet:
         tool_serial: the tool's.
         can: the CAN bus.
         modbus: signals and slaves of the controller's Modbus.
+        project: its files.
+        teach_speed: [%].
+        collision_level: 0 for off, 1 to 5.
+        pendant_enabled: whether the pendant's keys are.
+        encoder_count: of the external encoder.
+        dynamics: parameters of the dynamic calibration, as they were set.
         lock: held while a bus is used: several programs share it, and peers know no threads.
     """
 
@@ -30,4 +37,10 @@ class Cabinet:
     tool_serial: SerialPort = field(default_factory=SerialPort)
     can: CanPort = field(default_factory=CanPort)
     modbus: ModbusSignals = field(default_factory=ModbusSignals)
+    project: Project = field(default_factory=Project)
+    teach_speed: int = 100
+    collision_level: int = 3
+    pendant_enabled: bool = True
+    encoder_count: int = 0
+    dynamics: list[list[float]] = field(default_factory=list)
     lock: threading.Lock = field(default_factory=threading.Lock)

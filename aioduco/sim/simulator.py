@@ -287,11 +287,12 @@ class Simulator:
             controller.release_emergency_stop()
 
     def collide(self, joint: int) -> None:
-        """Let a joint, 1 to 6, detect a collision."""
+        """Let a joint, 1 to 6, detect a collision, unless a program has switched that off."""
         if not 1 <= joint <= 6:
             raise ValueError(f"joint is {joint}, but must be from 1 to 6")
         with self._running().command() as controller:
-            controller.collide(joint)
+            if self.cabinet.collision_level:
+                controller.collide(joint)
 
     def push(self, wrench: Sequence[float]) -> None:
         """Push at the flange from now on, as a person does who guides the arm by hand.

@@ -17,6 +17,7 @@ from aioduco.sim.handlers.motion import MotionHandlers
 from aioduco.sim.handlers.offsets import OffsetHandlers
 from aioduco.sim.handlers.optimization import OptimizationHandlers
 from aioduco.sim.handlers.realtime import RealtimeHandlers
+from aioduco.sim.handlers.service import NOT_PUBLIC
 from aioduco.sim.handlers.servo import ServoHandlers
 from aioduco.sim.handlers.settings import SettingHandlers
 from aioduco.sim.handlers.state import StateHandlers
@@ -32,6 +33,8 @@ __all__ = ["Handlers"]
 
 
 def _not_simulated(name: str, _args: tuple[Any, ...]) -> NoReturn:
+    if name in NOT_PUBLIC:
+        raise Refusal(f"{name} is not simulated: the vendor does not publish {NOT_PUBLIC[name]}")
     raise Refusal(f"{name} is not simulated yet")
 
 

@@ -5,9 +5,16 @@ from __future__ import annotations
 from aioduco.sim.handlers.buses import CanHandlers, ModbusHandlers
 from aioduco.sim.handlers.registers import RegisterHandlers
 from aioduco.sim.handlers.signals import SignalHandlers
+from aioduco.sim.handlers.upkeep import SettingsHandlers
 
 __all__ = ["CabinetHandlers"]
 
 
-class CabinetHandlers(SignalHandlers, RegisterHandlers, CanHandlers, ModbusHandlers):
-    """Signals, registers, system values, buses."""
+class CabinetHandlers(
+    SignalHandlers,
+    RegisterHandlers,
+    CanHandlers,
+    ModbusHandlers,
+    SettingsHandlers,
+):
+    """Signals, registers, system values, buses, settings and files."""

@@ -1,0 +1,124 @@
+"""Files, settings of pendant and collisions, reach, and service (manual 1.3.4 and 1.3.7)."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from aioduco._wire.rpc import ReachabilityParam
+from aioduco.errors import ParameterError, Unreachable
+from aioduco.models.enums import TaskState
+from aioduco.models.pose import Joints, Pose
+from aioduco.sim.handlers.arguments import number
+from aioduco.sim.handlers.base import Section, mismatch
+from aioduco.sim.project import NoSuchFolder
+from aioduco.sim.refusal import Refusal, Rejected
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from aioduco.sim.controller import Controller
+
+
+class SettingsHandlers(Section):
+    """Settings that are kept, and what can be computed from the arm's dimensions."""
+
+    def get_current_project(self) -> str:
+        """当前工程的路径, with a slash at its end."""
+        return self._cabinet.project.path
+
+    def get_files_list(self, path: str) -> dict[str, int]:
+        """指定路径下的文件列表; 0: folder, 1: file."""
+        try:
+            return self._cabinet.project.list(path)
+        except NoSuchFolder as exc:
+            raise Refusal(f"get_files_list: {exc}") from None
+
+    def set_teach_speed(self, v: int) -> int:
+        """示教速度的百分比 [%]."""
+
+        def change() -> None:
+            self._cabinet.teach_speed = int(number("v", v, 1, 100, "%"))
+
+        return self._keep("set_teach_speed", change)
+
+    def get_teach_speed(self) -> int:
+        """示教速度的百分比 [%]."""
+        return self._cabinet.teach_speed
+
+    def collision_detect(self, value: int) -> int:
+        """碰撞检测等级: 0 for off, 1 to 5."""
+
+        def change() -> None:
+            self._cabinet.collision_level = int(number("level", value, 0, 5, "in whole numbers"))
+
+        return self._keep("collision_detect", change)
+
+    def set_teach_pendant(self, enable: bool) -> int:
+        """启用或禁用示教器的物理按键."""
+
+        def change() -> None:
+            self._cabinet.pendant_enabled = enable
+
+        return self._keep("set_teach_pendant", change)
+
+    def simulation(self, sim: bool, block: bool) -> int:
+        """The real arm, or none: only the first is simulated."""
+        if sim:
+            raise Refusal("simulation: an arm that stands while its motions run is not simulated")
+
+        def command(controller: Controller) -> int:
+            if controller.moving:
+                raise Rejected(TaskState.ILLEGAL, "the robot moves")
+            return controller.finish("simulation")
+
+        return self._task("simulation", block, command)
+
+    def read_encoder_count(self) -> int:
+        """外接 INC 的实际 count 值."""
+        return self._cabinet.encoder_count
+
+    def reach_check(
+        self,
+        base: Sequence[float],
+        wobj: Sequence[float],
+        tool: Sequence[float],
+        ref_pos: Sequence[float],
+        check_points: Sequence[Sequence[float]],
+    ) -> ReachabilityParam:
+        """Whether every pose can be reached, and if so by which joints."""
+        try:
+            frame = Pose.of(list(base)).inverse() @ Pose.of(list(wobj))
+            flange = Pose.of(list(tool)).inverse()
+            near = Joints.of(list(ref_pos))
+            targets = [frame @ Pose.of(list(point)) @ flange for point in check_points]
+        except ParameterError as exc:
+            raise Refusal(
+                f"reach_check: {exc.parameter} is {exc.value!r}, but must be {exc.expected}"
+            ) from None
+        try:
+            found = [self._arm.ikine(target.matrix, near).tolist() for target in targets]
+        except Unreachable:
+            return ReachabilityParam(False, [])
+        return ReachabilityParam(True, found)
+
+    def set_dynamic_calibration_params(self, params: Sequence[Sequence[float]]) -> int:
+        """Kept, and without effect: a simulated arm is built as designed."""
+
+        def change() -> None:
+            if not all(math.isfinite(value) for row in params for value in row):
+                raise mismatch("params must be finite numbers")
+            self._cabinet.dynamics = [list(row) for row in params]
+
+        return self._keep("set_dynamic_calibration_params", change)
+
+    def get_dynamic_calibration_params(self) -> list[list[float]]:
+        """What was set; nothing before."""
+        return self._cabinet.dynamics
+
+    def _keep(self, name: str, change: Callable[[], None]) -> int:
+        def command(controller: Controller) -> int:
+            change()
+            return controller.finish(name)
+
+        return self._task(name, True, command)

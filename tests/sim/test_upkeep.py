@@ -1,0 +1,106 @@
+"""Files, settings of pendant and collisions, reach, and service."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from aioduco.errors import ControllerError
+from aioduco.models.enums import TaskState
+from aioduco.models.pose import Pose
+from aioduco.sim.simulator import READY
+
+if TYPE_CHECKING:
+    from aioduco.sim.simulator import Simulator
+
+    from .conftest import Program
+
+SERVICE: list[tuple[str, tuple[Any, ...]]] = [
+    *((f"get_axis_{name}", ()) for name in ("motor_kt", "motor_rated_current", "ratio")),
+    *((f"get_motor_{name}", ()) for name in ("pole_pair_number", "stator_slots")),
+    ("get_pos_bias", ()),
+    ("get_vibration_calibration_params", ()),
+    ("set_kinematic_calibration_params", ([[0.0]],)),
+    *((f"set_{name}_calibration_info", ("", "")) for name in ("kinematic", "dynamic", "vibration")),
+    *((f"save_{name}_calibration_params", ("",)) for name in ("kinematic", "dynamic")),
+    ("upload_robot_param_to_toolboard", ("",)),
+    ("set_servo_config", (1, 1, 1, 1, True)),
+    ("set_servo_file_params", (1, 1, "", 0.0, 0.0)),
+    ("apply_servo_config", (1, True)),
+    ("set_pendant_type", (1,)),
+    ("change_recipe", ()),
+]
+
+
+@pytest.mark.parametrize(("name", "args"), SERVICE, ids=[name for name, _ in SERVICE])
+def test_what_is_not_public_is_refused(robot: Program, name: str, args: tuple[Any, ...]) -> None:
+    with pytest.raises(ControllerError, match=f"{name} is not simulated: the vendor does not"):
+        getattr(robot, name)(*args)
+
+
+def test_files_are_those_of_the_project(sim: Simulator, robot: Program) -> None:
+    sim.cabinet.project.files |= {"program/pick.lua", "program/parts/a.lua", "notes.txt"}
+    root = robot.get_current_project()
+    assert robot.get_files_list(root + "program") == {"pick.lua": 1, "parts": 0}
+    assert robot.get_files_list("") == {"program": 0, "notes.txt": 1}
+    assert robot.get_files_list("program/parts/..") == {"pick.lua": 1, "parts": 0}
+    for path in ("..", "/", "/etc", root + "../..", "program/../..", "/project2"):
+        with pytest.raises(ControllerError, match="not in the project"):
+            robot.get_files_list(path)
+    with pytest.raises(ControllerError, match="no folder"):
+        robot.get_files_list("nothing")
+
+
+def test_settings_keep_to_their_range(sim: Simulator, robot: Program) -> None:
+    assert robot.set_teach_speed(30) == TaskState.FINISHED
+    wrong = [robot.set_teach_speed(0), robot.set_teach_speed(101)]
+    wrong += [robot.collision_detect(-1), robot.collision_detect(6)]
+    assert wrong == [TaskState.PARAMETER_MISMATCH] * 4
+    assert robot.get_teach_speed() == 30
+    assert robot.set_teach_pendant(False) == TaskState.FINISHED
+    assert not sim.cabinet.pendant_enabled
+    sim.cabinet.encoder_count = -5_000_000_000
+    assert robot.read_encoder_count() == -5_000_000_000
+
+
+def test_collisions_are_not_detected_at_level_0(sim: Simulator, robot: Program) -> None:
+    assert robot.collision_detect(0) == TaskState.FINISHED
+    sim.collide(2)
+    assert not robot.getRobotStatus().collision
+    assert robot.collision_detect(5) == TaskState.FINISHED
+    sim.collide(2)
+    assert robot.getRobotStatus().collisionAxis == 2
+
+
+def test_the_real_arm_is_in_use(sim: Simulator, robot: Program) -> None:
+    assert robot.simulation(False, True) == TaskState.FINISHED
+    with pytest.raises(ControllerError, match="stands while its motions run"):
+        robot.simulation(True, True)
+    robot.to(1.0, *READY[1:], v=0.2, block=False)
+    sim.wait_until(lambda: sim.moving)
+    assert robot.simulation(False, True) == TaskState.ILLEGAL
+    robot.stop(True)
+
+
+def test_reach_is_checked_from_any_mounting(sim: Simulator, robot: Program) -> None:
+    q = [0.3, 0.1, 1.4, 0.2, -1.3, 0.5]
+    base = Pose(1.0, 2.0, 0.5, 0.1, 0.2, 0.3)
+    wobj, tool = Pose(1.2, 2.0, 0.4, 0.0, 0.0, 1.0), Pose(0.0, 0.0, 0.1, 0.0, 0.0, 0.0)
+    point = wobj.inverse() @ base @ Pose.from_matrix(sim.arm.fkine(q)) @ tool
+    found = robot.reach_check(list(base), list(wobj), list(tool), q, [list(point)])
+    assert found.result
+    assert found.joints_pos == [pytest.approx(q, abs=1e-6)]
+    far = [5.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    answer = robot.reach_check(list(base), list(wobj), list(tool), q, [list(point), far])
+    assert (answer.result, answer.joints_pos) == (False, [])
+    with pytest.raises(ControllerError, match="reach_check"):
+        robot.reach_check(list(base), list(wobj), list(tool), q[:5], [])
+
+
+def test_dynamic_calibration_is_kept(robot: Program) -> None:
+    assert robot.get_dynamic_calibration_params() == []
+    assert robot.set_dynamic_calibration_params([[1.0, 2.0], []]) == TaskState.FINISHED
+    assert robot.set_dynamic_calibration_params([[math.nan]]) == TaskState.PARAMETER_MISMATCH
+    assert robot.get_dynamic_calibration_params() == [[1.0, 2.0], []]
