@@ -42,6 +42,12 @@ def spread(seconds: Iterable[float]) -> dict[str, float]:
     }
 
 
+def scheduling() -> str:
+    """How this process is scheduled: a busy machine needs `chrt -f 5` for figures of its own."""
+    names = {os.SCHED_OTHER: "other", os.SCHED_FIFO: "fifo", os.SCHED_RR: "round robin"}
+    return names.get(os.sched_getscheduler(0), "other")
+
+
 def machine() -> dict[str, Any]:
     """The machine and the versions that a result was measured with; nothing that names a host."""
     packages = ("aioduco", "thriftpy2", "thrift", "anyio", "numpy", "mujoco")

@@ -12,7 +12,7 @@ import time
 from typing import Any
 
 import anyio
-from _common import ServerProcess, arguments, print_table, spread, write_results
+from _common import ServerProcess, arguments, print_table, scheduling, spread, write_results
 
 import aioduco
 from aioduco._wire.lane import Lane
@@ -118,7 +118,7 @@ async def measure(server: ServerProcess, guard: bool, seconds: float, stops: int
 def main() -> None:
     options = arguments(__doc__, "fleet")
     count, seconds, stops = (8, 3.0, 20) if options.quick else (32, 20.0, 200)
-    results: dict[str, Any] = {}
+    results: dict[str, Any] = {"scheduling": scheduling()}
     for name, guard in (("without guard", False), ("with guard", True)):
         with ServerProcess("fleet_server.py", str(count)) as server:
             results[name] = anyio.run(measure, server, guard, seconds, stops)
@@ -132,6 +132,7 @@ def main() -> None:
             *(round(f["stop_all"][p] / 1000, 2) for p in ("p50_us", "p99_us", "max_us")),
         ]
         for name, f in results.items()
+        if isinstance(f, dict)
     ]
     columns = ["fleet", "robots", "cores", "samples/s", "motions", "p50", "p99", "max"]
     print_table("One event loop; the stop of all robots [ms]", columns, rows)

@@ -21,7 +21,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import anyio
-from _common import ServerProcess, apart, arguments, print_table, spread, write_results
+from _common import ServerProcess, apart, arguments, print_table, scheduling, spread, write_results
 
 import aioduco
 from aioduco._wire.lane import Lane
@@ -229,7 +229,12 @@ async def told(lane: Lane, begin: float) -> float:
 
 async def measure(server: ServerProcess, quick: bool) -> dict[str, Any]:
     port = server.endpoints["rpc"]
-    results: dict[str, Any] = {"heartbeat_s": HEARTBEAT, "stop": {}, "death": {}}
+    results: dict[str, Any] = {
+        "heartbeat_s": HEARTBEAT,
+        "scheduling": scheduling(),
+        "stop": {},
+        "death": {},
+    }
     kinds: tuple[tuple[str, GuardKind | None], ...] = (
         ("without guard", None),
         ("with guard", "process"),
@@ -245,9 +250,10 @@ async def measure(server: ServerProcess, quick: bool) -> dict[str, Any]:
                 cores = apart()
                 if seat is not None and seat.pid is not None and cores is not None:
                     # beside the program, not on its core alone: it is to be free of it
-                    os.sched_setaffinity(seat.pid, set.union(*cores))
+                    for thread in os.listdir(f"/proc/{seat.pid}/task"):  # noqa: PTH208
+                        os.sched_setaffinity(int(thread), set.union(*cores))
                 desk = Desk(robot, lane, server)
-                results["stop"][name] = await latencies(desk, 100 if quick else 1000)
+                results["stop"][name] = await latencies(desk, 300 if quick else 1000)
             results["death"][name] = await deaths(lane, port, guard, 2 if quick else 20)
         finally:
             await lane.aclose()

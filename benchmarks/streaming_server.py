@@ -19,7 +19,7 @@ import rpc_server
 import thriftpy2
 
 from aioduco._wire import idl
-from aioduco.streaming.pacing import shorten_slice
+from aioduco.scheduling import shorten_slice
 
 if TYPE_CHECKING:
     import socket

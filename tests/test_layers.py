@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).parents[1] / "aioduco"
 
 #: the wire's types, generated and without a line of Thrift, count as a part of their own
-BASE = {"_version", "errors", "rpc", "trace"}
+BASE = {"_version", "errors", "rpc", "scheduling", "trace"}
 CLIENT = BASE | {"models", "kinematics", "_wire", "supervision", "api", "streaming"}
 
 #: by part, the parts that it may import; itself always
@@ -22,6 +22,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "_version": set(),
     "errors": set(),
     "rpc": set(),
+    "scheduling": set(),
     "trace": set(),
     "models": {"errors", "rpc"},
     "kinematics": {"errors", "models"},

@@ -26,8 +26,9 @@ from typing import Any
 from aioduco._wire.connection import Connection
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError
+from aioduco.scheduling import shorten_slice
 from aioduco.streaming.drive import Driver, Each
-from aioduco.streaming.pacing import Schedule, sharpen_sleep, shorten_slice, sleep_until
+from aioduco.streaming.pacing import Schedule, sharpen_sleep, sleep_until
 from aioduco.streaming.probe import Probe
 from aioduco.streaming.queued import Pool, Queue
 from aioduco.streaming.shared import Block, Command, Control, Status, Unmet

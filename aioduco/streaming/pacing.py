@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import struct
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,12 +9,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Schedule", "sharpen_sleep", "shorten_slice", "sleep_until"]
+__all__ = ["Schedule", "sharpen_sleep", "sleep_until"]
 
-#: number of the system call sched_setattr, by machine; glibc has a name for it only from 2.41 on
-_SCHED_SETATTR = {"x86_64": 314, "aarch64": 274, "riscv64": 274, "armv7l": 380}
-#: size, policy, flags, nice, priority, runtime, deadline, period
-_ATTRIBUTES = struct.Struct("=IIQiIQQQ")
 
 
 class Schedule:
@@ -102,29 +96,3 @@ def sharpen_sleep(thread: int) -> bool:
     except OSError:
         return False
     return True
-
-
-def shorten_slice(nanoseconds: int) -> bool:
-    """Ask the system to give the calling thread short slices of a processor, but soon.
-
-    A thread that wakes up to work for a moment then goes before one that has been working for
-    milliseconds, such as the program's own loop, instead of waiting for the end of its slice. It
-    gets no more of the processor by this, so everybody may ask for it. Linux does it since 6.12;
-    earlier ones take no notice.
-
-    Args:
-        nanoseconds: the length of a slice, 100 µs to 100 ms.
-
-    Returns:
-        Whether the system took it.
-    """
-    # imported here: only a lane needs it
-    import ctypes  # noqa: PLC0415
-
-    number = _SCHED_SETATTR.get(os.uname().machine)
-    if number is None:
-        return False
-    attributes = _ATTRIBUTES.pack(
-        _ATTRIBUTES.size, os.SCHED_OTHER, 0, os.nice(0), 0, nanoseconds, 0, 0
-    )
-    return bool(ctypes.CDLL(None).syscall(number, 0, attributes, 0) == 0)

@@ -13,6 +13,7 @@ Guarantees:
 from __future__ import annotations
 
 import logging
+import os
 import signal
 import socket
 from typing import TYPE_CHECKING
@@ -23,6 +24,7 @@ from anyio.lowlevel import checkpoint
 from aioduco._wire.connection import Connection
 from aioduco._wire.lane import Lane
 from aioduco.errors import DucoError
+from aioduco.scheduling import shorten_slice
 from aioduco.supervision.control import Control
 from aioduco.supervision.guard.messages import (
     LARGEST,
@@ -48,6 +50,8 @@ _log = logging.getLogger(__name__)
 
 #: seconds for which the guard goes on trying to stop the arms of a program that is gone
 ORPHAN_LIMIT = 30.0
+#: length of a slice of a processor [ns]: the shortest that there is
+_SLICE = 100_000
 #: seconds for a heartbeat's thread to end
 _GRACE = 1.0
 
@@ -235,6 +239,10 @@ def main(descriptor: int) -> None:
     """
     # Ctrl-C in a terminal reaches all its processes: it is for the program to act on.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # The guard works for moments, and must not wait behind a program that works for long. Its
+    # threads inherit this. A real-time policy that the program was given is better still.
+    if os.sched_getscheduler(0) == os.SCHED_OTHER:
+        shorten_slice(_SLICE)
     with socket.socket(fileno=descriptor) as program:
         program.setblocking(False)
         guard = Guard(program)
