@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from aioduco.sim.buses import CanPort, SerialPort
 from aioduco.sim.modbus import ModbusSignals
 from aioduco.sim.project import Project
 from aioduco.sim.values import SystemValues
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 __all__ = ["Cabinet"]
 
@@ -29,6 +35,7 @@ class Cabinet:
         pendant_enabled: whether the pendant's keys are.
         encoder_count: of the external encoder.
         dynamics: parameters of the dynamic calibration, as they were set.
+        load: that is held: its mass [kg] and its centre of gravity in the flange's frame [m].
         lock: held while a bus is used: several programs share it, and peers know no threads.
     """
 
@@ -43,4 +50,5 @@ class Cabinet:
     pendant_enabled: bool = True
     encoder_count: int = 0
     dynamics: list[list[float]] = field(default_factory=list)
+    load: tuple[float, NDArray[np.float64]] = field(default_factory=lambda: (0.0, np.zeros(3)))
     lock: threading.Lock = field(default_factory=threading.Lock)

@@ -70,6 +70,14 @@ class Plant(Protocol):
     def step(self, setpoint: SetPoint) -> None:
         """Go on by one cycle."""
 
+    @property
+    def wrench(self) -> Vector:
+        """What acts on the flange, in its frame [N, N m]. Shape (6,)."""
+        ...
+
+    def load(self, mass: float, centre: Sequence[float]) -> None:
+        """Mount a load at the flange [kg, m]."""
+
     def brake(self, on: bool) -> None:
         """Put the brakes on, or release them."""
 
@@ -87,6 +95,7 @@ class Snapshot:
         torque: actual joint torques [N m]. Shape (6,).
         setpoint: what the drives follow.
         view: the controller's state.
+        wrench: what acts on the flange, in its frame, the load's weight included [N, N m].
     """
 
     time: float
@@ -96,6 +105,7 @@ class Snapshot:
     torque: Vector
     setpoint: SetPoint
     view: View
+    wrench: Vector
 
 
 class Runtime:
@@ -139,10 +149,19 @@ class Runtime:
         self._braked: bool | None = None
         self._push: Sequence[float] = _NO_PUSH
         self._pushed: Sequence[float] = _NO_PUSH
+        self._load: tuple[float, Sequence[float]] = (0.0, (0.0, 0.0, 0.0))
+        self._loaded: tuple[float, Sequence[float]] = self._load
         q = plant.q
         self._drive = Drive(SetPoint.at_rest(q), brake=True)
         self._snapshot = Snapshot(
-            0.0, q, plant.qd, plant.qdd, plant.torque, self._drive.setpoint, controller.view()
+            0.0,
+            q,
+            plant.qd,
+            plant.qdd,
+            plant.torque,
+            self._drive.setpoint,
+            controller.view(),
+            plant.wrench,
         )
 
     # -- for handlers and tests, from any thread -----------------------------------------------
@@ -238,6 +257,11 @@ class Runtime:
         self._push = tuple(wrench)
         self._wake.set()
 
+    def load(self, mass: float, centre: Sequence[float]) -> None:
+        """Mount a load at the flange [kg, m], and tell the drives about it."""
+        self._load = (mass, tuple(centre))
+        self._wake.set()
+
     def statistics(self) -> LoopStatistics:
         """How well the cycle is kept."""
         return self._times.statistics(self._pace.slipped)
@@ -298,6 +322,9 @@ class Runtime:
                 if self._pushed is not self._push:
                     self._pushed = self._push
                     self._plant.push(self._pushed)
+                if self._loaded is not self._load:
+                    self._loaded = self._load
+                    self._plant.load(*self._loaded)
                 self._plant.step(self._drive.setpoint)
             self._count += cycles
             self._pace.ran(cycles)
@@ -311,11 +338,12 @@ class Runtime:
     def _tick(self) -> None:
         plant = self._plant
         q, qd, qdd, torque = plant.q, plant.qd, plant.qdd, plant.torque
+        wrench = plant.wrench
         at = self._count * self.cycle
         with self._lock:
             self._drive = self._controller.tick(Sensed(at, time.monotonic(), q, qd))
             view = self._controller.view()
-            self._snapshot = Snapshot(at, q, qd, qdd, torque, self._drive.setpoint, view)
+            self._snapshot = Snapshot(at, q, qd, qdd, torque, self._drive.setpoint, view, wrench)
             released = self._take_ended()
             network = None if self._controller.halted else not self._controller.starting
         for event in released:
@@ -338,5 +366,6 @@ class Runtime:
         """Whether the arm has stood for so long that physics would change nothing."""
         changing = self._controller.busy or self._braked is not self._drive.brake
         changing = changing or self._pushed is not self._push or any(self._pushed)
+        changing = changing or self._loaded is not self._load
         self._quiet = 0 if changing else self._quiet + cycles
         return self._quiet * self.cycle >= _SETTLING

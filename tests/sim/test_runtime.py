@@ -32,7 +32,7 @@ class Follower:
 
     def __init__(self) -> None:
         self.q = HOME.copy()
-        self.qd = self.qdd = self.torque = np.zeros(6)
+        self.qd = self.qdd = self.torque = self.wrench = np.zeros(6)
         self.steps = 0
         self.broken = False
         self.braked: list[bool] = []
@@ -49,6 +49,9 @@ class Follower:
 
     def push(self, wrench: Sequence[float]) -> None:
         self.pushed = tuple(wrench)
+
+    def load(self, mass: float, centre: Sequence[float]) -> None:
+        self.loaded = (mass, tuple(centre))
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from aioduco.sim.handlers.buses import CanHandlers, ModbusHandlers
+from aioduco.sim.handlers.load import LoadHandlers
 from aioduco.sim.handlers.registers import RegisterHandlers
 from aioduco.sim.handlers.signals import SignalHandlers
 from aioduco.sim.handlers.upkeep import SettingsHandlers
@@ -16,5 +17,6 @@ class CabinetHandlers(
     CanHandlers,
     ModbusHandlers,
     SettingsHandlers,
+    LoadHandlers,
 ):
     """Signals, registers, system values, buses, settings and files."""
