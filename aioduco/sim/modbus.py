@@ -129,7 +129,7 @@ class RtuSlave(ModbusSlave):
             return bytes([function]) + body
         if function in (15, 16):
             address, count = _counted(body[:4], 1968 if function == 15 else 123)
-            if body[4] != len(body) - 5:
+            if len(body) < 5 or body[4] != len(body) - 5:
                 raise ValueError("the count of bytes is wrong")
             if function == 15:
                 self.write_coils(address, _unpack(body[5:], count))

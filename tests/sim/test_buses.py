@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from aioduco.errors import ControllerError
@@ -153,6 +153,7 @@ def test_the_checksum_is_that_of_the_specification() -> None:
     assert crc16(bytes([2, 7])) == bytes([0x41, 0x12])
 
 
+@example(bytes([0, 0, 0, 1]), 15)
 @given(st.binary(max_size=12), st.integers(0, 20))
 def test_a_slave_has_an_answer_to_everything(body: bytes, function: int) -> None:
     answer = RtuSlave(1, registers={0: 0}).receive(rtu(bytes([1, function]) + body))
