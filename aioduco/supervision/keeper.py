@@ -236,11 +236,13 @@ class Keeper:
 
     # -- what the poller finds -----------------------------------------------------------------
 
-    def lost(self, task: Task) -> None:
-        """A task ended with an unknown outcome: nobody watches over a motion that may go on."""
-        if task.motion:
-            self.loose = True
-            self._background.start(self._stop_unwatched(task), "aioduco stop of a lost task")
+    def lost(self, task: Task, settle: Callable[[], None]) -> None:
+        """A motion ended with an unknown outcome: nobody watches over it, and it may go on.
+
+        It is stopped, and `settle` is called when the arm stands, or is not known to.
+        """
+        self.loose = True
+        self._background.start(self._stop_unwatched(task, settle), "aioduco stop of a lost task")
 
     def overdue(self, task: Task) -> None:
         """A task has not ended by its deadline."""
@@ -264,12 +266,14 @@ class Keeper:
         finally:
             settle()
 
-    async def _stop_unwatched(self, task: Task) -> None:
+    async def _stop_unwatched(self, task: Task, settle: Callable[[], None]) -> None:
         try:
             await self.halt()
         except StopUnconfirmed as exc:
             task.fault = exc
             _log.critical("%r was lost sight of: %s", task, exc)
+        finally:
+            settle()
 
     async def _end_due(self, task: Task) -> None:
         assert task.held is not None

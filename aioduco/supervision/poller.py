@@ -42,8 +42,8 @@ class Watcher(Protocol):
         """How many stops have been asked for; rises before a stop is sent."""
         ...
 
-    def lost(self, task: Task) -> None:
-        """A task ended with an unknown outcome: it may be running."""
+    def lost(self, task: Task, settle: Callable[[], None]) -> None:
+        """A motion was lost sight of: `settle` is to be called when it has been stopped."""
         ...
 
     def overdue(self, task: Task) -> None:
@@ -214,9 +214,10 @@ class Poller:
         if task.motion and (told or task.life.outcome is Outcome.STOPPED):
             self._watcher.stopped(task, lambda: self._settle(task, (), now))
             return
+        if task.motion and task.life.outcome is Outcome.UNKNOWN:
+            self._watcher.lost(task, lambda: self._settle(task, errors, now))
+            return
         self._settle(task, errors, now)
-        if task.life.outcome is Outcome.UNKNOWN:
-            self._watcher.lost(task)
 
     def _settle(self, task: Task, errors: Sequence[str], now: float) -> None:
         self._seen.pop(task, None)
