@@ -1,0 +1,28 @@
+"""The robot for scripts and notebooks: the same functions, and each returns when it is done.
+
+    import aioduco.sync
+    from aioduco import Joints
+
+    with aioduco.sync.connect("192.168.1.10") as robot:
+        robot.bring_up()
+        robot.motion.movej2(Joints.deg(0, 0, 90, 0, -90, 0), v=1.0, a=1.0)
+
+The supervision is that of `aioduco`, in an event loop on a thread of its own.
+"""
+
+from __future__ import annotations
+
+from aioduco.sync._feeds import Events, Feed, Subscription
+from aioduco.sync._robot import Robot, connect
+from aioduco.sync._tasks import MotionCommand, MotionFunction, Task
+
+__all__ = [
+    "Events",
+    "Feed",
+    "MotionCommand",
+    "MotionFunction",
+    "Robot",
+    "Subscription",
+    "Task",
+    "connect",
+]

@@ -1,0 +1,171 @@
+"""The state feed and the events for programs that wait."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+import anyio
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from contextlib import AbstractContextManager
+    from typing import Self
+
+    from aioduco.errors import DucoError
+    from aioduco.events import Event
+    from aioduco.supervision import events as aio_events
+    from aioduco.supervision import feed as aio_feed
+    from aioduco.supervision.buffer import Policy
+    from aioduco.supervision.feed import FeedStatistics, Snapshot
+    from aioduco.sync._runner import Runner
+
+__all__ = ["Events", "Feed", "Subscription"]
+
+T = TypeVar("T")
+
+
+class Subscription(Generic[T]):
+    """Items for one reader: `for item in subscription`. It ends by an error: the robot closes."""
+
+    def __init__(self, runner: Runner, subscription: aio_feed.Subscription[T]) -> None:
+        self._runner = runner
+        self._subscription = subscription
+
+    def __repr__(self) -> str:
+        return repr(self._subscription)
+
+    def __iter__(self) -> Self:
+        return self
+
+    def __next__(self) -> T:
+        return self.next()
+
+    @property
+    def dropped(self) -> int:
+        """Items that were not taken in time, and went."""
+        return self._subscription.dropped
+
+    def next(self, timeout: float | None = None) -> T:
+        """Wait for the next item.
+
+        Args:
+            timeout: seconds for which to wait; None for as long as it takes.
+
+        Raises:
+            TimeoutError: none came in time.
+            RobotStateError: the robot was closed.
+        """
+        return self._runner.call(self._next(timeout))
+
+    async def _next(self, timeout: float | None) -> T:
+        with anyio.fail_after(timeout):
+            return await anext(self._subscription)
+
+
+@contextmanager
+def _reading(
+    runner: Runner, opened: AbstractContextManager[aio_feed.Subscription[T]]
+) -> Iterator[Subscription[T]]:
+    subscription = runner.look(opened.__enter__)
+    try:
+        yield Subscription(runner, subscription)
+    finally:
+        runner.look(lambda: opened.__exit__(None, None, None))
+
+
+class Feed:
+    """Samples of the robot's state. It begins when it is first used."""
+
+    def __init__(self, runner: Runner, feed: aio_feed.Feed) -> None:
+        self._runner = runner
+        self._feed = feed
+
+    def __repr__(self) -> str:
+        return repr(self._feed)
+
+    @property
+    def rate(self) -> float:
+        """Samples a second that are asked for [Hz]."""
+        return self._feed.rate
+
+    @property
+    def error(self) -> DucoError | None:
+        """Why the last question was not answered; None if it was."""
+        return self._feed.error
+
+    @property
+    def heard_at(self) -> float:
+        """When a sample last came, or, before the first, when the feed began [s]."""
+        return self._feed.heard_at
+
+    def statistics(self) -> FeedStatistics:
+        """Figures since the feed began."""
+        return self._runner.look(self._feed.statistics)
+
+    def latest(self, *, max_age: float = 0.5) -> Snapshot:
+        """Return the newest sample; the first one is waited for.
+
+        Args:
+            max_age: seconds that it may be old.
+
+        Raises:
+            StaleState: it is older, since the controller does not answer.
+        """
+        return self._runner.call(self._feed.latest(max_age=max_age))
+
+    def subscribe(
+        self, policy: Policy = "drop_oldest", *, size: int = 64
+    ) -> AbstractContextManager[Subscription[Snapshot]]:
+        """Read every sample from now on: `with robot.feed.subscribe() as samples:`.
+
+        Args:
+            policy: what happens to samples that are not taken in time: "latest" keeps the newest
+                one, "drop_oldest" the newest `size`, "every" raises when `size` are waiting.
+            size: most samples that wait.
+
+        Returns:
+            What to enter to get the subscription. It raises `RobotStateError` when the robot
+            closes.
+        """
+        return _reading(self._runner, self._feed.subscribe(policy, size=size))
+
+    def wait_for(
+        self, predicate: Callable[[Snapshot], bool], *, timeout: float | None = None
+    ) -> Snapshot:
+        """Wait for a sample that the predicate holds for, and return it.
+
+        Samples that were received before this was called do not count.
+
+        Args:
+            predicate: called with each sample, on the thread of the robot's event loop: it
+                must not call the robot.
+            timeout: seconds for which to wait; None for as long as it takes.
+
+        Raises:
+            TimeoutError: none came in time.
+        """
+        return self._runner.call(self._feed.wait_for(predicate, timeout=timeout))
+
+
+class Events:
+    """Sees what happens to one robot, and tells every subscriber."""
+
+    def __init__(self, runner: Runner, events: aio_events.Events) -> None:
+        self._runner = runner
+        self._events = events
+
+    def subscribe(
+        self, policy: Policy = "every", *, size: int = 1024
+    ) -> AbstractContextManager[Subscription[Event]]:
+        """Hear of every event from now on: `with robot.events.subscribe() as stream:`.
+
+        Args:
+            policy: what happens to events that are not taken in time; as for samples.
+            size: most events that wait.
+
+        Returns:
+            What to enter to get the subscription. It raises `RobotStateError` when the robot
+            closes.
+        """
+        return _reading(self._runner, self._events.subscribe(policy, size=size))

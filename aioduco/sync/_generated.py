@@ -1,0 +1,4542 @@
+"""The sections of the robot for programs that wait.
+
+Generated from `aioduco/api/` and `aioduco/robot.py` by `idl/generate_sync.py`; change those, not
+this.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from aioduco.models.jog import JogDirections
+from aioduco.sync._tasks import moves
+
+if TYPE_CHECKING:
+    from aioduco import robot as aio_robot
+    from aioduco.api.bus.can import CanFrame
+    from aioduco.api.kinematics import Reachability
+    from aioduco.api.version import RobotType
+    from aioduco.models.enums import FileKind
+    from aioduco.models.enums import OperationMode
+    from aioduco.models.enums import Outcome
+    from aioduco.models.enums import OutputMode
+    from aioduco.models.enums import TaskState
+    from aioduco.models.external_axis import ExternalAxis
+    from aioduco.models.external_axis import ExternalAxisScheme
+    from aioduco.models.external_axis import ExternalAxisState
+    from aioduco.models.force import ForceFrame
+    from aioduco.models.force import ForceLogic
+    from aioduco.models.force import GuardedForce
+    from aioduco.models.jog import Jog
+    from aioduco.models.jog import JogFrame
+    from aioduco.models.load import Load
+    from aioduco.models.op import Op
+    from aioduco.models.op import PointOp
+    from aioduco.models.pose import Joints
+    from aioduco.models.pose import JointsLike
+    from aioduco.models.pose import Pose
+    from aioduco.models.pose import PoseLike
+    from aioduco.models.realtime import RealtimeMode
+    from aioduco.models.realtime import RealtimePoint
+    from aioduco.models.rules import BytesLike
+    from aioduco.models.rules import FlagsLike
+    from aioduco.models.rules import Real
+    from aioduco.models.rules import VectorLike
+    from aioduco.models.rules import Whole
+    from aioduco.models.rules import WholesLike
+    from aioduco.models.state import IOStatus
+    from aioduco.models.state import RobotStates
+    from aioduco.models.state import RobotStatus
+    from aioduco.models.state import Vector
+    from aioduco.models.weave import WeavePlane
+    from aioduco.models.weave import WeaveShape
+    from aioduco.supervision import command as aio_command
+    from aioduco.supervision.feed import Snapshot
+    from aioduco.sync._runner import Runner
+    from aioduco.sync._tasks import MotionCommand
+    from collections.abc import Callable
+    from collections.abc import Iterable
+    from collections.abc import Sequence
+    from numpy.typing import NDArray
+
+
+class _Section:
+    """A section of the manual: functions of one robot."""
+
+    __slots__ = ("_runner", "_section")
+
+    def __init__(self, runner: Runner, section: Any) -> None:
+        self._runner = runner
+        self._section = section
+
+    def __repr__(self) -> str:
+        return repr(self._section)
+
+
+class System(_Section):
+    """Power, brakes and the operation mode (系统控制, manual 1.3.2).
+
+    Each function has ended when it returns. An interrupt while it waits cancels the waiting, not what
+    the controller does. `Robot.bring_up` does what is needed before a motion, in the right order.
+    """
+
+    __slots__ = ()
+
+    def power_on(self, *, timeout: float = 30.0) -> None:
+        """Power the arm up (机器人上电).
+
+        Args:
+            timeout: seconds in which it must have happened.
+
+        Raises:
+            TaskError: it was not done; TaskUnknown if it took too long.
+
+        Manual section 1.3.2.
+        """
+        work = self._section.power_on(timeout=timeout)
+        self._runner.call(work)
+
+    def power_off(self, *, timeout: float = 30.0) -> None:
+        """Power the arm down (机器人下电); the brakes close.
+
+        Args:
+            timeout: seconds in which it must have happened.
+
+        Raises:
+            TaskError: it was not done; TaskUnknown if it took too long.
+
+        Manual section 1.3.2.
+        """
+        work = self._section.power_off(timeout=timeout)
+        self._runner.call(work)
+
+    def enable(self, *, timeout: float = 30.0) -> None:
+        """Enable the joints (机器人上使能); the brakes open.
+
+        Args:
+            timeout: seconds in which it must have happened.
+
+        Raises:
+            TaskError: it was not done; TaskUnknown if it took too long.
+
+        Manual section 1.3.2.
+        """
+        work = self._section.enable(timeout=timeout)
+        self._runner.call(work)
+
+    def disable(self, *, timeout: float = 30.0) -> None:
+        """Disable the joints (机器人下使能); the brakes close.
+
+        Args:
+            timeout: seconds in which it must have happened.
+
+        Raises:
+            TaskError: it was not done; TaskUnknown if it took too long.
+
+        Manual section 1.3.2.
+        """
+        work = self._section.disable(timeout=timeout)
+        self._runner.call(work)
+
+    def shutdown(self) -> None:
+        """Switch the controller off (机器人关机). Every connection ends soon after.
+
+        Raises:
+            Refused: the controller does not do it now.
+            OutcomeUnknown: the connection ended before the answer came.
+
+        Manual section 1.3.2.
+        """
+        work = self._section.shutdown()
+        self._runner.call(work)
+
+    def restart(self) -> None:
+        """Start the controller anew (机器人重启). Every connection ends soon after.
+
+        Raises:
+            Refused: the controller does not do it now.
+            OutcomeUnknown: the connection ended before the answer came.
+
+        Manual section 1.3.2.
+        """
+        work = self._section.restart()
+        self._runner.call(work)
+
+    def switch_mode(self, mode: OperationMode | int) -> None:
+        """Switch between manual and automatic mode (手自动模式切换).
+
+        It works only if the safety settings do not leave the mode to an input. A switch may
+        leave the program paused; `Robot.stop` clears that.
+
+        Args:
+            mode: OperationMode.MANUAL (0) or OperationMode.AUTO (1).
+
+        Raises:
+            ParameterError: the mode is another one.
+            TaskError: the controller did not switch.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.switch_mode(mode)
+        self._runner.call(work)
+
+
+class Motion(_Section):
+    """Motions of the arm (移动控制, manual 1.3.5).
+
+    Each function checks its arguments, sends the motion, and returns when it has ended; `.start`
+    returns its task as soon as the controller has accepted it; `.prepare` sends nothing:
+
+        robot.motion.movej2(home, v=1.0, a=1.0)
+        move = robot.motion.movel.start(target, v=0.2, a=0.5)
+        robot.motion.run(approach, pass_by, retreat)         # made by .prepare, blended
+
+    Motions at a velocity, jogs and hand guiding go on until their time is over or they are told to
+    end: they are tied to a block, which ends them when it is left:
+
+        with robot.motion.speedl.start([0, 0, -0.02, 0, 0, 0], a=0.5, time=5.0):
+            ...
+    """
+
+    __slots__ = ()
+
+    def set_blend_ahead(self, per: int, num: int = 1) -> None:
+        """Set how early the controller reads the next motion, to blend into it (融合预读取).
+
+        Args:
+            per: percent of a motion after which the next is read, 0 to 100; usually 0 or 50.
+            num: how many motions are read ahead if `per` is 0, 1 to 3: more for short motions
+                that follow each other fast.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.5.
+        """
+        work = self._section.set_blend_ahead(per, num)
+        self._runner.call(work)
+
+    def run(self, *motions: MotionCommand, ahead: int = 3) -> tuple[Outcome, ...]:
+        """Send motions one after another, ahead of the arm, and wait for all of them.
+
+        The controller can blend a motion into the next only if it has that one in time. So some
+        are sent ahead; the others follow as the first ones end.
+
+        Args:
+            motions: in the order in which they are to be carried out.
+            ahead: how many the controller has at most, the running one included, from 1 on.
+
+        Returns:
+            The outcome of each: finished or blended.
+
+        Raises:
+            TaskError: one did not succeed. Those after it were stopped, or not sent.
+            ParameterError: something in `motions` is no motion; nothing was sent.
+
+        If this is interrupted, the arm is stopped.
+        """
+        work = self._section.run(
+            *(getattr(each, "awaitable", each) for each in motions), ahead=ahead
+        )
+        answer: tuple[Outcome, ...] = self._runner.call(work)
+        return answer
+
+    @moves
+    def movej2(
+        self,
+        joints: JointsLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move to joint angles, all joints together (关节运动).
+
+        Args:
+            joints: where to, six angles in [-2π, 2π] [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.movej2(
+            joints, v, a, r=r, op=op, def_acc=def_acc
+        )
+        return made
+
+    @moves
+    def movej_pose2(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool to a pose, all joints together, not along a line (关节运动到位姿).
+
+        Args:
+            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.movej_pose2(
+            pose, v, a, r=r, q_near=q_near, tool=tool, wobj=wobj, op=op, def_acc=def_acc
+        )
+        return made
+
+    @moves
+    def movej(
+        self,
+        joints: JointsLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move to joint angles at a speed in percent (关节运动). `movej2` takes it in rad/s.
+
+        Args:
+            joints: where to, six angles in [-2π, 2π] [rad].
+            v: highest joint speed in percent of what the arm can do, above 0, up to 100.
+            a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
+        """
+        made: aio_command.MotionCommand = self._section.movej(
+            joints, v, a, r=r, op=op, def_acc=def_acc
+        )
+        return made
+
+    @moves
+    def movej_pose(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool to a pose by the joints at a speed in percent (关节运动到位姿).
+
+        `movej_pose2` takes the speed in rad/s.
+
+        Args:
+            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest joint speed in percent of what the arm can do, above 0, up to 100.
+            a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
+        """
+        made: aio_command.MotionCommand = self._section.movej_pose(
+            pose, v, a, r=r, q_near=q_near, tool=tool, wobj=wobj, op=op, def_acc=def_acc
+        )
+        return made
+
+    @moves
+    def movel(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool to a pose along a line (直线运动). The manual prints its name as move1.
+
+        Args:
+            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles near the target, to check its branch [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.movel(
+            pose, v, a, r=r, q_near=q_near, tool=tool, wobj=wobj, op=op, def_acc=def_acc
+        )
+        return made
+
+    @moves
+    def tcp_move(
+        self,
+        offset: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        tool: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool by an offset in its own frame, along a line (沿工具坐标系直线移动).
+
+        Args:
+            offset: by how much: x, y, z [m], rx, ry, rz [rad], in the frame of the tool.
+            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
+                proportion.
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            tool: name of the tool; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.tcp_move(
+            offset, v, a, r=r, tool=tool, op=op, def_acc=def_acc
+        )
+        return made
+
+    @moves
+    def tcp_move_2p(
+        self,
+        p1: PoseLike,
+        p2: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool along a line by what lies between two poses, in the tool's frame.
+
+        沿工具坐标系直线移动两点之差: the target is the present pose · p1⁻¹ · p2.
+
+        Args:
+            p1: the pose from which the offset is taken; x, y, z [m], rx, ry, rz [rad].
+            p2: the pose to which the offset is taken; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
+                proportion.
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.tcp_move_2p(
+            p1, p2, v, a, r=r, tool=tool, wobj=wobj, op=op, def_acc=def_acc
+        )
+        return made
+
+    @moves
+    def wobj_move(
+        self,
+        offset: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool by an offset in the work object's frame (沿工件坐标系直线移动), in a line.
+
+        Args:
+            offset: by how much: x, y, z [m], rx, ry, rz [rad], in the frame of the work object.
+            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
+                proportion.
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.wobj_move(
+            offset, v, a, r=r, wobj=wobj, op=op, def_acc=def_acc
+        )
+        return made
+
+    @moves
+    def wobj_move_2p(
+        self,
+        p1: PoseLike,
+        p2: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool along a line by what lies between two poses, in the work object's frame.
+
+        沿工件坐标系直线移动两点之差: the offset from p1 to p2 as it is in the work object's frame.
+
+        Args:
+            p1: the pose from which the offset is taken; x, y, z [m], rx, ry, rz [rad].
+            p2: the pose to which the offset is taken; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
+                proportion.
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            tool: name of the tool that the two poses are of; empty for the one in use.
+            wobj: name of the work object that they are in; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.wobj_move_2p(
+            p1, p2, v, a, r=r, tool=tool, wobj=wobj, op=op, def_acc=def_acc
+        )
+        return made
+
+    @moves
+    def movec(
+        self,
+        via: PoseLike,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        mode: int = 0,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool to a pose along an arc (圆弧运动).
+
+        Args:
+            via: a pose on the arc (p1): x, y, z [m], rx, ry, rz [rad].
+            pose: where to (p2): the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            mode: the orientation: 0 goes over to the end's, 1 stays as at the start, 2 stays
+                fixed to the arc's tangent.
+            q_near: joint angles near the target, to check its branch [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.movec(
+            via,
+            pose,
+            v,
+            a,
+            r=r,
+            mode=mode,
+            q_near=q_near,
+            tool=tool,
+            wobj=wobj,
+            op=op,
+            def_acc=def_acc,
+        )
+        return made
+
+    @moves
+    def move_circle(
+        self,
+        p1: PoseLike,
+        p2: PoseLike,
+        v: float,
+        a: float,
+        *,
+        r: float = 0.0,
+        mode: int = 1,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool along a whole circle (圆周运动), from where it is through two poses.
+
+        Args:
+            p1: the first pose on the circle: x, y, z [m], rx, ry, rz [rad].
+            p2: the second pose on the circle; the order start, p1, p2 gives the direction.
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            mode: the orientation: 1 stays as at the start, 2 stays fixed to the circle's tangent.
+            q_near: joint angles near the target, to check its branch [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.move_circle(
+            p1,
+            p2,
+            v,
+            a,
+            r=r,
+            mode=mode,
+            q_near=q_near,
+            tool=tool,
+            wobj=wobj,
+            op=op,
+            def_acc=def_acc,
+        )
+        return made
+
+    @moves
+    def spline(
+        self,
+        poses: Iterable[PoseLike],
+        v: float,
+        a: float,
+        *,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        r: float = 0.0,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool along a spline through poses (样条运动).
+
+        Of two splines in a row, the second must not begin with the pose with which the first
+        ends.
+
+        Args:
+            poses: 2 to 50 poses of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+                Shape (n, 6).
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.spline(
+            poses, v, a, tool=tool, wobj=wobj, op=op, r=r, def_acc=def_acc
+        )
+        return made
+
+    @moves
+    def spline_op(
+        self,
+        points: Iterable[PointOp],
+        v: float,
+        a: float,
+        *,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        r: float = 0.0,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool along a spline, and set outputs at its points (样条运动, 触发点位 OP).
+
+        Of two splines in a row, the second must not begin with the pose with which the first
+        ends.
+
+        Args:
+            points: 2 to 50 poses of the tool in the work object, each with what is set there.
+            v: speed of the tool, 0.00001 to 5 [m/s].
+            a: acceleration of the tool, from 0.00001 [m/s²].
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way of the whole spline.
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.spline_op(
+            points, v, a, tool=tool, wobj=wobj, op=op, r=r, def_acc=def_acc
+        )
+        return made
+
+    @moves
+    def move_spiral(
+        self,
+        center: PoseLike,
+        pose: PoseLike | None,
+        rev: float,
+        length: float,
+        radius: float,
+        mode: int,
+        v: float,
+        a: float,
+        *,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool along a spiral (螺旋运动), given by parameters or by its end.
+
+        Args:
+            center: pose of the spiral's centre (p1): x, y, z [m], rx, ry, rz [rad].
+            pose: where to (p2): x, y, z [m], rx, ry, rz [rad]; None in mode 0, which ignores it.
+            rev: turns in all, negative for clockwise.
+            length: way along the axis (len) [m], its sign by the right hand; mode 1 ignores it.
+            radius: radius at the end (rad, once red in the manual), from 0 [m]; mode 1 ignores
+                it.
+            mode: 0 by parameters, 1 by the end.
+            v: highest speed of the tool, 0.01 to 5 [m/s].
+            a: highest acceleration of the tool, from 0.01 [m/s²].
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range, or mode 1 has no end.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.move_spiral(
+            center,
+            pose,
+            rev,
+            length,
+            radius,
+            mode,
+            v,
+            a,
+            q_near=q_near,
+            tool=tool,
+            wobj=wobj,
+            op=op,
+            def_acc=def_acc,
+        )
+        return made
+
+    @moves
+    def speedj(
+        self, velocities: VectorLike, a: float, *, time: float | None = 1.0
+    ) -> aio_command.MotionCommand:
+        """Turn the joints, each at a velocity (关节速度运动), for a time.
+
+        An interrupt while it waits, or an error inside its block, stops the arm. If the arm moves on
+        for two seconds after `time`, this program stops it.
+
+        Args:
+            velocities: of the six joints (joints_list), -1.25·π to 1.25·π [rad/s]. Shape (6,).
+            a: acceleration of the leading joint, from 0.01·π/180 [rad/s²].
+            time: seconds after which the controller stops the arm, from 0.001; None to go on
+                until the block is left or `speed_stop` is called: only the heartbeat then stops
+                the arm of a program that hangs.
+
+        Returns:
+            How it ended: finished or blended. Its end is when the arm stands.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.speedj(velocities, a, time=time)
+        return made
+
+    @moves
+    def speedl(
+        self, twist: VectorLike, a: float, *, time: float | None = 1.0
+    ) -> aio_command.MotionCommand:
+        """Move the tool at a velocity (末端速度运动), for a time.
+
+        Manual 3.8 does not say in which frame; manual 4.3 says in that of the tool.
+        An interrupt while it waits, or an error inside its block, stops the arm. If the arm moves on
+        for two seconds after `time`, this program stops it.
+
+        Args:
+            twist: velocity of the tool (pose_list): along x, y, z, -5 to 5 [m/s], and about
+                them, -1.25·π to 1.25·π [rad/s]. Shape (6,).
+            a: acceleration of the tool, from 0.00001 [m/s²].
+            time: seconds after which the controller stops the arm, from 0.001; None to go on
+                until the block is left or `speed_stop` is called: only the heartbeat then stops
+                the arm of a program that hangs.
+
+        Returns:
+            How it ended: finished or blended. Its end is when the arm stands.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.speedl(twist, a, time=time)
+        return made
+
+    def speed_stop(self) -> None:
+        """End `speedj` and `speedl` (停止 speedj 及 speedl), and wait until the arm stands.
+
+        If one of this program's is running and cannot be ended so, or if this is interrupted, the
+        arm is stopped as by `Robot.stop`.
+
+        Raises:
+            TaskError: the controller did not end them.
+            StopUnconfirmed: it is not known that the arm stands.
+
+        Manual section 1.3.5.
+        """
+        work = self._section.speed_stop()
+        self._runner.call(work)
+
+    @moves
+    def servoj(
+        self,
+        joints: JointsLike,
+        v: float,
+        a: float,
+        *,
+        kp: float = 200.0,
+        kd: float = 25.0,
+        smooth_vel: float = 10.0,
+        smooth_acc: float = 1.0,
+    ) -> aio_command.MotionCommand:
+        """Go to joint angles, each joint for itself (关节伺服运动), from whatever motion it is in.
+
+        Args:
+            joints: where to, six angles in [-2π, 2π] [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            kp: proportional gain, from 0; 200 is recommended.
+            kd: derivative gain, from 0; 25 is recommended.
+            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.servoj(
+            joints, v, a, kp=kp, kd=kd, smooth_vel=smooth_vel, smooth_acc=smooth_acc
+        )
+        return made
+
+    @moves
+    def servoj_pose(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        kp: float = 200.0,
+        kd: float = 25.0,
+        smooth_vel: float = 10.0,
+        smooth_acc: float = 1.0,
+    ) -> aio_command.MotionCommand:
+        """Go to a pose of the tool, each joint for itself (关节伺服运动到位姿).
+
+        Args:
+            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            kp: proportional gain, from 0; 200 is recommended.
+            kd: derivative gain, from 0; 25 is recommended.
+            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.servoj_pose(
+            pose,
+            v,
+            a,
+            q_near=q_near,
+            tool=tool,
+            wobj=wobj,
+            kp=kp,
+            kd=kd,
+            smooth_vel=smooth_vel,
+            smooth_acc=smooth_acc,
+        )
+        return made
+
+    @moves
+    def servo_tcp(
+        self,
+        offset: PoseLike,
+        v: float,
+        a: float,
+        *,
+        tool: str = '',
+        kp: float = 200.0,
+        kd: float = 25.0,
+        smooth_vel: float = 10.0,
+        smooth_acc: float = 1.0,
+    ) -> aio_command.MotionCommand:
+        """Go on from the present target by an offset of the tool (工具增量伺服运动).
+
+        Args:
+            offset: by how much (pose_offset): x, y, z [m], rx, ry, rz [rad], from the target
+                that the arm has at the moment.
+            v: highest speed, 0.01·π/180 to 1.25·π: of the joints by manual 3.8 [rad/s], of the
+                tool by manual 4.3 [m/s].
+            a: highest acceleration, from 0.01·π/180 [rad/s² or m/s²].
+            tool: name of the tool; empty for the one in use.
+            kp: proportional gain, from 0; 200 is recommended.
+            kd: derivative gain, from 0; 25 is recommended.
+            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+
+        Returns:
+            How it ended: finished or blended. Used again, it goes on by the offset once more.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.servo_tcp(
+            offset, v, a, tool=tool, kp=kp, kd=kd, smooth_vel=smooth_vel, smooth_acc=smooth_acc
+        )
+        return made
+
+    @moves
+    def servol(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        *,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        kp: float = 200.0,
+        kd: float = 25.0,
+        smooth_vel: float = 10.0,
+        smooth_acc: float = 1.0,
+    ) -> aio_command.MotionCommand:
+        """Go to a pose of the tool, each Cartesian direction for itself (笛卡尔伺服运动).
+
+        Args:
+            pose: where to (pose_list): the tool in the work object; x, y, z [m], rx, ry, rz
+                [rad].
+            v: highest speed, 0.01·π/180 to 1.25·π: of the joints by manual 3.8 [rad/s], of the
+                tool by manual 4.3 [m/s].
+            a: highest acceleration, from 0.01·π/180 [rad/s² or m/s²].
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            kp: proportional gain, from 0; 200 is recommended.
+            kd: derivative gain, from 0; 25 is recommended.
+            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.servol(
+            pose,
+            v,
+            a,
+            q_near=q_near,
+            tool=tool,
+            wobj=wobj,
+            kp=kp,
+            kd=kd,
+            smooth_vel=smooth_vel,
+            smooth_acc=smooth_acc,
+        )
+        return made
+
+    @moves
+    def move_jog(
+        self,
+        jog: Jog,
+        *,
+        time: float | None = 1.0,
+        directions: JogDirections = JogDirections.MANUAL_3_8,
+    ) -> aio_command.MotionCommand:
+        """Jog one joint or one Cartesian direction (点动).
+
+            robot.motion.move_jog(Jog.joint(1, 1, vel=10, step=0.01))
+            with robot.motion.move_jog.start(Jog.cartesian("z", -1, vel=5), time=10.0):
+                released()                # leaving the block ends the jog
+
+        A step ends by itself. Without a step the controller goes on until it is told to end: this
+        program tells it when the block is left, at the latest after `time`. An interrupt while it waits,
+        or an error inside its block, stops the arm.
+
+        Args:
+            jog: what is jogged, made by `Jog.joint` or `Jog.cartesian`.
+            time: seconds after which this program ends a jog without a step, from 0.001; None to
+                go on until the block is left or `stop_manual_move` is called. The wire has no
+                such time: only the heartbeat stops the arm of a program that hangs.
+            directions: what the controller understands as the two directions: the manuals
+                contradict each other. Try it with a small step at a low speed.
+
+        Returns:
+            How it ended: finished or blended. Without a step, its end is when the arm stands.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.move_jog(
+            jog, time=time, directions=directions
+        )
+        return made
+
+    def stop_manual_move(self) -> None:
+        """End a jog (结束点动), and wait until the arm stands.
+
+        If a jog of this program is running and cannot be ended so, or if this is interrupted, the
+        arm is stopped as by `Robot.stop`.
+
+        Raises:
+            TaskError: the controller did not end it.
+            StopUnconfirmed: it is not known that the arm stands.
+
+        Manual section 1.3.5.
+        """
+        work = self._section.stop_manual_move()
+        self._runner.call(work)
+
+    @moves
+    def teach_mode(self) -> aio_command.MotionCommand:
+        """Let the arm be guided by hand (进入牵引示教模式), until it is told to end.
+
+            with robot.motion.teach_mode.start():
+                taught()                  # leaving the block ends hand guiding
+
+        Set tool and load right before: an arm that carries another weight than it knows of sinks
+        or rises by itself. An interrupt while it waits, or an error inside its block, stops the arm and
+        ends hand guiding; so does leaving the robot.
+
+        Returns:
+            How it ended: finished or blended. It ends by `end_teach_mode` or by leaving its block.
+
+        Manual section 1.3.5.
+        """
+        made: aio_command.MotionCommand = self._section.teach_mode()
+        return made
+
+    def end_teach_mode(self) -> None:
+        """End hand guiding (退出牵引示教模式), and wait until the arm stands.
+
+        If this program's hand guiding cannot be ended so, or if this is interrupted, the arm is
+        stopped as by `Robot.stop`.
+
+        Raises:
+            TaskError: the controller did not end it.
+            StopUnconfirmed: it is not known that the arm stands.
+
+        Manual section 1.3.5.
+        """
+        work = self._section.end_teach_mode()
+        self._runner.call(work)
+
+    def set_hand_teach_parameter(
+        self,
+        space: int,
+        joint_scale: WholesLike,
+        cart_scale: WholesLike,
+        coord_type: JogFrame | int,
+        direction: FlagsLike,
+    ) -> None:
+        """Set how the arm gives way to a hand (设置牵引参数).
+
+        Args:
+            space: 0 the joints give way, 1 the Cartesian directions.
+            joint_scale: compliance of the six joints, whole numbers from 0. Shape (6,).
+            cart_scale: compliance along and about x, y, z, whole numbers from 0. Shape (6,).
+            coord_type: whose directions they are: a `JogFrame`, 0 world, 1 base, 2 tool, 3 work
+                object.
+            direction: for each of the six whether it gives way. Shape (6,).
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.5.
+        """
+        work = self._section.set_hand_teach_parameter(
+            space, joint_scale, cart_scale, coord_type, direction
+        )
+        self._runner.call(work)
+
+    def start_record_track(
+        self, name: str, mode: int, *, tool: str = '', wobj: str = '', interval: float | None = None
+    ) -> None:
+        """Start to record joints and poses of the arm on the controller (开启轨迹记录).
+
+        When the record is full, the controller ends it and pauses the program that runs.
+
+        Args:
+            name: name of the track, for `replay`.
+            mode: 0 a point whenever the joints have moved far enough, 1 after equal times.
+            tool: name of the tool whose poses are recorded; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            interval: from point to point, above 0: sum of the joints' ways [rad] in mode 0, time
+                [s] in mode 1. None for 5° or 0.5 s. It is on the wire, not in the manual.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not started.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.start_record_track(name, mode, tool=tool, wobj=wobj, interval=interval)
+        self._runner.call(work)
+
+    def stop_record_track(self) -> None:
+        """End the recording of a track (停止轨迹记录).
+
+        Raises:
+            TaskError: it was not ended.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.stop_record_track()
+        self._runner.call(work)
+
+    def replay(self, name: str, v: int, mode: int) -> None:
+        """Run a track that was recorded (轨迹复现), and wait until it has ended.
+
+        The wire has no way to start it and go on, so there is no task to follow. Cancelling this
+        stops the arm.
+
+        Args:
+            name: name of the track.
+            v: speed in percent of the set speed, a whole number from 1 to 100.
+            mode: 0 in joint space, 1 in Cartesian space.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: the track was not run to its end.
+            OutcomeUnknown: it was sent, but not answered; the arm was stopped.
+            StopUnconfirmed: it is not known that the arm stands.
+
+        Manual section 1.3.5.
+        """
+        work = self._section.replay(name, v, mode)
+        self._runner.call(work)
+
+
+class Program(_Section):
+    """Programs and files of the controller (脚本控制, manual 1.3.4).
+
+    A program moves the arm as it is written to: treat starting one like a motion.
+    """
+
+    __slots__ = ()
+
+    @moves
+    def run_program(self, name: str) -> aio_command.MotionCommand:
+        """Run a program that is stored on the controller (运行程序脚本).
+
+            robot.program.run_program("palletize")
+
+        An interrupt while it waits stops the arm and all tasks. `Robot.pause` and `Robot.resume` act
+        on it.
+
+        Args:
+            name: name of the program.
+
+        Returns:
+            The run of the program, not started yet. It ends when the program does.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: the name is empty.
+
+        Manual section 1.3.4.
+        """
+        made: aio_command.MotionCommand = self._section.run_program(name)
+        return made
+
+    def get_current_project(self) -> str:
+        """Read the path of the project that is loaded (当前工程路径). Manual section 1.3.4."""
+        work = self._section.get_current_project()
+        answer: str = self._runner.call(work)
+        return answer
+
+    def get_files_list(self, path: str) -> dict[str, FileKind]:
+        """Read which files and folders there are under a path of the controller (文件列表).
+
+            path = robot.program.get_current_project()
+            files = robot.program.get_files_list(path + "program")
+
+        Args:
+            path: path on the controller; that of the project ends with a separator.
+
+        Returns:
+            Name and kind of each.
+
+        Raises:
+            ParameterError: the path is no text; nothing was sent.
+
+        Manual section 1.3.4.
+        """
+        work = self._section.get_files_list(path)
+        answer: dict[str, FileKind] = self._runner.call(work)
+        return answer
+
+
+class Track(_Section):
+    """The track pool (轨迹池, manual 1.3.12): up to 1000 points, first in, first out.
+
+        robot.track.trackClearQueue()
+        robot.track.trackEnqueue([Joints(*q) for q in path])
+        robot.track.trackJointMotion(1.0, 2.0)
+
+    Points are six numbers each; whether they are joints or poses is the business of the motion
+    that follows them. This program remembers which of the two it put into the pool, and refuses
+    a motion that would take one for the other.
+
+    To keep the pool filled while the arm follows it, use a stream. The manual asks for at least
+    10 points: when there is none left, the arm slows down and stands. Points that come after
+    that may set it moving again.
+    """
+
+    __slots__ = ()
+
+    def trackEnqueue(self, points: Iterable[JointsLike | PoseLike] | NDArray[Any]) -> None:
+        """Put points into the pool (轨迹点入池).
+
+        Args:
+            points: 1 to 1000 points: all `Joints` [rad], or all `Pose` [m, rad], or six numbers
+                each, for which nothing tells one from the other. Shape (n, 6).
+
+        Raises:
+            ParameterError: a point is out of range; nothing was sent.
+            RobotStateError: the pool holds points of the other kind; nothing was sent.
+            TrackPoolFull: there is no room for them; `getQueueSize` tells what is in the pool.
+            TaskError: they were not put in.
+            OutcomeUnknown: the answer was lost: empty the pool before you put in more.
+
+        Manual section 1.3.12.
+        """
+        work = self._section.trackEnqueue(points)
+        self._runner.call(work)
+
+    def trackEnqueueOp(self, points: Iterable[PointOp]) -> None:
+        """Put points into the pool, each with outputs that are set there (带 Op 的轨迹点入池).
+
+        Args:
+            points: 1 to 1000 points, all of them with `Joints`, or all with a `Pose`.
+
+        Raises:
+            ParameterError: a point is out of range; nothing was sent.
+            RobotStateError: the pool holds points of the other kind; nothing was sent.
+            TrackPoolFull: there is no room for them; `getQueueSize` tells what is in the pool.
+            TaskError: they were not put in.
+            OutcomeUnknown: the answer was lost: empty the pool before you put in more.
+
+        Manual section 1.3.12.
+        """
+        work = self._section.trackEnqueueOp(points)
+        self._runner.call(work)
+
+    def trackClearQueue(self) -> None:
+        """Empty the pool (清空轨迹池).
+
+        Raises:
+            TaskError: it was not emptied.
+
+        Manual section 1.3.12.
+        """
+        work = self._section.trackClearQueue()
+        self._runner.call(work)
+
+    def getQueueSize(self) -> int:
+        """Read how many points of the pool are still to come (轨迹池大小).
+
+        Manual section 1.3.12.
+        """
+        work = self._section.getQueueSize()
+        answer: int = self._runner.call(work)
+        return answer
+
+    @moves
+    def trackJointMotion(self, speed: float, acc: float) -> aio_command.MotionCommand:
+        """Follow the points of the pool as joint angles (关节轨迹池跟随), until none is left.
+
+        Args:
+            speed: highest speed of the leading joint, 0.01·π/180 to 1.25·π [rad/s].
+            acc: its highest acceleration, 0.01·π/180 to 12.5·π [rad/s²].
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+            RobotStateError: what this program put into the pool are poses.
+
+        Manual section 1.3.12.
+        """
+        made: aio_command.MotionCommand = self._section.trackJointMotion(speed, acc)
+        return made
+
+    @moves
+    def trackCartMotion(
+        self, speed: float, acc: float, *, wobj: str = '', tool: str = '', radius: float = 0.005
+    ) -> aio_command.MotionCommand:
+        """Follow the points of the pool as poses (笛卡尔轨迹池跟随), until none is left.
+
+        Args:
+            speed: highest speed of the tool, 0.00001 to 5 [m/s].
+            acc: its highest acceleration, from 0.00001 [m/s²].
+            wobj: name of the work object; empty for the one in use.
+            tool: name of the tool; empty for the one in use.
+            radius: blend radius at the points, from 0 [m]; not in the manual, 0.005 is the
+                vendor's own.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+            RobotStateError: what this program put into the pool are joint angles.
+
+        Manual section 1.3.12.
+        """
+        made: aio_command.MotionCommand = self._section.trackCartMotion(
+            speed, acc, wobj=wobj, tool=tool, radius=radius
+        )
+        return made
+
+
+class Compound(_Section):
+    """Combined motion (复合运动, manual 1.3.13): a weave laid over the motions that follow.
+
+        robot.compound.combine_motion_config(WeaveShape.SINE, WeavePlane.TOOL_XY, 2.0, 0.003)
+        robot.compound.enable_combine_motion()
+        robot.motion.movel(end_of_seam, v=0.01, a=0.1)
+        robot.compound.disable_combine_motion()
+
+    It can be switched on and off only while the arm stands, and stays on after the program.
+    """
+
+    __slots__ = ()
+
+    def combine_motion_config(
+        self,
+        type: WeaveShape | int,
+        ref_plane: WeavePlane | int,
+        fq: float,
+        amp: float,
+        *,
+        el_offset: float = 0.0,
+        az_offset: float = 0.0,
+        up_height: float = 0.0,
+        time: VectorLike = (0.0, 0.0),
+        path_dwell: bool = False,
+        op_list: Sequence[Op] = (),
+    ) -> None:
+        """Set the weave (复合运动设置); it has effect from the next `enable_combine_motion` on.
+
+        Args:
+            type: its shape: a `WeaveShape`, 1 triangle, 2 sine, 3 circle, 4 trapezoid, 5 figure
+                of eight.
+            ref_plane: its plane: a `WeavePlane`, 0 to 2 XY, XZ, YZ of the tool, 3 to 5 of the
+                work object.
+            fq: frequency, above 0 [Hz].
+            amp: amplitude, from 0 [m].
+            el_offset: offset in elevation [m]; reserved.
+            az_offset: offset in azimuth [m]; reserved.
+            up_height: how far the middle is raised [m]; reserved.
+            time: how long it dwells on the left and on the right, from 0 [s]. Shape (2,).
+            path_dwell: whether the path waits while it dwells.
+            op_list: outputs set on the way. The manual calls the list two-dimensional; the wire
+                has a plain one.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.13. It prints no unit for `time`; manual 4.3 prints milliseconds, in
+        which it is sent.
+        """
+        work = self._section.combine_motion_config(
+            type,
+            ref_plane,
+            fq,
+            amp,
+            el_offset=el_offset,
+            az_offset=az_offset,
+            up_height=up_height,
+            time=time,
+            path_dwell=path_dwell,
+            op_list=op_list,
+        )
+        self._runner.call(work)
+
+    def enable_combine_motion(self) -> None:
+        """Lay the weave over the motions that follow (开启复合运动); the arm must stand.
+
+        Raises:
+            TaskError: it was not switched on.
+
+        Manual section 1.3.13, which prints its name as enable_combined_motion.
+        """
+        work = self._section.enable_combine_motion()
+        self._runner.call(work)
+
+    def disable_combine_motion(self) -> None:
+        """End the weave (结束复合运动); the arm must stand.
+
+        Raises:
+            TaskError: it was not switched off.
+
+        Manual section 1.3.13, which prints its name as disable_combined_motion.
+        """
+        work = self._section.disable_combine_motion()
+        self._runner.call(work)
+
+
+class ExternalAxes(_Section):
+    """External axes (外部轴, manual 1.3.14): turntables, rails, in schemes of up to three values.
+
+        robot.external_axes.enable_eaxis_scheme("rail")
+        robot.external_axes.movel_eaxis(
+            target, v=0.2, a=0.5, scheme_name="rail", epose=[1.5, 0, 0], eaxis_v=0.1
+        )
+
+    A stop is for the arm and for these axes. Whether an axis stands, though, nothing on the wire
+    tells: what this package calls standing is the arm's.
+    """
+
+    __slots__ = ()
+
+    def enable_eaxis_scheme(self, scheme_name: str, *, timeout: float = 10.0) -> None:
+        """Activate a scheme of external axes (启动外部轴方案).
+
+        Args:
+            scheme_name: name of the scheme.
+            timeout: seconds in which it must have happened.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            TaskError: it was not activated.
+            OutcomeUnknown: it took longer.
+
+        Manual section 1.3.14.
+        """
+        work = self._section.enable_eaxis_scheme(scheme_name, timeout=timeout)
+        self._runner.call(work)
+
+    def disable_eaxis_scheme(self, scheme_name: str, *, timeout: float = 10.0) -> None:
+        """Deactivate a scheme of external axes (结束外部轴方案).
+
+        Args:
+            scheme_name: name of the scheme.
+            timeout: seconds in which it must have happened.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            TaskError: it was not deactivated.
+            OutcomeUnknown: it took longer.
+
+        Manual section 1.3.14.
+        """
+        work = self._section.disable_eaxis_scheme(scheme_name, timeout=timeout)
+        self._runner.call(work)
+
+    def get_eaxis_info(self) -> tuple[ExternalAxisState, ...]:
+        """Read the state of each scheme of external axes (外部轴反馈信息).
+
+        It is on the wire of 3.8 and described by manual 4.3; the struct stands in section 1.2 of
+        manual 3.8.
+        """
+        work = self._section.get_eaxis_info()
+        answer: tuple[ExternalAxisState, ...] = self._runner.call(work)
+        return answer
+
+    def set_eaxis_param(self, num: int, param: ExternalAxis) -> None:
+        """Set the parameters of an external axis.
+
+        Args:
+            num: number of the axis, from 0.
+            param: its parameters.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: they were not set.
+
+        Not in the manual: on the wire alone. Read what the controller's own page shows before
+        and after.
+        """
+        work = self._section.set_eaxis_param(num, param)
+        self._runner.call(work)
+
+    def set_eaxiss_scheme_param(self, num: int, param: ExternalAxisScheme) -> None:
+        """Set the parameters of a scheme of external axes.
+
+        Args:
+            num: number of the scheme, from 0.
+            param: its parameters.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: they were not set.
+
+        Not in the manual: on the wire alone. Read what the controller's own page shows before
+        and after.
+        """
+        work = self._section.set_eaxiss_scheme_param(num, param)
+        self._runner.call(work)
+
+    def add_eaxis_scheme(self, num: int) -> None:
+        """Add a scheme of external axes.
+
+        Args:
+            num: number of the scheme, from 0.
+
+        Raises:
+            ParameterError: the number is out of range; nothing was sent.
+            TaskError: it was not added.
+
+        Not in the manual: on the wire alone.
+        """
+        work = self._section.add_eaxis_scheme(num)
+        self._runner.call(work)
+
+    def delete_eaxis_scheme(self, num: int) -> None:
+        """Delete a scheme of external axes.
+
+        Args:
+            num: number of the scheme, from 0.
+
+        Raises:
+            ParameterError: the number is out of range; nothing was sent.
+            TaskError: it was not deleted.
+
+        Not in the manual: on the wire alone.
+        """
+        work = self._section.delete_eaxis_scheme(num)
+        self._runner.call(work)
+
+    @moves
+    def move_eaxis(
+        self, scheme_name: str, epose: VectorLike, v: float, *, op: Op | None = None
+    ) -> aio_command.MotionCommand:
+        """Move external axes (外部轴移动); the arm stays where it is.
+
+        The manual has a parameter def_acc here, the wire has none.
+
+        Args:
+            scheme_name: name of the scheme.
+            epose: where to, three values [rad or m, as the scheme is]. Shape (3,).
+            v: highest speed of the axes (vel), above 0 [rad/s or m/s].
+            op: outputs set on the way; triggers by distance have no effect here.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14.
+        """
+        made: aio_command.MotionCommand = self._section.move_eaxis(scheme_name, epose, v, op=op)
+        return made
+
+    @moves
+    def move_jog_eaxis(
+        self, scheme_name: str, direction: int, vel: float, *, time: float | None = 1.0
+    ) -> aio_command.MotionCommand:
+        """Jog external axes (外部轴点动).
+
+            with robot.external_axes.move_jog_eaxis.start("rail", 1, vel=5, time=10.0):
+                released()                # leaving the block ends the jog
+
+        The controller goes on until it is told to end. No function is documented that ends this
+        one, so this program stops all tasks, as `Robot.stop` does: when the block is left, or
+        after `time`. An interrupt while it waits, or an error inside its block, stops them too.
+
+        Args:
+            scheme_name: name of the scheme.
+            direction: 1 or -1; what is sent for each are the same numbers.
+            vel: speed in percent, above 0, up to 100.
+            time: seconds after which this program ends it, from 0.001; None to go on until the
+                block is left: only the heartbeat then stops the axes of a program that hangs.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14.
+        """
+        made: aio_command.MotionCommand = self._section.move_jog_eaxis(
+            scheme_name, direction, vel, time=time
+        )
+        return made
+
+    @moves
+    def movej2_eaxis(
+        self,
+        joints: JointsLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the joints and external axes together (外部轴关节运动), as `movej2`.
+
+        Args:
+            joints: where to, six angles in [-2π, 2π] [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            scheme_name: name of the scheme.
+            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` hold.
+        """
+        made: aio_command.MotionCommand = self._section.movej2_eaxis(
+            joints, v, a, scheme_name, epose, eaxis_v, r=r, op=op, def_acc=def_acc
+        )
+        return made
+
+    @moves
+    def movej2_pose_eaxis(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool to a pose by the joints, with external axes, as `movej_pose2`.
+
+        外部轴关节运动到位姿.
+
+        Args:
+            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
+            a: highest joint acceleration, from 0.01·π/180 [rad/s²].
+            scheme_name: name of the scheme.
+            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way; triggers by distance have no effect here.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` hold.
+        """
+        made: aio_command.MotionCommand = self._section.movej2_pose_eaxis(
+            pose,
+            v,
+            a,
+            scheme_name,
+            epose,
+            eaxis_v,
+            r=r,
+            q_near=q_near,
+            tool=tool,
+            wobj=wobj,
+            op=op,
+            def_acc=def_acc,
+        )
+        return made
+
+    @moves
+    def movel_eaxis(
+        self,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool along a line, with external axes (外部轴直线运动), as `movel`.
+
+        Args:
+            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, above 0, up to 5 [m/s].
+            a: highest acceleration of the tool, above 0 [m/s²].
+            scheme_name: name of the scheme.
+            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14, which prints its name as move1_eaxis.
+        """
+        made: aio_command.MotionCommand = self._section.movel_eaxis(
+            pose,
+            v,
+            a,
+            scheme_name,
+            epose,
+            eaxis_v,
+            r=r,
+            q_near=q_near,
+            tool=tool,
+            wobj=wobj,
+            op=op,
+            def_acc=def_acc,
+        )
+        return made
+
+    @moves
+    def movec_eaxis(
+        self,
+        via: PoseLike,
+        pose: PoseLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        mode: int = 0,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool along an arc, with external axes (外部轴圆弧运动), as `movec`.
+
+        Args:
+            via: a pose on the arc (p1): x, y, z [m], rx, ry, rz [rad].
+            pose: where to (p2): the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            v: highest speed of the tool, above 0, up to 5 [m/s].
+            a: highest acceleration of the tool, above 0 [m/s²].
+            scheme_name: name of the scheme.
+            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            mode: the orientation: 0 goes over to the end's, 1 stays as at the start, 2 stays
+                fixed to the arc's tangent.
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.14, which has no mode; the wire has.
+        """
+        made: aio_command.MotionCommand = self._section.movec_eaxis(
+            via,
+            pose,
+            v,
+            a,
+            scheme_name,
+            epose,
+            eaxis_v,
+            r=r,
+            mode=mode,
+            q_near=q_near,
+            tool=tool,
+            wobj=wobj,
+            op=op,
+            def_acc=def_acc,
+        )
+        return made
+
+    @moves
+    def move_circle_eaxis(
+        self,
+        p1: PoseLike,
+        p2: PoseLike,
+        v: float,
+        a: float,
+        scheme_name: str,
+        epose: VectorLike,
+        eaxis_v: float,
+        *,
+        r: float = 0.0,
+        mode: int = 1,
+        q_near: JointsLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        op: Op | None = None,
+        def_acc: bool = False,
+    ) -> aio_command.MotionCommand:
+        """Move the tool along a circle, with external axes (外部轴圆周运动), as `move_circle`.
+
+        Args:
+            p1: the first pose on the circle: x, y, z [m], rx, ry, rz [rad].
+            p2: the second pose on the circle; the order start, p1, p2 gives the direction.
+            v: highest speed of the tool, above 0, up to 5 [m/s].
+            a: highest acceleration of the tool, above 0 [m/s²].
+            scheme_name: name of the scheme.
+            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
+            r: blend radius into the next motion [m]; 0 to stop at the end.
+            mode: the orientation: 1 stays as at the start, 2 stays fixed to the circle's tangent.
+            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            op: outputs set on the way.
+            def_acc: whether the controller chooses the acceleration in place of `a`.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            ParameterError: an argument is out of range.
+
+        Not in the manual: on the wire alone. Ranges are those of `movec_eaxis`.
+        """
+        made: aio_command.MotionCommand = self._section.move_circle_eaxis(
+            p1,
+            p2,
+            v,
+            a,
+            scheme_name,
+            epose,
+            eaxis_v,
+            r=r,
+            mode=mode,
+            q_near=q_near,
+            tool=tool,
+            wobj=wobj,
+            op=op,
+            def_acc=def_acc,
+        )
+        return made
+
+
+class Realtime(_Section):
+    """Realtime control (实时控制, manual 1.3.15): the arm follows a queue, point by point.
+
+    The order that the manual asks for: empty the queue, put in the first points, the very first
+    where the arm is, start the mode, and put in more before the queue runs dry. The controller
+    takes a point each cycle, so that a program that calls function by function cannot keep up
+    for long: the realtime stream does all of this at the queue's rate.
+
+    As long as the mode is on, leaving the robot stops the arm and ends the mode; so does a stop.
+    """
+
+    __slots__ = ()
+
+    def start_realtime_mode(
+        self,
+        mode: RealtimeMode | int,
+        *,
+        filter_bandwidth: float = 100.0,
+        com_lost_time: float = 0.02,
+    ) -> None:
+        """Have the arm follow the queue (开启实时控制模式).
+
+        Cancelling this stops the arm, and ends the mode.
+
+        Args:
+            mode: what the points of the queue are: a `RealtimeMode`, 0 joint positions, 1 joint
+                velocities, 2 joint torques, 3 poses, 4 velocities of the tool.
+            filter_bandwidth: bandwidth of the filter over the points, above 0 [Hz]. The wire
+                spells it fileter_bandwidth.
+            com_lost_time: how long the queue may be empty before the controller stops the arm,
+                above 0 [s].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: the mode was not started.
+            OutcomeUnknown: it was sent, but not answered; the arm was stopped.
+            StopUnconfirmed: it is not known that the arm stands.
+
+        Manual section 1.3.15.
+        """
+        work = self._section.start_realtime_mode(
+            mode, filter_bandwidth=filter_bandwidth, com_lost_time=com_lost_time
+        )
+        self._runner.call(work)
+
+    def end_realtime_mode(self) -> None:
+        """End realtime control (结束实时控制模式), and wait until the arm stands.
+
+        If this program's cannot be ended so, or if this is interrupted, the arm is stopped as by
+        `Robot.stop`.
+
+        Raises:
+            TaskError: the controller did not end it.
+            StopUnconfirmed: it is not known that the arm stands.
+
+        Manual section 1.3.15.
+        """
+        work = self._section.end_realtime_mode()
+        self._runner.call(work)
+
+    def realtime_data_enqueue(self, points: Iterable[RealtimePoint]) -> None:
+        """Put points into the queue (实时数据入队).
+
+        Args:
+            points: made by the class methods of `RealtimePoint`, all for one mode; those for
+                another mode than the one that is on have no effect.
+
+        Raises:
+            ParameterError: something in it is no such point, or of another mode than the first;
+                nothing was sent.
+            TaskError: they were not put in.
+
+        Manual section 1.3.15.
+        """
+        work = self._section.realtime_data_enqueue(points)
+        self._runner.call(work)
+
+    def clear_realtime_data_queue(self) -> None:
+        """Empty the queue (清空实时数据队列).
+
+        Raises:
+            TaskError: it was not emptied.
+
+        Manual section 1.3.15.
+        """
+        work = self._section.clear_realtime_data_queue()
+        self._runner.call(work)
+
+    def get_realtime_data_queue_size(self) -> int:
+        """Read how many points wait in the queue (实时队列数据数量). Manual section 1.3.15."""
+        work = self._section.get_realtime_data_queue_size()
+        answer: int = self._runner.call(work)
+        return answer
+
+
+class State(_Section):
+    """What the arm does, and how the controller is (manual 1.3.7, 1.3.8).
+
+    Every function only reads. Vectors are read-only arrays of shape (6,). Right after its start a
+    controller has no values yet: `StaleState` says so.
+    """
+
+    __slots__ = ()
+
+    def get_robot_state(self) -> RobotStates:
+        """Read the states of robot, program, safety and mode (机器人状态). Manual section 1.3.7."""
+        work = self._section.get_robot_state()
+        answer: RobotStates = self._runner.call(work)
+        return answer
+
+    def getRobotStatus(self) -> RobotStatus:
+        """Read positions, speeds, temperatures and faults at once (机器人位姿等信息).
+
+        Manual section 1.3.7.
+        """
+        work = self._section.getRobotStatus()
+        answer: RobotStatus = self._runner.call(work)
+        return answer
+
+    def getRobotIOStatus(self) -> IOStatus:
+        """Read all inputs, outputs and registers at once (IO 和寄存器信息).
+
+        Manual section 1.3.7.
+        """
+        work = self._section.getRobotIOStatus()
+        answer: IOStatus = self._runner.call(work)
+        return answer
+
+    def robotmoving(self) -> bool:
+        """Tell whether the arm moves (机器人是否在运动). Manual section 1.3.8."""
+        work = self._section.robotmoving()
+        answer: bool = self._runner.call(work)
+        return answer
+
+    def get_last_error(self) -> tuple[str, ...]:
+        """Read the controller's latest errors (错误列表), as it words them.
+
+        Manual section 1.3.8.
+        """
+        work = self._section.get_last_error()
+        answer: tuple[str, ...] = self._runner.call(work)
+        return answer
+
+    def get_noneblock_taskstate(self, task_id: int) -> TaskState:
+        """Read the state of a task by its id (任务状态).
+
+        A motion's task follows its own state; this is for tasks of other programs.
+
+        Manual section 1.3.8, which prints its name as get_noblock_taskstate.
+        """
+        work = self._section.get_noneblock_taskstate(task_id)
+        answer: TaskState = self._runner.call(work)
+        return answer
+
+    def get_actual_joints_position(self) -> Joints:
+        """Read the joint angles (关节角度) [rad]. Manual section 1.3.7."""
+        work = self._section.get_actual_joints_position()
+        answer: Joints = self._runner.call(work)
+        return answer
+
+    def get_target_joints_position(self) -> Joints:
+        """Read the planned joint angles (规划角度) [rad]. Manual section 1.3.7."""
+        work = self._section.get_target_joints_position()
+        answer: Joints = self._runner.call(work)
+        return answer
+
+    def get_actual_joints_speed(self) -> Vector:
+        """Read the joint speeds (关节角速度) [rad/s]. Manual section 1.3.7."""
+        work = self._section.get_actual_joints_speed()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_target_joints_speed(self) -> Vector:
+        """Read the planned joint speeds (规划角速度) [rad/s]. Manual section 1.3.7."""
+        work = self._section.get_target_joints_speed()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_actual_joints_acceleration(self) -> Vector:
+        """Read the joint accelerations (关节角加速度) [rad/s²]. Manual section 1.3.7."""
+        work = self._section.get_actual_joints_acceleration()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_target_joints_acceleration(self) -> Vector:
+        """Read the planned joint accelerations (规划加速度) [rad/s²]. Manual section 1.3.7."""
+        work = self._section.get_target_joints_acceleration()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_actual_joints_torque(self) -> Vector:
+        """Read the joint torques (关节力矩) [N·m]. Manual section 1.3.7."""
+        work = self._section.get_actual_joints_torque()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_target_joints_torque(self) -> Vector:
+        """Read the planned joint torques (目标力矩) [N·m]. Manual section 1.3.7."""
+        work = self._section.get_target_joints_torque()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_ext_torque(self) -> Vector:
+        """Read the observed external joint torques (外力矩) [N·m]. Manual section 1.3.7."""
+        work = self._section.get_ext_torque()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_tcp_pose(self) -> Pose:
+        """Read the pose of the tool in the base frame (末端位姿) [m, rad]. Manual section 1.3.7."""
+        work = self._section.get_tcp_pose()
+        answer: Pose = self._runner.call(work)
+        return answer
+
+    def get_tcp_pose_coord(self, tool: str = '', wobj: str = '') -> Pose:
+        """Read the pose of a tool in a work object (工件坐标系下的位姿) [m, rad].
+
+        Args:
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+
+        Returns:
+            The pose.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.get_tcp_pose_coord(tool, wobj)
+        answer: Pose = self._runner.call(work)
+        return answer
+
+    def get_tcp_speed(self) -> Vector:
+        """Read the speed of the tool (末端速度) [m/s, rad/s]. Manual section 1.3.7."""
+        work = self._section.get_tcp_speed()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_tcp_acceleration(self) -> Vector:
+        """Read the acceleration of the tool (末端加速度) [m/s², rad/s²]. Manual section 1.3.7."""
+        work = self._section.get_tcp_acceleration()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_tcp_force(self) -> Vector:
+        """Read force and torque at the tool (末端力) [N, N·m]; needs a force sensor.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.get_tcp_force()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_tcp_force_tool(self, tool: str = '') -> Vector:
+        """Read force and torque in a tool's frame (工具坐标系下的力) [N, N·m], by a sensor.
+
+        Args:
+            tool: name of the tool; empty for the one in use.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.get_tcp_force_tool(tool)
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_flange_pose(self) -> Pose:
+        """Read the pose of the flange in the base frame (法兰位姿) [m, rad].
+
+        Manual section 1.3.7.
+        """
+        work = self._section.get_flange_pose()
+        answer: Pose = self._runner.call(work)
+        return answer
+
+    def get_flange_speed(self) -> Vector:
+        """Read the speed of the flange (法兰速度) [m/s, rad/s]. Manual section 1.3.7."""
+        work = self._section.get_flange_speed()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_flange_acceleration(self) -> Vector:
+        """Read the acceleration of the flange (法兰加速度) [m/s², rad/s²]. Manual section 1.3.7."""
+        work = self._section.get_flange_acceleration()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def read_encoder_count(self) -> int:
+        """Read the count of an external incremental encoder (外接 INC 的实际 count 值).
+
+        Manual section 1.3.7.
+        """
+        work = self._section.read_encoder_count()
+        answer: int = self._runner.call(work)
+        return answer
+
+
+class IO(_Section):
+    """Inputs and outputs of the cabinet and of the tool (manual 1.3.7)."""
+
+    __slots__ = ()
+
+    def set_standard_digital_out(self, num: int, value: bool) -> None:
+        """Set a general output of the cabinet (控制柜通用 IO 输出).
+
+        Args:
+            num: number of the output, 1 to 16.
+            value: true for high.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: the output was not set.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.set_standard_digital_out(num, value)
+        self._runner.call(work)
+
+    def get_standard_digital_out(self, num: int) -> bool:
+        """Read a general output of the cabinet (控制柜通用 IO 输出), 1 to 16.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.get_standard_digital_out(num)
+        answer: bool = self._runner.call(work)
+        return answer
+
+    def get_standard_digital_in(self, num: int) -> bool:
+        """Read a general input of the cabinet (控制柜用户 IO 输入), 1 to 16.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.get_standard_digital_in(num)
+        answer: bool = self._runner.call(work)
+        return answer
+
+    def set_tool_digital_out(self, num: int, value: bool) -> None:
+        """Set an output at the tool (末端 IO 输出).
+
+        Args:
+            num: number of the output, 1 or 2.
+            value: true for high.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: the output was not set.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.set_tool_digital_out(num, value)
+        self._runner.call(work)
+
+    def get_tool_digital_out(self, num: int) -> bool:
+        """Read an output at the tool (末端 IO 输出), 1 or 2. Manual section 1.3.7."""
+        work = self._section.get_tool_digital_out(num)
+        answer: bool = self._runner.call(work)
+        return answer
+
+    def get_tool_digital_in(self, num: int) -> bool:
+        """Read an input at the tool (末端 IO 输入), 1 or 2. Manual section 1.3.7."""
+        work = self._section.get_tool_digital_in(num)
+        answer: bool = self._runner.call(work)
+        return answer
+
+    def get_function_digital_in(self, num: int) -> bool:
+        """Read a function input of the cabinet (功能输入 IO), 1 to 8. Manual section 1.3.7."""
+        work = self._section.get_function_digital_in(num)
+        answer: bool = self._runner.call(work)
+        return answer
+
+    def get_function_digital_out(self, num: int) -> bool:
+        """Read a function output of the cabinet (功能输出 IO), 1 to 8. Manual section 1.3.7."""
+        work = self._section.get_function_digital_out(num)
+        answer: bool = self._runner.call(work)
+        return answer
+
+    def get_config_digital_in(self, num: Whole) -> bool:
+        """Read a configurable input of the cabinet, a whole number from 1.
+
+        Not in the manual, which does not say how many there are.
+        """
+        work = self._section.get_config_digital_in(num)
+        answer: bool = self._runner.call(work)
+        return answer
+
+    def set_digital_output_mode(
+        self, num: Whole, type: OutputMode | int, *, freq: Whole, duty_cycle: Whole
+    ) -> None:
+        """Set whether a general output of the cabinet gives a level or pulses (IO 输出信号类型).
+
+        It has effect from the next `set_standard_digital_out` on, which also starts and ends the
+        pulses. All outputs that pulse have one frequency and duty cycle.
+
+        Args:
+            num: number of the output, 1 to 16.
+            type: an `OutputMode`: 0 a level, 1 pulses.
+            freq: frequency of the pulses, 1 to 100 [Hz].
+            duty_cycle: percent of the time for which a pulse is high, 1 to 100; pulses last 1 ms
+                at least, so at 100 Hz it is 10 at least.
+
+        Raises:
+            ParameterError: an argument is out of range, or pulses would be too short; nothing
+                was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7, which prints its name as set_digital_out_mode.
+        """
+        work = self._section.set_digital_output_mode(num, type, freq=freq, duty_cycle=duty_cycle)
+        self._runner.call(work)
+
+    def get_standard_analog_voltage_in(self, num: Whole) -> float:
+        """Read a voltage at the cabinet (模拟电压输入), 1 to 4 [V]. Manual section 1.3.7."""
+        work = self._section.get_standard_analog_voltage_in(num)
+        answer: float = self._runner.call(work)
+        return answer
+
+    def set_standard_analog_voltage_out(self, num: Whole, value: Real) -> None:
+        """Put out a voltage at the cabinet (模拟电压输出).
+
+        Args:
+            num: number of the channel, 1 to 4.
+            value: voltage, 0 to 10 [V].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.set_standard_analog_voltage_out(num, value)
+        self._runner.call(work)
+
+    def get_tool_analog_voltage_in(self, num: Whole) -> float:
+        """Read a voltage at the tool (末端模拟电压输入), 1 or 2 [V]. Manual section 1.3.7."""
+        work = self._section.get_tool_analog_voltage_in(num)
+        answer: float = self._runner.call(work)
+        return answer
+
+    def get_standard_analog_current_in(self, num: Whole) -> float:
+        """Read a current at the cabinet (模拟电流输入), 1 to 4 [mA]. Manual section 1.3.7."""
+        work = self._section.get_standard_analog_current_in(num)
+        answer: float = self._runner.call(work)
+        return answer
+
+    def set_standard_analog_current_out(self, num: Whole, value: Real) -> None:
+        """Put out a current at the cabinet (模拟电流输出).
+
+        Args:
+            num: number of the channel, 1 to 4.
+            value: current, 4 to 20 [mA].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.set_standard_analog_current_out(num, value)
+        self._runner.call(work)
+
+    def set_analog_output_mode(self, num: Whole, mode: Whole) -> None:
+        """Set what an analog output of the cabinet puts out.
+
+        Not in the manual: what the numbers of the modes mean is not known.
+
+        Args:
+            num: number of the channel, 1 to 4.
+            mode: number of the mode.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+        """
+        work = self._section.set_analog_output_mode(num, mode)
+        self._runner.call(work)
+
+
+class Registers(_Section):
+    """Registers (寄存器) and global variables (系统变量) of the controller (manual 1.3.7).
+
+        robot.registers.write_word_reg(5, 1200)
+        count = robot.registers.get_system_value_double("cell.count")
+
+    Programs of the controller, fieldbuses and this program share them. A variable within a
+    domain is named "domain.variable".
+    """
+
+    __slots__ = ()
+
+    def write_bool_reg(self, num: Whole, value: bool) -> None:
+        """Write an internal bool register (内部 bool 寄存器).
+
+        Args:
+            num: number of the register, 1 to 64.
+            value: what is written, true or false.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not written.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.write_bool_reg(num, value)
+        self._runner.call(work)
+
+    def read_bool_reg(self, num: Whole) -> bool:
+        """Read an internal bool register (内部 bool 寄存器), 1 to 64. Manual section 1.3.7."""
+        work = self._section.read_bool_reg(num)
+        answer: bool = self._runner.call(work)
+        return answer
+
+    def write_word_reg(self, num: Whole, value: Whole) -> None:
+        """Write an internal word register (内部 word 寄存器).
+
+        Args:
+            num: number of the register, 1 to 32.
+            value: what is written, 16 bits: -32768 to 65535.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not written.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.write_word_reg(num, value)
+        self._runner.call(work)
+
+    def read_word_reg(self, num: Whole) -> int:
+        """Read an internal word register (内部 word 寄存器), 1 to 32. Manual section 1.3.7."""
+        work = self._section.read_word_reg(num)
+        answer: int = self._runner.call(work)
+        return answer
+
+    def write_float_reg(self, num: Whole, value: Real) -> None:
+        """Write an internal float register (内部 float 寄存器).
+
+        Args:
+            num: number of the register, 1 to 32.
+            value: what is written, a finite number.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not written.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.write_float_reg(num, value)
+        self._runner.call(work)
+
+    def read_float_reg(self, num: Whole) -> float:
+        """Read an internal float register (内部 float 寄存器), 1 to 32. Manual section 1.3.7."""
+        work = self._section.read_float_reg(num)
+        answer: float = self._runner.call(work)
+        return answer
+
+    def get_function_reg_in(self, num: Whole) -> bool:
+        """Read a function input register (功能输入寄存器), 1 to 16. Manual section 1.3.7."""
+        work = self._section.get_function_reg_in(num)
+        answer: bool = self._runner.call(work)
+        return answer
+
+    def get_function_reg_out(self, num: Whole) -> bool:
+        """Read a function output register (功能输出寄存器), 1 to 16. Manual section 1.3.7."""
+        work = self._section.get_function_reg_out(num)
+        answer: bool = self._runner.call(work)
+        return answer
+
+    def set_system_value_bool(self, name: str, value: bool) -> None:
+        """Set a variable of the controller of type bool (系统变量).
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+            value: what it is set to: true or false.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            Refused: it was not set: there is no such variable, or it is of another type.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.set_system_value_bool(name, value)
+        self._runner.call(work)
+
+    def get_system_value_bool(self, name: str) -> bool:
+        """Read a variable of the controller of type bool (系统变量). Manual section 1.3.7."""
+        work = self._section.get_system_value_bool(name)
+        answer: bool = self._runner.call(work)
+        return answer
+
+    def set_system_value_double(self, name: str, value: Real) -> None:
+        """Set a variable of the controller of type double (系统变量).
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+            value: what it is set to: a finite number.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            Refused: it was not set: there is no such variable, or it is of another type.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.set_system_value_double(name, value)
+        self._runner.call(work)
+
+    def get_system_value_double(self, name: str) -> float:
+        """Read a variable of the controller of type double (系统变量). Manual section 1.3.7."""
+        work = self._section.get_system_value_double(name)
+        answer: float = self._runner.call(work)
+        return answer
+
+    def set_system_value_str(self, name: str, value: str) -> None:
+        """Set a variable of the controller of type str (系统变量).
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+            value: what it is set to: text.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            Refused: it was not set: there is no such variable, or it is of another type.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.set_system_value_str(name, value)
+        self._runner.call(work)
+
+    def get_system_value_str(self, name: str) -> str:
+        """Read a variable of the controller of type str (系统变量). Manual section 1.3.7."""
+        work = self._section.get_system_value_str(name)
+        answer: str = self._runner.call(work)
+        return answer
+
+    def set_system_value_list(self, name: str, value: VectorLike) -> None:
+        """Set a variable of the controller of type num_list (系统变量).
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+            value: what it is set to: finite numbers.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            Refused: it was not set: there is no such variable, or it is of another type.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.set_system_value_list(name, value)
+        self._runner.call(work)
+
+    def get_system_value_list(self, name: str) -> Vector:
+        """Read a variable of the controller of type num_list (系统变量), as a read-only array.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.get_system_value_list(name)
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_system_value_lists(self, name: str) -> tuple[Vector, ...]:
+        """Read a variable of the controller that is a list of poses, each a read-only array.
+
+        Not in manual 3.8, but on its wire; manual 4.3 describes it.
+        """
+        work = self._section.get_system_value_lists(name)
+        answer: tuple[Vector, ...] = self._runner.call(work)
+        return answer
+
+
+class Bus(_Section):
+    r"""RS-485 of the cabinet and of the tool, and CAN (can 及 485 总线, manual 1.3.6).
+
+        robot.bus.tool_write_raw_data_485(b"\x01\x06\x01\x00\x00\x01\x49\xf6")
+        answer = robot.bus.tool_read_raw_data_485(8)
+
+    Bytes go in and come out as `bytes`. What came over a bus stays in the controller's buffer
+    until it is read: read until nothing is left before a request whose answer matters.
+    """
+
+    __slots__ = ()
+
+    def set_baudrate_485(self, value: Whole) -> None:
+        """Set the bit rate of the cabinet's RS-485 port (设置 485 波特率).
+
+        It is that of the cabinet; the wire has no such function for the tool's.
+
+        Args:
+            value: bits a second, a whole number from 1. The manual lists no rates.
+
+        Raises:
+            ParameterError: the rate is out of range; nothing was sent.
+            TaskError: the rate was not set.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.set_baudrate_485(value)
+        self._runner.call(work)
+
+    def read_raw_data_485(self, len: Whole) -> bytes:
+        """Take bytes out of the buffer of the cabinet's port (485 读取原生数据).
+
+        Args:
+            len: how many at most, a whole number from 1.
+
+        Returns:
+            The bytes; none if none have come.
+
+        Raises:
+            ParameterError: the number is out of range; nothing was sent.
+            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.read_raw_data_485(len)
+        answer: bytes = self._runner.call(work)
+        return answer
+
+    def read_raw_data_485_h(self, head: BytesLike, len: Whole) -> bytes:
+        """Take a frame that begins with a head from the cabinet's port (485 匹配头).
+
+        One arm was seen to answer this with nothing where `read_raw_data_485` gave bytes.
+
+        Args:
+            head: the bytes that the frame begins with, at least one.
+            len: length of the frame, a whole number from 1.
+
+        Returns:
+            The frame; nothing if none has come.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.read_raw_data_485_h(head, len)
+        answer: bytes = self._runner.call(work)
+        return answer
+
+    def read_raw_data_485_ht(self, head: BytesLike, tail: BytesLike) -> bytes:
+        """Take a frame between a head and a tail from the cabinet's port (485 匹配头和尾).
+
+        Args:
+            head: the bytes that the frame begins with, at least one.
+            tail: the bytes that it ends with, at least one.
+
+        Returns:
+            The frame; nothing if none has come.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.read_raw_data_485_ht(head, tail)
+        answer: bytes = self._runner.call(work)
+        return answer
+
+    def write_raw_data_485(self, data: BytesLike) -> None:
+        """Write bytes to the cabinet's port (485 写原生数据).
+
+        Args:
+            data: the bytes, at least one.
+
+        Raises:
+            ParameterError: there are none, or one is no byte; nothing was sent.
+            BusError: they were not written.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.write_raw_data_485(data)
+        self._runner.call(work)
+
+    def write_raw_data_485_h(self, data: BytesLike, head: BytesLike) -> None:
+        """Write bytes with a head before them to the cabinet's port (485 写原生数据, 加头).
+
+        Args:
+            data: the bytes, at least one.
+            head: what is put before them, at least one byte.
+
+        Raises:
+            ParameterError: an argument is empty, or has something that is no byte; nothing was
+                sent.
+            BusError: they were not written.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.write_raw_data_485_h(data, head)
+        self._runner.call(work)
+
+    def write_raw_data_485_ht(self, data: BytesLike, head: BytesLike, tail: BytesLike) -> None:
+        """Write bytes between a head and a tail to the cabinet's port (485 写原生数据, 加头和尾).
+
+        Args:
+            data: the bytes, at least one.
+            head: what is put before them, at least one byte.
+            tail: what is put behind them, at least one byte.
+
+        Raises:
+            ParameterError: an argument is empty, or has something that is no byte; nothing was
+                sent.
+            BusError: they were not written.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.write_raw_data_485_ht(data, head, tail)
+        self._runner.call(work)
+
+    def read_data_485(self) -> bytes:
+        """Take bytes out of the buffer of the cabinet's port.
+
+        Not in the manual: how it differs from `read_raw_data_485` is not known, and neither
+        is how many bytes it gives.
+
+        Raises:
+            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+        """
+        work = self._section.read_data_485()
+        answer: bytes = self._runner.call(work)
+        return answer
+
+    def write_data_485(self, data: BytesLike) -> None:
+        """Write bytes to the cabinet's port.
+
+        Not in the manual: how it differs from `write_raw_data_485` is not known.
+
+        Args:
+            data: the bytes, at least one.
+
+        Raises:
+            ParameterError: there are none, or one is no byte; nothing was sent.
+            BusError: they were not written.
+        """
+        work = self._section.write_data_485(data)
+        self._runner.call(work)
+
+    def tool_read_raw_data_485(self, len: Whole) -> bytes:
+        """Take bytes out of the buffer of the tool's port (末端 485 读取原生数据).
+
+        Args:
+            len: how many at most, a whole number from 1.
+
+        Returns:
+            The bytes; none if none have come.
+
+        Raises:
+            ParameterError: the number is out of range; nothing was sent.
+            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.tool_read_raw_data_485(len)
+        answer: bytes = self._runner.call(work)
+        return answer
+
+    def tool_read_raw_data_485_h(self, head: BytesLike, len: Whole) -> bytes:
+        """Take a frame that begins with a head from the tool's port (末端 485 匹配头).
+
+        One arm was seen to answer this with nothing where `tool_read_raw_data_485` gave bytes.
+
+        Args:
+            head: the bytes that the frame begins with, at least one.
+            len: length of the frame, a whole number from 1.
+
+        Returns:
+            The frame; nothing if none has come.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.tool_read_raw_data_485_h(head, len)
+        answer: bytes = self._runner.call(work)
+        return answer
+
+    def tool_read_raw_data_485_ht(self, head: BytesLike, tail: BytesLike) -> bytes:
+        """Take a frame between a head and a tail from the tool's port (末端 485 匹配头和尾).
+
+        Args:
+            head: the bytes that the frame begins with, at least one.
+            tail: the bytes that it ends with, at least one.
+
+        Returns:
+            The frame; nothing if none has come.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.tool_read_raw_data_485_ht(head, tail)
+        answer: bytes = self._runner.call(work)
+        return answer
+
+    def tool_write_raw_data_485(self, data: BytesLike) -> None:
+        """Write bytes to the tool's port (末端 485 写原生数据).
+
+        Args:
+            data: the bytes, at least one.
+
+        Raises:
+            ParameterError: there are none, or one is no byte; nothing was sent.
+            BusError: they were not written.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.tool_write_raw_data_485(data)
+        self._runner.call(work)
+
+    def tool_write_raw_data_485_h(self, data: BytesLike, head: BytesLike) -> None:
+        """Write bytes with a head before them to the tool's port (末端 485 写原生数据, 加头).
+
+        Args:
+            data: the bytes, at least one.
+            head: what is put before them, at least one byte.
+
+        Raises:
+            ParameterError: an argument is empty, or has something that is no byte; nothing was
+                sent.
+            BusError: they were not written.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.tool_write_raw_data_485_h(data, head)
+        self._runner.call(work)
+
+    def tool_write_raw_data_485_ht(self, data: BytesLike, head: BytesLike, tail: BytesLike) -> None:
+        """Write bytes between a head and a tail to the tool's port (末端 485 写原生数据, 加头和尾).
+
+        Args:
+            data: the bytes, at least one.
+            head: what is put before them, at least one byte.
+            tail: what is put behind them, at least one byte.
+
+        Raises:
+            ParameterError: an argument is empty, or has something that is no byte; nothing was
+                sent.
+            BusError: they were not written.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.tool_write_raw_data_485_ht(data, head, tail)
+        self._runner.call(work)
+
+    def tool_read_data_485(self) -> bytes:
+        """Take bytes out of the buffer of the tool's port.
+
+        Not in the manual: how it differs from `tool_read_raw_data_485` is not known, and neither
+        is how many bytes it gives.
+
+        Raises:
+            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+        """
+        work = self._section.tool_read_data_485()
+        answer: bytes = self._runner.call(work)
+        return answer
+
+    def tool_write_data_485(self, data: BytesLike) -> None:
+        """Write bytes to the tool's port.
+
+        Not in the manual: how it differs from `tool_write_raw_data_485` is not known.
+
+        Args:
+            data: the bytes, at least one.
+
+        Raises:
+            ParameterError: there are none, or one is no byte; nothing was sent.
+            BusError: they were not written.
+        """
+        work = self._section.tool_write_data_485(data)
+        self._runner.call(work)
+
+    def set_baudrate_can(self, value: Whole) -> None:
+        """Set the bit rate of the CAN bus (设置 CAN 波特率).
+
+        Args:
+            value: bits a second, a whole number from 1. The manual lists no rates.
+
+        Raises:
+            ParameterError: the rate is out of range; nothing was sent.
+            TaskError: the rate was not set.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.set_baudrate_can(value)
+        self._runner.call(work)
+
+    def read_raw_data_can(self) -> CanFrame | None:
+        """Take a frame out of the buffer of the CAN bus (读取一帧 CAN 数据).
+
+        Returns:
+            The frame; None if none has come.
+
+        Raises:
+            OutcomeUnknown: it was sent, but not answered: a frame may be lost.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.read_raw_data_can()
+        answer: CanFrame | None = self._runner.call(work)
+        return answer
+
+    def write_raw_data_can(self, id: Whole, data: BytesLike) -> None:
+        """Write a frame to the CAN bus (CAN 写原生数据).
+
+        Args:
+            id: its identifier, 0 to 0x1FFFFFFF.
+            data: its bytes, at least one.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            BusError: it was not written.
+
+        Manual section 1.3.6.
+        """
+        work = self._section.write_raw_data_can(id, data)
+        self._runner.call(work)
+
+    def read_data_can(self) -> bytes:
+        """Take bytes out of the buffer of the CAN bus.
+
+        Not in the manual: how it differs from `read_raw_data_can`, and whether an identifier
+        comes first, is not known. So the bytes are given as they come.
+
+        Raises:
+            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+        """
+        work = self._section.read_data_can()
+        answer: bytes = self._runner.call(work)
+        return answer
+
+    def write_data_can(self, id: Whole, data: BytesLike) -> None:
+        """Write a frame to the CAN bus.
+
+        Not in the manual: how it differs from `write_raw_data_can` is not known.
+
+        Args:
+            id: its identifier, 0 to 0x1FFFFFFF.
+            data: its bytes, at least one.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            BusError: it was not written.
+        """
+        work = self._section.write_data_can(id, data)
+        self._runner.call(work)
+
+
+class Frames(_Section):
+    """Tools (工具), work objects (工件坐标系) and loads (负载), manual 1.3.7.
+
+        robot.frames.set_tool_data("grip", [0, 0, 0.12, 0, 0, 0], Load(0.8, z=0.05))
+        robot.frames.set_load_data(Load(1.5))      # what the gripper holds from now on
+
+    Motions take the names of a tool and a work object, or use those that were set last. The
+    weights decide how the arm holds itself in hand guiding, and when it takes a force for a
+    collision: set what is there.
+    """
+
+    __slots__ = ()
+
+    def set_tool_data(
+        self,
+        name: str,
+        tool_offset: PoseLike,
+        payload: Load | VectorLike,
+        *,
+        inertia_tensor: VectorLike = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    ) -> None:
+        """Define a tool (设置工具末端相对于法兰面坐标系的偏移), and use it from now on.
+
+        Motions that name it, or name no tool, use it.
+
+        Args:
+            name: its name, 1 to 32 bytes of UTF-8.
+            tool_offset: pose of its tip in the flange's frame [m, rad].
+            payload: mass of the tool, from 0, and its centre [kg, m]. A `Load`, or shape (4,).
+            inertia_tensor: xx, xy, xz, yy, yz, zz [kg·m²]. Shape (6,).
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not defined.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.set_tool_data(
+            name, tool_offset, payload, inertia_tensor=inertia_tensor
+        )
+        self._runner.call(work)
+
+    def set_load_data(self, load: Load | VectorLike) -> None:
+        """Set what the tool holds (设置抓取负载), also while a program runs.
+
+        Args:
+            load: its mass, 0 to 35, and its centre in the tool's frame [kg, m]. A `Load`, or
+                shape (4,).
+
+        Raises:
+            ParameterError: a number is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.set_load_data(load)
+        self._runner.call(work)
+
+    def set_wobj(self, name: str, wobj: PoseLike) -> None:
+        """Define a work object (工件坐标系).
+
+        Not in the manual, which has only `set_wobj_offset`.
+
+        Args:
+            name: its name, 1 to 32 bytes of UTF-8.
+            wobj: its pose in the base frame [m, rad].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not defined.
+        """
+        work = self._section.set_wobj(name, wobj)
+        self._runner.call(work)
+
+    def set_wobj_offset(self, wobj: PoseLike, active: bool) -> None:
+        """Shift the work object of all motions that follow (工件坐标系偏移量), or end that.
+
+        The offset is multiplied to the work object's pose from the right: it is along the work
+        object's own axes. It stays until it is ended, also for other programs.
+
+        Args:
+            wobj: the offset [m, rad].
+            active: true to apply it, false for no offset.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.set_wobj_offset(wobj, active)
+        self._runner.call(work)
+
+    def get_tcp_offset(self) -> Pose:
+        """Read the pose of the tool in use in the flange's frame (工具的偏移量) [m, rad].
+
+        Manual section 1.3.7.
+        """
+        work = self._section.get_tcp_offset()
+        answer: Pose = self._runner.call(work)
+        return answer
+
+    def get_tool_load(self) -> Load:
+        """Read mass and centre of mass of the tool in use (工具的负载质量及质心位置) [kg, m].
+
+        Manual section 1.3.7.
+        """
+        work = self._section.get_tool_load()
+        answer: Load = self._runner.call(work)
+        return answer
+
+    def get_wobj(self) -> Pose:
+        """Read the pose of the work object in use in the base frame (工件坐标系的值) [m, rad].
+
+        Manual section 1.3.7.
+        """
+        work = self._section.get_wobj()
+        answer: Pose = self._runner.call(work)
+        return answer
+
+
+class Kinematics(_Section):
+    """Kinematics, as the controller computes it (manual 1.3.7).
+
+    It knows the arm's calibration. `aioduco.kinematics` computes on this computer, without a
+    controller, for the arm as designed.
+    """
+
+    __slots__ = ()
+
+    def cal_fkine(
+        self, joints: JointsLike, *, tool: PoseLike | None = None, wobj: PoseLike | None = None
+    ) -> Pose:
+        """Compute the pose that joints lead to (正运动学).
+
+        Args:
+            joints: joint angles, -2π to 2π [rad]. Shape (6,).
+            tool: pose of the tool in the flange's frame [m, rad]; None for the one in use.
+            wobj: pose of the work object in the base frame [m, rad]; None for the one in use.
+
+        Returns:
+            The pose of the tool in the work object [m, rad].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.cal_fkine(joints, tool=tool, wobj=wobj)
+        answer: Pose = self._runner.call(work)
+        return answer
+
+    def cal_ikine(
+        self,
+        pose: PoseLike,
+        *,
+        q_near: JointsLike | None = None,
+        tool: PoseLike | None = None,
+        wobj: PoseLike | None = None,
+    ) -> Joints:
+        """Compute joints that lead to a pose (逆运动学).
+
+        Controllers answer a pose out of reach with `q_near` itself. So the answer is led back
+        through `cal_fkine` and compared with the pose: one that leads elsewhere is an error. Do
+        not set another tool or work object meanwhile if you leave them out here.
+
+        Args:
+            pose: pose of the tool in the work object [m, rad].
+            q_near: joint angles, -2π to 2π [rad], near which a solution is looked for; None for
+                the arm's present ones. Shape (6,).
+            tool: pose of the tool in the flange's frame [m, rad]; None for the one in use.
+            wobj: pose of the work object in the base frame [m, rad]; None for the one in use.
+
+        Returns:
+            The joints [rad].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            Unreachable: the controller found no joints that lead to the pose.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.cal_ikine(pose, q_near=q_near, tool=tool, wobj=wobj)
+        answer: Joints = self._runner.call(work)
+        return answer
+
+    def reach_check(
+        self,
+        *,
+        base: PoseLike,
+        wobj: PoseLike,
+        tool: PoseLike,
+        ref_pos: JointsLike,
+        check_points: Iterable[PoseLike],
+    ) -> Reachability:
+        """Tell whether an arm that is mounted somewhere reaches poses (可达性).
+
+        Manual 4.3 has `tool` before `wobj`: on such a controller exchange them.
+
+        Args:
+            base: pose of the arm's base in the world [m, rad].
+            wobj: pose of the work object in the world [m, rad].
+            tool: pose of the tool in the flange's frame [m, rad].
+            ref_pos: joint angles near which solutions are looked for, -2π to 2π [rad].
+                Shape (6,).
+            check_points: poses of the tool in the work object [m, rad], at least one.
+
+        Returns:
+            Whether all can be reached, and the joints for each if so.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            ControllerError: the controller says that all can be reached, but not with which
+                joints, as one of manual 4.3 does.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.reach_check(
+            base=base, wobj=wobj, tool=tool, ref_pos=ref_pos, check_points=check_points
+        )
+        answer: Reachability = self._runner.call(work)
+        return answer
+
+    def get_origin_DH(self) -> Vector:
+        """Read the Denavit-Hartenberg parameters of the arm as designed (原始 DH 参数).
+
+        A read-only array of shape (6, 4): a [m], alpha [rad], d [m], theta [rad] of each joint.
+        Manual section 1.3.7.
+        """
+        work = self._section.get_origin_DH()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_calib_DH(self) -> Vector:
+        """Read the Denavit-Hartenberg parameters of this arm, calibrated (补偿后 DH 参数).
+
+        A read-only array of shape (6, 4): a [m], alpha [rad], d [m], theta [rad] of each joint.
+        Manual section 1.3.7.
+        """
+        work = self._section.get_calib_DH()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+
+class Settings(_Section):
+    """Speeds, collision detection, simulation, pendant (manual 1.3.7).
+
+    What is set here holds for all programs, and after the end of this one.
+    """
+
+    __slots__ = ()
+
+    def speed(self, val: Real) -> None:
+        """Set the global speed (全局速度百分比), which all motions are scaled by.
+
+        Args:
+            val: percent, 1 to 100.
+
+        Raises:
+            ParameterError: it is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.speed(val)
+        self._runner.call(work)
+
+    def get_global_speed(self) -> int:
+        """Read the global speed (全局速度的百分比), in percent. Manual section 1.3.7."""
+        work = self._section.get_global_speed()
+        answer: int = self._runner.call(work)
+        return answer
+
+    def set_teach_speed(self, v: Whole) -> None:
+        """Set the speed of jogs (示教速度的百分比).
+
+        Args:
+            v: percent, a whole number from 1 to 100.
+
+        Raises:
+            ParameterError: it is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.set_teach_speed(v)
+        self._runner.call(work)
+
+    def get_teach_speed(self) -> int:
+        """Read the speed of jogs (示教速度的百分比), in percent. Manual section 1.3.7."""
+        work = self._section.get_teach_speed()
+        answer: int = self._runner.call(work)
+        return answer
+
+    def collision_detect(self, level: Whole) -> None:
+        """Set how readily the arm takes a force for a collision (碰撞检测等级).
+
+        Args:
+            level: 0 for no detection at all, else 1 to 5.
+
+        Raises:
+            ParameterError: it is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.collision_detect(level)
+        self._runner.call(work)
+
+    def collision_detection_reset(self) -> None:
+        """Clear the alarm of a collision (重置碰撞检测警告).
+
+        `Robot.recover` does it as part of leading the arm out of its stop.
+
+        Raises:
+            TaskError: it was not cleared.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.collision_detection_reset()
+        self._runner.call(work)
+
+    def simulation(self, sim: bool) -> None:
+        """Switch between the controller's own simulation and the real arm (仿真或者真机模式).
+
+        The arm must stand, or it moves in an unforeseen way and stops with an alarm. So this is
+        refused while it moves; see to it that no other program moves it.
+
+        Args:
+            sim: true for the simulation, false for the real arm.
+
+        Raises:
+            ParameterError: it is neither; nothing was sent.
+            RobotStateError: the arm moves; nothing was sent.
+            TaskError: it was not switched.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.simulation(sim)
+        self._runner.call(work)
+
+    def set_teach_pendant(self, enable: bool) -> None:
+        """Turn the keys of the pendant on or off (示教器的物理按键).
+
+        Args:
+            enable: true for on.
+
+        Raises:
+            ParameterError: it is neither true nor false; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.7.
+        """
+        work = self._section.set_teach_pendant(enable)
+        self._runner.call(work)
+
+
+class Optimization(_Section):
+    """How motions are optimized (运动优化函数, manual 1.3.11).
+
+    What is switched here holds for all programs, and after the end of this one. Singularities
+    are only avoided while vibrations are not damped, which they are from the start on.
+    """
+
+    __slots__ = ()
+
+    def enable_speed_optimization(self) -> None:
+        """Let the arm move as fast as its safety limits allow (开启速度优化).
+
+        In automatic mode the speeds given to motions then have no effect any more: the arm moves
+        faster than they say. It optimizes accelerations as well.
+
+        Raises:
+            TaskError: it was not switched.
+
+        Manual section 1.3.11.
+        """
+        work = self._section.enable_speed_optimization()
+        self._runner.call(work)
+
+    def disable_speed_optimization(self) -> None:
+        """Let the arm move at the speeds that motions are given (退出速度优化).
+
+        Raises:
+            TaskError: it was not switched.
+
+        Manual section 1.3.11.
+        """
+        work = self._section.disable_speed_optimization()
+        self._runner.call(work)
+
+    def enable_acc_optimization(self) -> None:
+        """Let the arm accelerate as hard as its drives can (开启加速度优化).
+
+        Raises:
+            TaskError: it was not switched.
+
+        Manual section 1.3.11.
+        """
+        work = self._section.enable_acc_optimization()
+        self._runner.call(work)
+
+    def disable_acc_optimization(self) -> None:
+        """Let the arm accelerate as motions are told to (退出加速度优化).
+
+        Raises:
+            TaskError: it was not switched.
+
+        Manual section 1.3.11.
+        """
+        work = self._section.disable_acc_optimization()
+        self._runner.call(work)
+
+    def enable_singularity_control(self) -> None:
+        """Let Cartesian motions go around singularities (开启奇异点规避).
+
+        Near one the arm changes over to a joint motion, and leaves the path a little. It has no
+        effect while vibrations are damped.
+
+        Raises:
+            TaskError: it was not switched.
+
+        Manual section 1.3.11.
+        """
+        work = self._section.enable_singularity_control()
+        self._runner.call(work)
+
+    def disable_singularity_control(self) -> None:
+        """Let Cartesian motions stop with an alarm near singularities (退出奇异点规避).
+
+        Raises:
+            TaskError: it was not switched.
+
+        Manual section 1.3.11.
+        """
+        work = self._section.disable_singularity_control()
+        self._runner.call(work)
+
+    def enable_vibration_control(self) -> None:
+        """Damp vibrations as motions start and end, as from the start (开启振动控制).
+
+        Each motion takes 200 to 400 ms longer by it.
+
+        Raises:
+            TaskError: it was not switched.
+
+        Manual section 1.3.11.
+        """
+        work = self._section.enable_vibration_control()
+        self._runner.call(work)
+
+    def disable_vibration_control(self) -> None:
+        """Damp no vibrations as motions start and end (退出振动控制).
+
+        It stays so after the program.
+
+        Raises:
+            TaskError: it was not switched.
+
+        Manual section 1.3.11.
+        """
+        work = self._section.disable_vibration_control()
+        self._runner.call(work)
+
+
+class Force(_Section):
+    """Force control (力控函数, manual 1.3.10): motions give way to the force at the tool.
+
+        z = (False, False, True, False, False, False)
+        robot.force.fc_config(z, ref_ft=(0, 0, -10, 0, 0, 0), damp=damping, max_vel=slow)
+        robot.force.fc_start()
+        robot.force.fc_wait_ft(target, tolerance, absolute=True, duration=0.2, timeout=30)
+        robot.force.fc_wait_logic((0, 0, 1))
+        robot.force.fc_move()                # presses until the condition holds
+        robot.force.fc_stop()
+
+    It needs a force sensor that is mounted, connected and set up: with a wrong setup the arm
+    moves in an unforeseen way. Force acts only while a motion runs, such as `fc_move`; a stop
+    ends the motion, and the arm stands. Force control itself stays on until `fc_stop`, also
+    after the program: the next motion gives way, too.
+
+    Vectors are along x, y, z, then about them. Shape (6,).
+    """
+
+    __slots__ = ()
+
+    def fc_start(self) -> None:
+        """Start force control (开启机器人末端力控): motions give way from now on.
+
+        Raises:
+            TaskError: it was not started.
+
+        Manual section 1.3.10.
+        """
+        work = self._section.fc_start()
+        self._runner.call(work)
+
+    def fc_stop(self) -> None:
+        """End force control (退出机器人末端力控).
+
+        All motions must have ended, or the arm moves in an unforeseen way and stops with an
+        alarm. So this is refused while it moves; see to it that no other program moves it.
+
+        Raises:
+            RobotStateError: the arm moves; nothing was sent.
+            TaskError: it was not ended.
+
+        Manual section 1.3.10.
+        """
+        work = self._section.fc_stop()
+        self._runner.call(work)
+
+    def fc_config(
+        self,
+        direction: FlagsLike,
+        ref_ft: VectorLike,
+        damp: VectorLike,
+        max_vel: VectorLike,
+        *,
+        dead_band: VectorLike = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        tool: str = '',
+        wobj: str = '',
+        frame: ForceFrame | int = 0,
+    ) -> None:
+        """Set how motions give way (配置机器人末端力控参数).
+
+        The arm gives way at the difference of the force from `ref_ft`, divided by `damp`, at
+        most at `max_vel`.
+
+        Args:
+            direction: for each direction whether it gives way. Shape (6,).
+            ref_ft: force that is kept up, -1000 to 1000 [N, N·m]. Shape (6,).
+            damp: damping, above 0 in directions that give way [N/(m/s), N·m/(rad/s)]; 1000 to
+                2000 and 57 are usual. Shape (6,).
+            max_vel: largest speed, -5 to 5 [m/s, rad/s]; 0.03 to 0.15 m/s are usual. Shape (6,).
+            dead_band: difference of the force below which nothing gives way, -1000 to 1000
+                [N, N·m]. The manual calls it number_list. Shape (6,).
+            tool: name of the tool about whose tip the arm gives way; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            frame: whose directions they are: a `ForceFrame`, 0 the tool's, 1 the work object's.
+                The manual calls it type.
+
+        Raises:
+            ParameterError: an argument is out of range, or a direction that gives way has no
+                damping; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.10.
+        """
+        work = self._section.fc_config(
+            direction, ref_ft, damp, max_vel, dead_band=dead_band, tool=tool, wobj=wobj, frame=frame
+        )
+        self._runner.call(work)
+
+    @moves
+    def fc_move(self) -> aio_command.MotionCommand:
+        """Move by force control alone (仅基于末端力控产生的补偿运动).
+
+        Without a condition (`fc_wait_logic`) that comes true it does not end by itself.
+        An interrupt while it waits stops the arm.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Manual section 1.3.10.
+        """
+        made: aio_command.MotionCommand = self._section.fc_move()
+        return made
+
+    def fc_guard_act(
+        self,
+        direction: FlagsLike,
+        ref_ft: VectorLike,
+        *,
+        tool: str = '',
+        wobj: str = '',
+        frame: ForceFrame | int = 0,
+        force_property: GuardedForce | int = 0,
+    ) -> None:
+        """Watch the force in force control (力安全监控): an emergency stop if it is exceeded.
+
+        Args:
+            direction: for each direction whether it is watched. Shape (6,).
+            ref_ft: largest force, from 0, of either sign [N, N·m]. Shape (6,).
+            tool: name of the tool; empty for the one in use.
+            wobj: name of the work object; empty for the one in use.
+            frame: whose directions they are: a `ForceFrame`, 0 the tool's, 1 the work object's.
+                The manual calls it type.
+            force_property: a `GuardedForce`: 0 load and external force, 1 external force alone.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it is not watched.
+
+        Manual section 1.3.10.
+        """
+        work = self._section.fc_guard_act(
+            direction, ref_ft, tool=tool, wobj=wobj, frame=frame, force_property=force_property
+        )
+        self._runner.call(work)
+
+    def fc_guard_deact(self) -> None:
+        """Watch the force no more (禁用力安全监控).
+
+        Raises:
+            TaskError: it is watched on.
+
+        Manual section 1.3.10.
+        """
+        work = self._section.fc_guard_deact()
+        self._runner.call(work)
+
+    def fc_force_set_value(self, direction: FlagsLike, ref_ft: VectorLike) -> None:
+        """Set what the force sensor reads at present (力传感器读数设置为指定值), to tare it.
+
+        Args:
+            direction: for each direction of the sensor whether it is set. Shape (6,).
+            ref_ft: what it reads then [N, N·m]. Shape (6,).
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.10.
+        """
+        work = self._section.fc_force_set_value(direction, ref_ft)
+        self._runner.call(work)
+
+    def fc_wait_pos(
+        self,
+        middle: VectorLike,
+        range: VectorLike,
+        *,
+        absolute: bool,
+        duration: Real,
+        timeout: Real,
+    ) -> None:
+        """Set the condition on position (位置判断条件) under which motions end in force control.
+
+        It returns at once. When the conditions hold, as `fc_wait_logic` combines them, the
+        running motion ends, and those that follow are skipped until `fc_stop` or the next
+        `fc_wait_logic`.
+
+        Args:
+            middle: middle of the range [m, rad]. Shape (6,).
+            range: width of the range, from 0 [m, rad]; noise must fit in. Shape (6,).
+            absolute: true for the value itself, false for its change since the last
+                `fc_wait_logic`.
+            duration: how long it must hold, from 0 [s].
+            timeout: how long after the last `fc_wait_logic` the controller gives up, from 0 [s].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.10.
+        """
+        work = self._section.fc_wait_pos(
+            middle, range, absolute=absolute, duration=duration, timeout=timeout
+        )
+        self._runner.call(work)
+
+    def fc_wait_vel(
+        self,
+        middle: VectorLike,
+        range: VectorLike,
+        *,
+        absolute: bool,
+        duration: Real,
+        timeout: Real,
+    ) -> None:
+        """Set the condition on speed (速度判断条件) under which motions end in force control.
+
+        It returns at once. When the conditions hold, as `fc_wait_logic` combines them, the
+        running motion ends, and those that follow are skipped until `fc_stop` or the next
+        `fc_wait_logic`.
+
+        Args:
+            middle: middle of the range, -5 to 5 and -2π to 2π [m/s, rad/s]. Shape (6,).
+            range: width of the range, from 0 [m/s, rad/s]; noise must fit in. Shape (6,).
+            absolute: true for the value itself, false for its change since the last
+                `fc_wait_logic`.
+            duration: how long it must hold, from 0 [s].
+            timeout: how long after the last `fc_wait_logic` the controller gives up, from 0 [s].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.10.
+        """
+        work = self._section.fc_wait_vel(
+            middle, range, absolute=absolute, duration=duration, timeout=timeout
+        )
+        self._runner.call(work)
+
+    def fc_wait_ft(
+        self,
+        middle: VectorLike,
+        range: VectorLike,
+        *,
+        absolute: bool,
+        duration: Real,
+        timeout: Real,
+    ) -> None:
+        """Set the condition on force (力判断条件) under which motions end in force control.
+
+        It returns at once. When the conditions hold, as `fc_wait_logic` combines them, the
+        running motion ends, and those that follow are skipped until `fc_stop` or the next
+        `fc_wait_logic`.
+
+        Args:
+            middle: middle of the range, -1000 to 1000 [N, N·m]. Shape (6,).
+            range: width of the range, from 0 [N, N·m]; noise must fit in. Shape (6,).
+            absolute: true for the value itself, false for its change since the last
+                `fc_wait_logic`.
+            duration: how long it must hold, from 0 [s].
+            timeout: how long after the last `fc_wait_logic` the controller gives up, from 0 [s].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.10.
+        """
+        work = self._section.fc_wait_ft(
+            middle, range, absolute=absolute, duration=duration, timeout=timeout
+        )
+        self._runner.call(work)
+
+    def fc_wait_logic(self, logic: WholesLike | tuple[ForceLogic, ...]) -> None:
+        """Combine the conditions, and have them begin anew (条件判断间的逻辑关系).
+
+        Args:
+            logic: for position, speed and force a `ForceLogic`: 0 off, 1 and, 2 or. Shape (3,).
+
+        Raises:
+            ParameterError: it is something else; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.10.
+        """
+        work = self._section.fc_wait_logic(logic)
+        self._runner.call(work)
+
+    def fc_get_ft(self) -> Vector:
+        """Read the force sensor (末端传感器的原始反馈读数), tared, in its frame [N, N·m].
+
+        A read-only array of shape (6,). It is tared as the arm is enabled or disabled, and by
+        `fc_force_set_value`. Manual section 1.3.10.
+        """
+        work = self._section.fc_get_ft()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def fc_mode_is_active(self) -> bool:
+        """Tell whether force control is on (末端力控功能启用状态). Manual section 1.3.10."""
+        work = self._section.fc_mode_is_active()
+        answer: bool = self._runner.call(work)
+        return answer
+
+
+class Modbus(_Section):
+    """Signals that the controller exchanges over Modbus (Modbus, manual 1.3.9).
+
+    A signal is a register or a coil of a device; it has a name in the controller, which reads it
+    again and again. For Modbus over the tool's RS-485 see `robot.bus`.
+    """
+
+    __slots__ = ()
+
+    def modbus_read(self, signal_name: str) -> int:
+        """Read a signal (读取 modbus 节点), as the controller last had it from the device.
+
+        Args:
+            signal_name: its name.
+
+        Manual section 1.3.9.
+        """
+        work = self._section.modbus_read(signal_name)
+        answer: int = self._runner.call(work)
+        return answer
+
+    def modbus_write(self, signal_name: str, value: Whole) -> None:
+        """Write a signal (modbus 节点写操作).
+
+        Args:
+            signal_name: its name.
+            value: 0 to 65535 for a register, 0 or 1 for a coil.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not written.
+
+        Manual section 1.3.9.
+        """
+        work = self._section.modbus_write(signal_name, value)
+        self._runner.call(work)
+
+    def modbus_set_frequency(self, signal_name: str, frequency: Whole) -> None:
+        """Set how often the controller reads a signal (刷新频率).
+
+        Args:
+            signal_name: its name.
+            frequency: 1 to 100, 10 unless it is set [Hz].
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+
+        Manual section 1.3.9.
+        """
+        work = self._section.modbus_set_frequency(signal_name, frequency)
+        self._runner.call(work)
+
+    def modbus_write_multiple_regs(
+        self, slave_num: Whole, name: str, word_list: WholesLike
+    ) -> None:
+        """Write registers that follow each other (多寄存器写操作).
+
+        Args:
+            slave_num: number of the device, 0 to 255.
+            name: name of the signal.
+            word_list: what is written, each 0 to 65535; at least one.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: they were not written.
+
+        Manual section 1.3.9.
+        """
+        work = self._section.modbus_write_multiple_regs(slave_num, name, word_list)
+        self._runner.call(work)
+
+    def modbus_write_multiple_coils(
+        self, slave_num: Whole, name: str, byte_list: WholesLike
+    ) -> None:
+        """Write coils that follow each other (多线圈写操作).
+
+        Args:
+            slave_num: number of the device, 0 to 255.
+            name: name of the signal.
+            byte_list: what is written, each 0 or 1; at least one.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: they were not written.
+
+        Manual section 1.3.9.
+        """
+        work = self._section.modbus_write_multiple_coils(slave_num, name, byte_list)
+        self._runner.call(work)
+
+    def modbus_add_signal(
+        self,
+        ip: str,
+        slave_number: Whole,
+        signal_address: Whole,
+        signal_type: Whole,
+        signal_name: str,
+    ) -> None:
+        """Have the controller exchange one more signal.
+
+        Not in the manual: what the numbers of the types mean is not known.
+
+        Args:
+            ip: address of the device.
+            slave_number: number of the device, 0 to 255.
+            signal_address: address of the register or coil, 0 to 65535.
+            signal_type: number of the type.
+            signal_name: name for it.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not added.
+        """
+        work = self._section.modbus_add_signal(
+            ip, slave_number, signal_address, signal_type, signal_name
+        )
+        self._runner.call(work)
+
+    def modbus_delete_signal(self, signal_name: str) -> None:
+        """Have the controller exchange a signal no more.
+
+        Not in the manual.
+
+        Args:
+            signal_name: its name.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            TaskError: it was not deleted.
+        """
+        work = self._section.modbus_delete_signal(signal_name)
+        self._runner.call(work)
+
+
+class Log(_Section):
+    """The controller's log and its pendant (调试相关, manual 1.3.8)."""
+
+    __slots__ = ()
+
+    def log_info(self, message: str) -> None:
+        """Write a message into the controller's log (插入 log 日志).
+
+        Args:
+            message: its text.
+
+        Raises:
+            ParameterError: it is no text; nothing was sent.
+
+        Manual section 1.3.8.
+        """
+        work = self._section.log_info(message)
+        self._runner.call(work)
+
+    def log_error(self, message: str) -> None:
+        """Show a message on the pendant, and pause all tasks (产生弹窗, 并暂停当前所有任务).
+
+        Motions of this program pause as well; `Robot.resume` lets them go on.
+
+        Args:
+            message: its text.
+
+        Raises:
+            ParameterError: it is no text; nothing was sent.
+
+        Manual section 1.3.8.
+        """
+        work = self._section.log_error(message)
+        self._runner.call(work)
+
+
+class Service(_Section):
+    """Functions of the factory and of service technicians. None of them is in the manual.
+
+    Warning:
+        What they set decides how joints are driven, and where the controller takes the arm to
+        be. A wrong value can make the arm move in an unforeseen way, or damage it, and may stay
+        after a restart. What the numbers mean is not published: use them only with the vendor's
+        instructions for this arm, and keep out of its reach.
+    """
+
+    __slots__ = ()
+
+    def set_servo_config(self, axis_num: Whole, id: Whole, value: Whole, qfmt: Whole) -> None:
+        """Set a parameter of an axis' servo drive.
+
+        Not in the manual.
+
+        Warning:
+            A wrong value can damage the arm, or make it move in an unforeseen way.
+
+        Args:
+            axis_num: number of the axis, from 0.
+            id: number of the parameter.
+            value: its value.
+            qfmt: format of the value.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not done.
+        """
+        work = self._section.set_servo_config(axis_num, id, value, qfmt)
+        self._runner.call(work)
+
+    def apply_servo_config(self, axis_num: Whole) -> None:
+        """Have an axis' servo drive use its parameters.
+
+        Not in the manual.
+
+        Warning:
+            A wrong value can damage the arm, or make it move in an unforeseen way.
+
+        Args:
+            axis_num: number of the axis, from 0.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not done.
+        """
+        work = self._section.apply_servo_config(axis_num)
+        self._runner.call(work)
+
+    def set_servo_file_params(
+        self, axis_num: Whole, id: Whole, name: str, value: Real, qfmt: Real
+    ) -> None:
+        """Set a parameter in the file of an axis' servo drive.
+
+        Not in the manual.
+
+        Warning:
+            A wrong value can damage the arm, or make it move in an unforeseen way.
+
+        Args:
+            axis_num: number of the axis, from 0.
+            id: number of the parameter.
+            name: its name.
+            value: its value.
+            qfmt: format of the value.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not done.
+        """
+        work = self._section.set_servo_file_params(axis_num, id, name, value, qfmt)
+        self._runner.call(work)
+
+    def set_dynamic_calibration_params(self, params: Iterable[VectorLike]) -> None:
+        """Set the parameters of the dynamic calibration.
+
+        Not in the manual.
+
+        Warning:
+            A wrong value can damage the arm, or make it move in an unforeseen way.
+
+        Args:
+            params: a table of numbers.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not done.
+        """
+        work = self._section.set_dynamic_calibration_params(params)
+        self._runner.call(work)
+
+    def set_kinematic_calibration_params(self, params: Iterable[VectorLike]) -> None:
+        """Set the parameters of the kinematic calibration.
+
+        Not in the manual.
+
+        Warning:
+            A wrong value can damage the arm, or make it move in an unforeseen way.
+
+        Args:
+            params: a table of numbers.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not done.
+        """
+        work = self._section.set_kinematic_calibration_params(params)
+        self._runner.call(work)
+
+    def set_dynamic_calibration_info(self, passwd: str, info: str) -> None:
+        """Set the notes to the dynamic calibration.
+
+        Not in the manual.
+
+        Warning:
+            A wrong value can damage the arm, or make it move in an unforeseen way.
+
+        Args:
+            passwd: the password for it.
+            info: the notes.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not done.
+        """
+        work = self._section.set_dynamic_calibration_info(passwd, info)
+        self._runner.call(work)
+
+    def set_kinematic_calibration_info(self, passwd: str, info: str) -> None:
+        """Set the notes to the kinematic calibration.
+
+        Not in the manual.
+
+        Warning:
+            A wrong value can damage the arm, or make it move in an unforeseen way.
+
+        Args:
+            passwd: the password for it.
+            info: the notes.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not done.
+        """
+        work = self._section.set_kinematic_calibration_info(passwd, info)
+        self._runner.call(work)
+
+    def set_vibration_calibration_info(self, passwd: str, info: str) -> None:
+        """Set the notes to the vibration calibration.
+
+        Not in the manual.
+
+        Warning:
+            A wrong value can damage the arm, or make it move in an unforeseen way.
+
+        Args:
+            passwd: the password for it.
+            info: the notes.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not done.
+        """
+        work = self._section.set_vibration_calibration_info(passwd, info)
+        self._runner.call(work)
+
+    def save_dynamic_calibration_params(self, passwd: str) -> None:
+        """Save the parameters of the dynamic calibration for good.
+
+        Not in the manual.
+
+        Warning:
+            A wrong value can damage the arm, or make it move in an unforeseen way.
+
+        Args:
+            passwd: the password for it.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not done.
+        """
+        work = self._section.save_dynamic_calibration_params(passwd)
+        self._runner.call(work)
+
+    def save_kinematic_calibration_params(self, passwd: str) -> None:
+        """Save the parameters of the kinematic calibration for good.
+
+        Not in the manual.
+
+        Warning:
+            A wrong value can damage the arm, or make it move in an unforeseen way.
+
+        Args:
+            passwd: the password for it.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not done.
+        """
+        work = self._section.save_kinematic_calibration_params(passwd)
+        self._runner.call(work)
+
+    def upload_robot_param_to_toolboard(self, passwd: str) -> None:
+        """Write the robot's parameters to the board in the tool flange.
+
+        Not in the manual.
+
+        Warning:
+            A wrong value can damage the arm, or make it move in an unforeseen way.
+
+        Args:
+            passwd: the password for it.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not done.
+        """
+        work = self._section.upload_robot_param_to_toolboard(passwd)
+        self._runner.call(work)
+
+    def set_pendant_type(self, type: Whole) -> None:
+        """Set the kind of the pendant.
+
+        Not in the manual.
+
+        Warning:
+            A wrong value can damage the arm, or make it move in an unforeseen way.
+
+        Args:
+            type: number of the kind.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not done.
+        """
+        work = self._section.set_pendant_type(type)
+        self._runner.call(work)
+
+    def change_recipe(self) -> None:
+        """Change the recipe.
+
+        Not in the manual: what a recipe is, and which one follows, is not known.
+
+        Warning:
+            A wrong value can damage the arm, or make it move in an unforeseen way.
+        """
+        work = self._section.change_recipe()
+        self._runner.call(work)
+
+    def get_dynamic_calibration_params(self) -> tuple[Vector, ...]:
+        """Read the parameters of the dynamic calibration: a read-only array for each row.
+
+        Not in the manual.
+        """
+        work = self._section.get_dynamic_calibration_params()
+        answer: tuple[Vector, ...] = self._runner.call(work)
+        return answer
+
+    def get_vibration_calibration_params(self) -> tuple[Vector, ...]:
+        """Read the parameters of the vibration calibration: a read-only array for each row.
+
+        Not in the manual.
+        """
+        work = self._section.get_vibration_calibration_params()
+        answer: tuple[Vector, ...] = self._runner.call(work)
+        return answer
+
+    def get_axis_motor_kt(self) -> Vector:
+        """Read the torque constants of the axes' motors, as a read-only array.
+
+        Not in the manual, and neither is the unit.
+        """
+        work = self._section.get_axis_motor_kt()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_axis_motor_rated_current(self) -> Vector:
+        """Read the rated currents of the axes' motors, as a read-only array.
+
+        Not in the manual, and neither is the unit.
+        """
+        work = self._section.get_axis_motor_rated_current()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_pos_bias(self) -> Vector:
+        """Read the biases of the positions of the axes, as a read-only array.
+
+        Not in the manual, and neither is the unit.
+        """
+        work = self._section.get_pos_bias()
+        answer: Vector = self._runner.call(work)
+        return answer
+
+    def get_axis_ratio(self) -> tuple[int, ...]:
+        """Read the gear ratios of the axes.
+
+        Not in the manual.
+        """
+        work = self._section.get_axis_ratio()
+        answer: tuple[int, ...] = self._runner.call(work)
+        return answer
+
+    def get_motor_pole_pair_number(self) -> tuple[int, ...]:
+        """Read the numbers of pole pairs of the axes' motors.
+
+        Not in the manual.
+        """
+        work = self._section.get_motor_pole_pair_number()
+        answer: tuple[int, ...] = self._runner.call(work)
+        return answer
+
+    def get_motor_stator_slots(self) -> tuple[int, ...]:
+        """Read the numbers of stator slots of the axes' motors.
+
+        Not in the manual.
+        """
+        work = self._section.get_motor_stator_slots()
+        answer: tuple[int, ...] = self._runner.call(work)
+        return answer
+
+
+class Version(_Section):
+    """Type of the arm, version of the controller's software (manual 1.3.7)."""
+
+    __slots__ = ()
+
+    def get_robot_version(self) -> str:
+        """Read the version of the controller's software (控制器版本).
+
+        Manual section 1.3.16.
+        """
+        work = self._section.get_robot_version()
+        answer: str = self._runner.call(work)
+        return answer
+
+    def get_robot_type(self) -> RobotType:
+        """Read series, model, extension and serial number (机器人系列号, 型号, SN).
+
+        What the controller leaves out is empty. Manual section 1.3.7.
+        """
+        work = self._section.get_robot_type()
+        answer: RobotType = self._runner.call(work)
+        return answer
+
+
+class Sections:
+    """The sections of a robot, and what it does.
+
+    Attributes:
+        system: power, brakes, operation mode.
+        motion: motions, jogs, hand guiding.
+        program: programs and files of the controller.
+        track: the track pool.
+        compound: the weave laid over motions.
+        external_axes: external axes.
+        realtime: the realtime queue, call by call.
+        state: state of the arm and of the controller.
+        io: inputs and outputs.
+        registers: registers and variables of the controller.
+        bus: RS-485 and CAN.
+        frames: tools, work objects, loads.
+        kinematics: kinematics, as the controller computes it.
+        settings: speeds, collision detection, simulation, pendant.
+        optimization: how motions are optimized.
+        force: force control.
+        modbus: signals over Modbus.
+        log: the controller's log and its pendant.
+        service: functions of the factory: only with its instructions.
+        version: type of the arm, version of the software.
+    """
+
+    def __init__(self, runner: Runner, robot: aio_robot.Robot) -> None:
+        self._runner = runner
+        self._robot = robot
+        self.system = System(runner, robot.system)
+        self.motion = Motion(runner, robot.motion)
+        self.program = Program(runner, robot.program)
+        self.track = Track(runner, robot.track)
+        self.compound = Compound(runner, robot.compound)
+        self.external_axes = ExternalAxes(runner, robot.external_axes)
+        self.realtime = Realtime(runner, robot.realtime)
+        self.state = State(runner, robot.state)
+        self.io = IO(runner, robot.io)
+        self.registers = Registers(runner, robot.registers)
+        self.bus = Bus(runner, robot.bus)
+        self.frames = Frames(runner, robot.frames)
+        self.kinematics = Kinematics(runner, robot.kinematics)
+        self.settings = Settings(runner, robot.settings)
+        self.optimization = Optimization(runner, robot.optimization)
+        self.force = Force(runner, robot.force)
+        self.modbus = Modbus(runner, robot.modbus)
+        self.log = Log(runner, robot.log)
+        self.service = Service(runner, robot.service)
+        self.version = Version(runner, robot.version)
+
+    def bring_up(self, *, timeout: float = 30.0) -> RobotStates:
+        """Bring the arm into a state in which it can move: power on, enable, clear.
+
+        A safety stop is cleared by powering off and on, a collision by its reset, a paused
+        program by a stop. Each step is taken when the controller's states call for it, and its
+        end is seen in them.
+
+        Args:
+            timeout: seconds in which the arm must be ready.
+
+        Returns:
+            The states: enabled, with no program running.
+
+        Raises:
+            RobotStateError: a person has to do something first, such as to release the emergency
+                stop; or the arm is not ready in time. It says what.
+        """
+        work = self._robot.bring_up(timeout=timeout)
+        answer: RobotStates = self._runner.call(work)
+        return answer
+
+    def recover(self, *, timeout: float = 30.0) -> RobotStates:
+        """Lead the arm out of a stop: clear, power off and on where that is needed, enable.
+
+        As `bring_up`; besides, a program that runs in the controller is ended, and a heartbeat
+        that was withheld beats again. Nothing moves by this.
+
+        Args:
+            timeout: seconds in which the arm must be ready.
+
+        Returns:
+            The states: enabled, with no program running.
+
+        Raises:
+            PersonNeeded: a person has to do something first: it says what.
+            RobotStateError: the arm is not ready in time.
+            HeartbeatLost: no heartbeat was answered.
+        """
+        work = self._robot.recover(timeout=timeout)
+        answer: RobotStates = self._runner.call(work)
+        return answer
+
+    def wait_for(
+        self, predicate: Callable[[Snapshot], bool], *, timeout: float | None = None
+    ) -> Snapshot:
+        """Wait for a sample of the state that the predicate holds for, and return it.
+
+            robot.wait_for(lambda s: s.io.digital_inputs[2], timeout=5.0)
+
+        Args:
+            predicate: called with each new sample.
+            timeout: seconds for which to wait; None for as long as it takes.
+
+        Raises:
+            TimeoutError: none came in time.
+            RobotStateError: the robot was closed meanwhile.
+        """
+        work = self._robot.wait_for(predicate, timeout=timeout)
+        answer: Snapshot = self._runner.call(work)
+        return answer
+
+    def stop(self) -> None:
+        """Stop the arm, all tasks included (停止所有任务), and wait until it stands.
+
+        The stop waits behind nothing, is repeated over fresh connections until it is accepted,
+        and goes on to its end even if interrupted. It holds also for a motion that is on
+        its way to the controller. Motions that were running raise `TaskStopped`.
+
+        Raises:
+            StopUnconfirmed: it is not known that the arm stands: press the emergency stop.
+
+        Manual section 1.3.3.
+        """
+        work = self._robot.stop()
+        self._runner.call(work)
+
+    def pause(self) -> None:
+        """Pause all tasks (暂停所有任务), and wait until the arm stands.
+
+        Raises:
+            TaskError: the controller did not pause.
+            StopUnconfirmed: the arm does not stand.
+
+        Manual section 1.3.3.
+        """
+        work = self._robot.pause()
+        self._runner.call(work)
+
+    def resume(self) -> None:
+        """Resume all paused tasks (恢复所有暂停的任务).
+
+        Raises:
+            TaskError: the controller did not resume.
+
+        Manual section 1.3.3.
+        """
+        work = self._robot.resume()
+        self._runner.call(work)
+
+    def abort(self) -> None:
+        """End the running motion and those read ahead, and wait until the arm stands.
+
+        It is not in manual 3.8, but on its wire; manual 4.3 describes it.
+
+        Raises:
+            TaskError: the controller did not abort.
+            StopUnconfirmed: the arm does not stand.
+        """
+        work = self._robot.abort()
+        self._runner.call(work)
+
+    def rearm_heartbeat(self, *, timeout: float = 2.0) -> None:
+        """Go on after the event loop hung and the heartbeat was withheld.
+
+        The controller has stopped the arm by then. Nothing moves by this; motions may be started
+        again.
+
+        Args:
+            timeout: seconds in which a beat must be answered.
+
+        Raises:
+            HeartbeatLost: none was.
+        """
+        work = self._robot.rearm_heartbeat(timeout=timeout)
+        self._runner.call(work)

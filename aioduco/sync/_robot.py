@@ -1,0 +1,231 @@
+"""The robot for programs that wait."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+
+from aioduco import robot as aio_robot
+from aioduco.api import ranges
+from aioduco.sync._feeds import Events, Feed
+from aioduco.sync._generated import Sections
+from aioduco.sync._runner import Runner
+from aioduco.sync._tasks import Task
+
+if TYPE_CHECKING:
+    from types import TracebackType
+    from typing import Self
+
+    from aioduco.supervision.heartbeat import HeartbeatStatistics
+    from aioduco.supervision.settings import GuardKind
+    from aioduco.supervision.supervisor import SupervisorStatistics
+    from aioduco.supervision.task import OnCancel
+    from aioduco.trace import Trace
+
+__all__ = ["Robot", "connect"]
+
+
+def connect(
+    host: str,
+    port: int = 7003,
+    *,
+    call_timeout: float = 2.0,
+    connect_timeout: float = 3.0,
+    pool_size: int = 4,
+    heartbeat: float | None = 1.0,
+    loop_stall_limit: float = 1.0,
+    on_cancel: OnCancel = "stop",
+    stop_timeout: float = 5.0,
+    standstill_timeout: float = 5.0,
+    guard: GuardKind | None = None,
+    state_rate: float = 50.0,
+    lag_limit: float | None = 0.25,
+    trace: Trace | None = None,
+    hold_limit: float | None = 1.0,
+    program_limit: float | None = None,
+) -> Robot:
+    """Name a robot; `with` connects to it, and leaves it standing.
+
+        with aioduco.sync.connect("192.168.1.10") as robot:
+            robot.bring_up()
+            robot.motion.movej2(home, v=1.0, a=1.0)
+
+    The robot lives in an event loop on a thread of its own. So the heartbeat tells the controller
+    that this thread lives, not that the program's own does. What that leaves open, `hold_limit`
+    and `program_limit` close.
+
+    Args:
+        host: name or address of the controller; 192.168.1.10 as it comes from the factory.
+        port: its TCP port.
+        call_timeout: most seconds that a call takes, the wait for a connection included.
+        connect_timeout: most seconds that opening a connection takes.
+        pool_size: most connections for calls other than motions and supervision, 1 to 64.
+        heartbeat: seconds without a sign of life of the robot's thread after which the
+            controller stops the arm, 0.2 to 60; None for no heartbeat: a lost connection then
+            stops nothing.
+        loop_stall_limit: seconds without the robot's thread running after which the program
+            counts as hung, and the heartbeat is withheld.
+        on_cancel: what happens to the arm when a wait for a motion is interrupted: "stop",
+            "pause", or "detach" (it moves on).
+        stop_timeout: seconds in which a stop must be accepted by the controller.
+        standstill_timeout: seconds in which the arm must stand after that.
+        guard: "process" to have stop and heartbeat in a small process of their own, one for all
+            robots of the program. None: on threads of the program.
+        state_rate: samples of the state a second, once `robot.feed` is used, up to 1000 [Hz].
+        lag_limit: seconds for which the robot's thread may be blocked without a warning that
+            says where; None for no warnings.
+        trace: a hook that sees each call and each connection, see `aioduco.trace`; it is called
+            on the robot's threads.
+        hold_limit: seconds without a call on the robot by the thread that started it after which
+            a motion without an end of its own (a jog, a velocity, with `time=None`) is stopped;
+            None for no limit. A call that is under way counts, and so does `Robot.sleep`.
+        program_limit: the same for every motion that was started; None for no limit: a motion
+            to a target then goes on to it, whatever the program does.
+
+    Returns:
+        The robot, not connected yet.
+
+    Raises:
+        ParameterError: an argument is out of range.
+
+    Manual section 1.3.1.
+    """
+    for name, limit in (("hold_limit", hold_limit), ("program_limit", program_limit)):
+        if limit is not None:
+            ranges.TIMEOUT(name, limit)
+    robot = aio_robot.connect(
+        host,
+        port,
+        call_timeout=call_timeout,
+        connect_timeout=connect_timeout,
+        pool_size=pool_size,
+        heartbeat=heartbeat,
+        loop_stall_limit=loop_stall_limit,
+        on_cancel=on_cancel,
+        stop_timeout=stop_timeout,
+        standstill_timeout=standstill_timeout,
+        guard=guard,
+        state_rate=state_rate,
+        lag_limit=lag_limit,
+        trace=trace,
+    )
+    return Robot(Runner(robot, hold_limit, program_limit))
+
+
+class Robot(Sections):
+    """A robot arm and its controller. Made by `connect`, used in `with`.
+
+    Any thread may use it. Calls return when they are done; an interrupt (Ctrl-C) in one that
+    waits for a motion stops the arm before it goes on. Leaving the `with` block stops what this
+    program moves, sees it stand, and closes; so does the end of a program that forgot to.
+    """
+
+    def __init__(self, runner: Runner) -> None:
+        super().__init__(runner, runner.robot)
+        self._feed: Feed | None = None
+        self._events: Events | None = None
+
+    def __repr__(self) -> str:
+        return repr(self._robot)
+
+    def __del__(self) -> None:
+        runner = getattr(self, "_runner", None)
+        if runner is not None and runner.running:
+            warnings.warn(f"unclosed {self!r}", ResourceWarning, source=self, stacklevel=2)
+            runner.ask_to_close()
+
+    @property
+    def host(self) -> str:
+        """Name or address of the controller."""
+        return self._robot.host
+
+    @property
+    def port(self) -> int:
+        """Its TCP port."""
+        return self._robot.port
+
+    def open(self) -> None:
+        """Connect, see that a controller answers, and start the heartbeat.
+
+        For notebooks; programs use `with`, which closes whatever happens.
+
+        Raises:
+            ConnectError: the host is unknown, the port is closed, or nothing answers.
+            NotAController: something else than a controller answers.
+            ConnectTimeout: something accepts connections, but answers nothing.
+            RobotStateError: it was opened before.
+        """
+        self._runner.open()
+
+    def close(self) -> None:
+        """Stop what this program moves, see it stand, end the heartbeat, close.
+
+        It is gone through to its end even if it is interrupted.
+
+        Raises:
+            StopUnconfirmed: it is not known that the arm stands.
+        """
+        self._runner.close()
+
+    def __enter__(self) -> Self:
+        self.open()
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def tasks(self) -> tuple[Task, ...]:
+        """The tasks of this program that live, in the order of their acceptance."""
+        return tuple(Task(self._runner, task) for task in self._robot.tasks)
+
+    @property
+    def heartbeat(self) -> HeartbeatStatistics | None:
+        """State and figures of the heartbeat; None without one."""
+        return self._robot.heartbeat
+
+    def statistics(self) -> SupervisorStatistics:
+        """Figures of lanes, tasks, stops and heartbeat since the robot was opened."""
+        return self._runner.look(self._robot.statistics)
+
+    @property
+    def feed(self) -> Feed:
+        """Samples of the robot's state at a steady rate; it begins when it is first used."""
+        if self._feed is None:
+            self._feed = Feed(self._runner, self._robot.feed)
+        return self._feed
+
+    @property
+    def events(self) -> Events:
+        """What happens to the robot, as it is seen."""
+        if self._events is None:
+            self._events = Events(self._runner, self._robot.events)
+        return self._events
+
+    def sleep(self, seconds: float) -> None:
+        """Let time pass. Unlike `time.sleep` it counts as a call: see `hold_limit` of `connect`.
+
+        Args:
+            seconds: how long.
+        """
+        self._runner.sleep(seconds)
+
+    def stop_now(self, timeout: float = 2.0) -> None:
+        """Send a stop from any thread or signal handler; it needs no event loop.
+
+        It returns when the controller has accepted the stop; the arm is then slowing down.
+
+        Args:
+            timeout: seconds in which a stop must be accepted.
+
+        Raises:
+            StopUnconfirmed: none was: press the emergency stop.
+
+        Manual section 1.3.3.
+        """
+        self._robot.stop_now(timeout)

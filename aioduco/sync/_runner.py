@@ -1,0 +1,304 @@
+"""An event loop on a thread of its own, in which one robot lives.
+
+Guarantees:
+- A call that is interrupted (Ctrl-C, or whatever else a signal handler raises) is cancelled on
+  the loop, and seen to its end there, before the interrupt goes on: a motion that was waited for
+  has been stopped by then. A second Ctrl-C does not cut that short.
+- When the main thread ends and the robot was not closed, it is closed, which stops what this
+  program moves. The loop's thread keeps the process alive for so long.
+- A motion without an end of its own does not outlive the attention of the thread that holds it.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+import anyio
+from anyio.from_thread import BlockingPortal
+
+from aioduco.errors import DucoError, RobotStateError
+from aioduco.sync._presence import Presence
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Coroutine
+
+    from aioduco.robot import Robot
+    from aioduco.supervision.task import Task
+
+__all__ = ["Runner"]
+
+_log = logging.getLogger(__name__)
+
+#: seconds between two looks at the main thread, and at who holds a motion
+_WATCH_EVERY = 0.05
+#: seconds between two moments at which a waiting thread can take an interrupt, where the system
+#: does not wake it for one
+_WAKE_EVERY = 0.2
+
+T = TypeVar("T")
+
+
+class _Call(Generic[T]):
+    """One await on the loop, and the thread that waits for it."""
+
+    def __init__(self, work: Coroutine[Any, Any, T]) -> None:
+        self._work = work
+        self._scope: anyio.CancelScope | None = None
+        self._withdrawn = False
+        self.over = threading.Event()
+        self.answers: list[T] = []
+        self.error: BaseException | None = None
+
+    async def run(self) -> None:
+        """Do the work; on the loop."""
+        try:
+            if self._withdrawn:
+                return
+            with anyio.CancelScope() as self._scope:
+                self.answers.append(await self._work)
+        except Exception as exc:  # it is raised in the thread that waits
+            self.error = exc
+        finally:
+            self._work.close()
+            self.over.set()
+
+    def withdraw(self) -> bool:
+        """Cancel the work, or see that it does not begin; on the loop.
+
+        Returns:
+            Whether it has begun: then its end is to be waited for.
+        """
+        self._withdrawn = True
+        if self._scope is None:
+            self._work.close()
+            return False
+        self._scope.cancel()
+        return True
+
+    def wait(self) -> None:
+        """Wait for the end."""
+        while not self.over.wait(_WAKE_EVERY):
+            pass
+
+
+class Runner:
+    """Runs one robot's event loop, and hands calls to it.
+
+    Args:
+        robot: the robot, not open yet.
+        hold_limit: seconds without a call after which a motion without an end of its own is
+            stopped; None for no limit.
+        program_limit: the same for every motion.
+    """
+
+    def __init__(self, robot: Robot, hold_limit: float | None, program_limit: float | None) -> None:
+        self.robot = robot
+        self._hold_limit = hold_limit
+        self._program_limit = program_limit
+        self._presence = Presence()
+        self._holders: dict[int, int] = {}
+        #: tasks that were stopped since nobody held them any more
+        self._let_go: set[int] = set()
+        self._portal: BlockingPortal | None = None
+        self._ready = threading.Event()
+        self._asked_to_end = False
+        self._thread = threading.Thread(
+            target=anyio.run, args=(self._main,), name=f"aioduco-sync {robot.host}", daemon=False
+        )
+
+    @property
+    def running(self) -> bool:
+        """Whether the loop runs."""
+        return self._thread.is_alive()
+
+    def open(self) -> None:
+        """Start the thread, and connect."""
+        if self._thread.ident is not None:
+            raise RobotStateError("a robot is opened once: make another one by connect()")
+        self._thread.start()
+        try:
+            while not self._ready.wait(_WAKE_EVERY):
+                pass
+            self.call(self.robot.open())
+        except BaseException:
+            self._asked_to_end = True
+            _to_the_end(self._thread.join)
+            raise
+
+    def close(self) -> None:
+        """Close the robot, and end the thread."""
+        if not self.running:
+            return
+        try:
+            self.call(self.robot.aclose())
+        finally:
+            self._asked_to_end = True
+            _to_the_end(self._thread.join)
+
+    def ask_to_close(self) -> None:
+        """Have the robot closed and the thread end, without waiting; from anywhere."""
+        self._asked_to_end = True
+
+    def call(
+        self,
+        work: Coroutine[Any, Any, T],
+        undo: Callable[[T], Coroutine[Any, Any, object]] | None = None,
+    ) -> T:
+        """Do work on the loop, and wait for it.
+
+        Args:
+            work: what is awaited there.
+            undo: awaited with the result if an interrupt comes when the work is done, and nobody
+                would get to know the result.
+
+        Returns:
+            The result.
+
+        Raises:
+            RobotStateError: the robot is not open.
+            RuntimeError: this is the loop's own thread.
+        """
+        thread = threading.get_ident()
+        call = _Call(work)
+        self._presence.enter(thread)
+        try:
+            self._hand_over(call, work)
+            call.wait()
+        except BaseException as interrupt:
+            # An interrupt may have come at any moment, even before the work was handed over.
+            self._give_up(call, undo)
+            if call.error is not None:
+                raise interrupt from call.error
+            raise
+        finally:
+            self._presence.leave(thread, time.monotonic())
+        if call.error is not None:
+            try:
+                raise call.error
+            finally:
+                del call  # the error's traceback would keep itself alive
+        return call.answers[0]
+
+    def look(self, function: Callable[[], T]) -> T:
+        """Call something that does not wait, on the loop if it runs."""
+        if threading.get_ident() == self._thread.ident or not self.running:
+            return function()
+        return self.call(_await(function))
+
+    def sleep(self, seconds: float) -> None:
+        """Let time pass; the thread counts as heard of meanwhile."""
+        self.call(anyio.sleep(seconds))
+
+    def holds(self, task: Task) -> None:
+        """Say that the calling thread has to do with a task."""
+        self._holders[task.id] = threading.get_ident()
+
+    def was_let_go(self, task: Task) -> bool:
+        """Whether a task was stopped because the program was not heard of."""
+        return task.id in self._let_go
+
+    def _hand_over(self, call: _Call[T], work: Coroutine[Any, Any, T]) -> None:
+        portal = self._portal
+        if portal is None or not self.running:
+            work.close()
+            raise RobotStateError("the robot is not open: nothing was sent")
+        if threading.get_ident() == self._thread.ident:
+            work.close()
+            raise RuntimeError(
+                "this is called on the thread of the robot's event loop, as predicates are: it "
+                "would wait for itself. Nothing was sent"
+            )
+        try:
+            portal.start_task_soon(call.run)
+        except RuntimeError as exc:
+            work.close()
+            raise RobotStateError("the robot is being closed: nothing was sent") from exc
+
+    def _give_up(
+        self, call: _Call[T], undo: Callable[[T], Coroutine[Any, Any, object]] | None
+    ) -> None:
+        portal = self._portal
+        if portal is None or threading.get_ident() == self._thread.ident:
+            return
+
+        def withdraw() -> None:
+            try:
+                begun = portal.call(call.withdraw)
+            except RuntimeError:  # the loop ends, and with it whatever was begun
+                return
+            if begun:
+                call.wait()
+
+        _to_the_end(withdraw)
+        if call.answers and undo is not None:
+            undoing = _Call(undo(call.answers[0]))
+            portal.start_task_soon(undoing.run)
+            _to_the_end(undoing.wait)
+            call.error = undoing.error
+
+    # What follows runs on the loop.
+
+    async def _main(self) -> None:
+        async with BlockingPortal() as self._portal:
+            self._ready.set()
+            await self._watch()
+
+    async def _watch(self) -> None:
+        main = threading.main_thread()
+        due = time.monotonic()
+        while not self._asked_to_end:
+            if not main.is_alive():
+                _log.warning("the program ended and left %r open: it is closed", self.robot)
+                break
+            await self._let_go_of_unheld()
+            due = max(due + _WATCH_EVERY, time.monotonic())
+            await anyio.sleep(due - time.monotonic())
+        try:
+            await self.robot.aclose()
+        except DucoError:
+            _log.exception("closing %r failed", self.robot)
+
+    async def _let_go_of_unheld(self) -> None:
+        now = time.monotonic()
+        live = {task.id: task for task in self.robot.tasks}
+        for task_id in [known for known in self._holders if known not in live]:
+            del self._holders[task_id]
+        unheld = []
+        for task_id, thread in self._holders.items():
+            limit = self._limit(live[task_id])
+            if limit is not None and self._presence.silence(thread, now) > limit:
+                unheld.append(task_id)
+        if not unheld:
+            return
+        for task_id in unheld:
+            _log.warning("%r is stopped: the program made no call for too long", live[task_id])
+            self._let_go.add(task_id)
+            del self._holders[task_id]
+        try:
+            await self.robot.stop()
+        except DucoError:
+            _log.exception("stopping %r failed", self.robot)
+
+    def _limit(self, task: Task) -> float | None:
+        held = task.held
+        # In hand guiding it is a person who leads, and the arm rests when nobody does.
+        endless = held is not None and held.time is None and not held.until_told
+        limits = [self._program_limit, self._hold_limit if endless else None]
+        return min((limit for limit in limits if limit is not None), default=None)
+
+
+async def _await(function: Callable[[], T]) -> T:
+    return function()
+
+
+def _to_the_end(wait: Callable[[], object]) -> None:
+    """Wait, through any number of interrupts by Ctrl-C; the caller raises the first one."""
+    while True:
+        try:
+            wait()
+        except KeyboardInterrupt:
+            continue
+        return

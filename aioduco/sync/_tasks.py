@@ -1,0 +1,329 @@
+"""Motions and tasks for programs that wait."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from typing import TYPE_CHECKING, Any, Concatenate, Generic, ParamSpec
+
+import anyio
+
+from aioduco.errors import TaskError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Coroutine, Iterator
+    from types import TracebackType
+    from typing import Self
+
+    from aioduco.models.enums import Outcome, TaskState
+    from aioduco.supervision import command as aio_command
+    from aioduco.supervision import task as aio_task
+    from aioduco.supervision.task import OnCancel
+    from aioduco.sync._runner import Runner
+
+__all__ = ["MotionCommand", "MotionFunction", "Task", "moves"]
+
+P = ParamSpec("P")
+
+
+class Task:
+    """A task that the controller accepted. `with task:` ties it to a block.
+
+    When the block is left, a motion with an end of its own is waited for, and one without is
+    ended. If the block raises, the arm is stopped, or what `on_cancel` says.
+
+    The controller stops, pauses and resumes all its tasks together, never one alone: so do
+    `cancel`, `pause` and `resume`.
+    """
+
+    def __init__(self, runner: Runner, task: aio_task.Task) -> None:
+        self._runner = runner
+        self._task = task
+        runner.holds(task)
+
+    def __repr__(self) -> str:
+        return repr(self._task)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Task) and other._task is self._task
+
+    def __hash__(self) -> int:
+        return hash(self._task)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if exc is not None:
+            if not self.done:
+                self._runner.call(self._task.forsake())
+        elif self._task.held is not None:
+            self.end()
+        else:
+            self.wait()
+
+    @property
+    def id(self) -> int:
+        """The controller's number of the task."""
+        return self._task.id
+
+    @property
+    def name(self) -> str:
+        """The function that started it."""
+        return self._task.name
+
+    @property
+    def motion(self) -> bool:
+        """Whether it moves the arm."""
+        return self._task.motion
+
+    @property
+    def on_cancel(self) -> OnCancel:
+        """What happens to the arm when a wait for it is interrupted."""
+        return self._task.on_cancel
+
+    @property
+    def state(self) -> TaskState:
+        """The state that was seen last."""
+        return self._task.state
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """How the task ended; None while it lives."""
+        return self._task.outcome
+
+    @property
+    def done(self) -> bool:
+        """Whether the task has ended, or was lost sight of."""
+        return self._task.done
+
+    @property
+    def errors(self) -> tuple[str, ...]:
+        """The controller's error list at the end of a task that failed."""
+        return self._task.errors
+
+    @property
+    def duration(self) -> float:
+        """Seconds from its start to its end, or to now."""
+        return self._task.duration
+
+    def result(self) -> Outcome:
+        """The outcome of a task that is done.
+
+        Raises:
+            TaskError: it is not done, or it neither finished nor blended: one of the subclasses.
+        """
+        return self._noting(self._task.result)
+
+    def wait(self, timeout: float | None = None) -> Outcome:
+        """Wait for the end of the task.
+
+        An interrupt (Ctrl-C) stops the arm before it goes on, or does what `on_cancel` says.
+
+        Args:
+            timeout: seconds for which to wait; None for as long as it takes.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            TimeoutError: it has not ended in time. It goes on.
+        """
+        self._runner.holds(self._task)
+        return self._noting(lambda: self._runner.call(self._wait(timeout)))
+
+    async def _wait(self, timeout: float | None) -> Outcome:
+        if timeout is None:
+            return await self._task
+        try:
+            with anyio.fail_after(timeout):
+                await self._task.wait()
+        except anyio.get_cancelled_exc_class():
+            await self._task.forsake()
+            raise
+        return self._task.result()
+
+    def states(self) -> Iterator[TaskState]:
+        """Each state from the first on, once, until the end.
+
+        Leaving the loop does nothing to the arm. An interrupt while it waits does: see `wait`.
+        """
+        states = aiter(self._task)
+
+        async def following() -> TaskState | None:
+            try:
+                return await anext(states, None)
+            except anyio.get_cancelled_exc_class():
+                await self._task.forsake()
+                raise
+
+        while True:
+            self._runner.holds(self._task)
+            state = self._runner.call(following())
+            if state is None:
+                return
+            yield state
+
+    def cancel(self) -> Outcome:
+        """Stop the arm, all its tasks included, and wait until it stands.
+
+        Returns:
+            The outcome of this task: stopped, unless it had ended before.
+
+        Raises:
+            StopUnconfirmed: it is not known that the arm stands.
+        """
+        return self._runner.call(self._task.cancel())
+
+    def end(self) -> Outcome:
+        """End a motion that goes on by the function made for that, and wait until the arm stands.
+
+        Other tasks go on. A motion that comes to an end by itself is cancelled. What cannot be
+        ended is stopped.
+
+        Returns:
+            The outcome of this task.
+
+        Raises:
+            TaskError: it had ended otherwise than by finishing, or could only be stopped.
+            StopUnconfirmed: it is not known that the arm stands.
+        """
+        self._runner.holds(self._task)
+        return self._noting(lambda: self._runner.call(self._task.end()))
+
+    def pause(self) -> None:
+        """Pause the arm, all its tasks included, and wait until it stands."""
+        self._runner.holds(self._task)
+        self._runner.call(self._task.pause())
+
+    def resume(self) -> None:
+        """Resume all paused tasks."""
+        self._runner.holds(self._task)
+        self._runner.call(self._task.resume())
+
+    def _noting(self, function: Callable[[], Outcome]) -> Outcome:
+        try:
+            return function()
+        except TaskError as exc:
+            if self._runner.was_let_go(self._task):
+                exc.add_note(
+                    "the arm was stopped because the thread that held this motion made no call for "
+                    "too long: let time pass by robot.sleep(), or see hold_limit of connect()"
+                )
+            raise
+
+
+class MotionCommand:
+    """A motion as a value: checked, but not sent. `run` or `start` moves the arm.
+
+    For `robot.motion.run`, and for motions that are carried out several times.
+    """
+
+    def __init__(self, runner: Runner, command: aio_command.MotionCommand) -> None:
+        self._runner = runner
+        #: the same motion for programs that await
+        self.awaitable = command
+
+    def __repr__(self) -> str:
+        return repr(self.awaitable)
+
+    def run(self) -> Outcome:
+        """Send the motion and wait for its end.
+
+        An interrupt (Ctrl-C) stops the arm before it goes on.
+
+        Returns:
+            How it ended: finished or blended.
+
+        Raises:
+            TaskError: it ended otherwise: one of the subclasses.
+            Refused: the controller refused it.
+            RobotStateError: the robot is not open, or its heartbeat does not beat.
+            OutcomeUnknown: it was sent, but not answered; the arm was stopped.
+            ConnectionLost: it was not sent.
+        """
+        return self._runner.call(self._run())
+
+    async def _run(self) -> Outcome:
+        return await self.awaitable
+
+    def start(self, *, deadline: float | None = None, on_cancel: OnCancel | None = None) -> Task:
+        """Send the motion and return its task as soon as the controller has accepted it.
+
+        Args:
+            deadline: seconds after which the arm is stopped if the motion has not ended; None
+                for no such limit.
+            on_cancel: what happens to the arm if a wait for the task is interrupted: "stop",
+                "pause", or "detach" (it moves on); None for what the robot was opened with.
+
+        Raises:
+            Refused: the controller refused it.
+            RobotStateError: the robot is not open, or its heartbeat does not beat.
+            OutcomeUnknown: it was sent, but not answered; the arm was stopped.
+            ConnectionLost: it was not sent.
+        """
+        work = self.awaitable.start(deadline=deadline, on_cancel=on_cancel)
+        return Task(self._runner, self._runner.call(work, undo=_forsake))
+
+
+def _forsake(task: aio_task.Task) -> Coroutine[Any, Any, None]:
+    return task.forsake()
+
+
+class MotionFunction(Generic[P]):
+    """A motion of a section: call it to carry it out.
+
+        robot.motion.movej2(home, v=1.0, a=1.0)                    # returns when it has ended
+        task = robot.motion.movej2.start(home, v=1.0, a=1.0)       # returns when it is accepted
+        leg = robot.motion.movej2.prepare(home, v=1.0, a=1.0)      # nothing is sent
+
+    All three take the same arguments.
+    """
+
+    def __init__(
+        self, runner: Runner, make: Callable[P, aio_command.MotionCommand], doc: str | None
+    ) -> None:
+        self._runner = runner
+        self._make = make
+        self.__doc__ = doc
+
+    def __repr__(self) -> str:
+        return f"<motion {getattr(self._make, '__name__', '')}>"
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        return inspect.signature(self._make)
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> Outcome:
+        """Carry the motion out, and return when it has ended: see `MotionCommand.run`."""
+        return self.prepare(*args, **kwargs).run()
+
+    def start(self, *args: P.args, **kwargs: P.kwargs) -> Task:
+        """Start the motion, and return when it is accepted: see `MotionCommand.start`."""
+        return self.prepare(*args, **kwargs).start()
+
+    def prepare(self, *args: P.args, **kwargs: P.kwargs) -> MotionCommand:
+        """Check the arguments, and return the motion as a value; nothing is sent."""
+        return MotionCommand(self._runner, self._make(*args, **kwargs))
+
+
+class moves(Generic[P]):  # noqa: N801  # a decorator
+    """Makes a method that returns a motion for programs that await one that carries it out."""
+
+    def __init__(self, method: Callable[Concatenate[Any, P], aio_command.MotionCommand]) -> None:
+        self._method = method
+        self.__doc__ = method.__doc__
+
+    def __get__(self, section: Any, owner: type | None = None) -> MotionFunction[P]:
+        if section is None:
+            # Of the class, for help(): it has nothing to run it.
+            return MotionFunction(None, self._method, self.__doc__)  # type: ignore[arg-type]
+        make = functools.partial(self._method, section)
+        functools.update_wrapper(make, self._method)
+        return MotionFunction(section._runner, make, self.__doc__)
