@@ -10,6 +10,7 @@ import pytest
 
 import aioduco
 from aioduco import Outcome, TaskState
+from aioduco.testing import eventually_async
 from client.bench import HOME, POSE
 
 if TYPE_CHECKING:
@@ -190,3 +191,17 @@ async def test_functions_of_the_system_end_before_they_return(
     await robot.system.enable()
     assert (await robot.state.get_robot_state()).robot is aioduco.RobotState.ENABLE
     assert bench.received("power_on")[0].args == (False,)
+
+
+async def test_a_motion_that_is_lost_sight_of_raises_when_the_arm_stands(
+    bench: Bench, robot: aioduco.Robot
+) -> None:
+    bench.motion_time = 30.0
+    bench.braking_time = 0.3
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    await eventually_async(bench.moving)
+    bench.answer("get_noneblock_taskstate", 42)
+    with pytest.raises(aioduco.TaskUnknown):
+        await task
+    assert bench.received("stop")
+    assert not bench.moving()
