@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 import inspect
+from types import MethodType
 from typing import TYPE_CHECKING, Any, Concatenate, Generic, ParamSpec
 
 import anyio
@@ -248,6 +248,7 @@ class MotionCommand:
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             ConnectionLost: it was not sent.
         """
+        self.awaitable.hand_over()  # if it cannot be sent, that is told by an error
         return self._runner.call(self._run())
 
     async def _run(self) -> Outcome:
@@ -268,6 +269,7 @@ class MotionCommand:
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             ConnectionLost: it was not sent.
         """
+        self.awaitable.hand_over()
         work = self.awaitable.start(deadline=deadline, on_cancel=on_cancel)
         return Task(self._runner, self._runner.call(work, undo=_forsake))
 
@@ -324,6 +326,5 @@ class moves(Generic[P]):  # noqa: N801  # a decorator
         if section is None:
             # Of the class, for help(): it has nothing to run it.
             return MotionFunction(None, self._method, self.__doc__)  # type: ignore[arg-type]
-        make = functools.partial(self._method, section)
-        functools.update_wrapper(make, self._method)
+        make: Callable[P, aio_command.MotionCommand] = MethodType(self._method, section)
         return MotionFunction(section._runner, make, self.__doc__)

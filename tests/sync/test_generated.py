@@ -1,0 +1,103 @@
+"""What is generated is whole, up to date, and the same as what is awaited."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import aioduco
+import aioduco.sync
+from aioduco.sync import MotionFunction
+
+ROOT = Path(__file__).parents[2]
+
+#: what has another name, or no use, in a program that waits
+RENAMED = {"aclose": "close"}
+
+
+def public(thing: object) -> set[str]:
+    return {name for name in dir(thing) if not name.startswith("_")}
+
+
+def test_it_is_up_to_date() -> None:
+    done = subprocess.run(
+        [sys.executable, "idl/generate_sync.py", "--check"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_check_finds_a_difference(tmp_path: Path) -> None:
+    text = (ROOT / "aioduco/sync/_generated.py").read_text(encoding="utf-8")
+    target = tmp_path / "_generated.py"
+    target.write_text(text.replace("self._section.power_on(", "self._section.power_off("))
+    assert target.read_text() != text
+    code = (
+        "import sys; sys.path.insert(0, 'idl'); sys.argv = ['generate_sync.py', '--check']\n"
+        "import generate_sync, pathlib\n"
+        f"generate_sync.TARGET = pathlib.Path({str(target)!r})\n"
+        "sys.exit(generate_sync.main())\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 1
+    assert "self._section.power_off(" in done.stdout
+
+
+def test_everything_public_is_there() -> None:
+    awaited = aioduco.connect("nowhere")
+    waiting = aioduco.sync.connect("nowhere")
+    assert {RENAMED.get(name, name) for name in public(awaited)} <= public(waiting)
+    sections = [name for name in public(awaited) if hasattr(getattr(awaited, name), "_rpc")]
+    assert len(sections) >= 10
+    for section in sections:
+        assert public(getattr(awaited, section)) == public(getattr(waiting, section)), section
+
+
+def test_signatures_are_the_same() -> None:
+    awaited = aioduco.connect("nowhere")
+    waiting = aioduco.sync.connect("nowhere")
+    functions = 0
+    for section in public(awaited):
+        ours, theirs = getattr(waiting, section, None), getattr(awaited, section)
+        if not hasattr(theirs, "_rpc"):
+            continue
+        for name in public(theirs):
+            function = getattr(theirs, name)
+            parameters = inspect.signature(function).parameters
+            got = inspect.signature(getattr(ours, name)).parameters
+            assert list(got) == list(parameters), name
+            assert [p.kind for p in got.values()] == [p.kind for p in parameters.values()], name
+            assert [p.default for p in got.values()] == [p.default for p in parameters.values()]
+            functions += 1
+            moves = isinstance(getattr(ours, name), MotionFunction)
+            assert moves is not inspect.iscoroutinefunction(function), name
+    assert functions > 100
+
+
+def test_connect_takes_what_the_awaited_one_takes() -> None:
+    awaited = inspect.signature(aioduco.connect).parameters
+    waiting = inspect.signature(aioduco.sync.connect).parameters
+    assert list(waiting)[: len(awaited)] == list(awaited)
+    assert [waiting[name].default for name in awaited] == [p.default for p in awaited.values()]
+    assert set(waiting) - set(awaited) == {"hold_limit", "program_limit"}
+
+
+def test_nothing_is_said_that_only_an_awaiting_program_does() -> None:
+    text = (ROOT / "aioduco/sync/_generated.py").read_text(encoding="utf-8")
+    assert not [line for line in text.split("\n") if "await " in line or "async " in line]
+    for name in aioduco.sync.__all__:
+        assert getattr(importlib.import_module("aioduco.sync"), name).__doc__

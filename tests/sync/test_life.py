@@ -1,0 +1,134 @@
+"""The thread underneath: when it begins, who may call it, and when it ends."""
+
+from __future__ import annotations
+
+import asyncio
+import subprocess
+import sys
+import threading
+from typing import TYPE_CHECKING
+
+import pytest
+
+import aioduco.sync
+from aioduco import ConnectError, Joints, Outcome, RobotStateError
+from aioduco.testing import eventually, no_leaks
+from sync.conftest import meanwhile
+
+if TYPE_CHECKING:
+    from api.desk import Desk
+
+    from aioduco.sync import Robot
+
+HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
+
+
+def threads() -> list[str]:
+    return [thread.name for thread in threading.enumerate() if "aioduco-sync" in thread.name]
+
+
+def test_it_leaves_nothing_behind(desk: Desk) -> None:
+    with aioduco.sync.connect(desk.host, desk.port):
+        pass  # the controller, too, has all that it needs from here on
+    with no_leaks(), aioduco.sync.connect(desk.host, desk.port) as robot:
+        assert len(threads()) == 1
+        robot.state.get_tcp_pose()
+    assert threads() == []
+
+
+def test_nobody_there(desk: Desk) -> None:
+    desk.__exit__(None, None, None)
+    with pytest.raises(ConnectError), aioduco.sync.connect(desk.host, desk.port):
+        pass
+    assert threads() == []
+
+
+def test_closing_stops_what_moves(desk: Desk) -> None:
+    desk.motion_time = 30.0
+    robot = aioduco.sync.connect(desk.host, desk.port)
+    robot.open()
+    task = robot.motion.movej2.start(HOME, v=1.0, a=1.0)
+    robot.close()
+    robot.close()
+    assert task.outcome is Outcome.STOPPED
+    assert desk.commands == ["movej2", "stop"]
+    assert robot.statistics().stops == 1
+
+
+@pytest.mark.parametrize("opened", [False, True])
+def test_a_robot_that_is_not_open(desk: Desk, *, opened: bool) -> None:
+    robot = aioduco.sync.connect(desk.host, desk.port)
+    if opened:
+        robot.open()
+        robot.close()
+        with pytest.raises(RobotStateError):
+            robot.open()
+    for call in (robot.stop, robot.state.get_tcp_pose, lambda: robot.sleep(0.0)):
+        with pytest.raises(RobotStateError):
+            call()
+    with pytest.raises(RobotStateError):
+        robot.motion.movej2(HOME, v=1.0, a=1.0)
+    assert robot.tasks == ()
+    assert desk.commands == []
+
+
+async def test_inside_a_running_loop(desk: Desk) -> None:
+    """As in a notebook: the main thread has a loop of its own, and waits in a call."""
+    assert asyncio.get_running_loop()
+    with aioduco.sync.connect(desk.host, desk.port) as robot:
+        assert robot.motion.movej2(HOME, v=1.0, a=1.0) is Outcome.FINISHED
+
+
+def test_any_thread_may_call(robot: Robot, desk: Desk) -> None:
+    desk.motion_time = 30.0
+    with (
+        meanwhile(lambda: eventually(desk.moving), robot.stop),
+        pytest.raises(aioduco.TaskStopped),
+    ):
+        robot.motion.movej2(HOME, v=1.0, a=1.0)
+
+
+def test_stop_now_from_another_thread(robot: Robot, desk: Desk) -> None:
+    desk.motion_time = 30.0
+    with (
+        meanwhile(lambda: eventually(desk.moving), robot.stop_now),
+        pytest.raises(aioduco.TaskStopped),
+    ):
+        robot.motion.movej2(HOME, v=1.0, a=1.0)
+
+
+def test_a_predicate_cannot_call_the_robot(robot: Robot) -> None:
+    with pytest.raises(RuntimeError, match="wait for itself"):
+        robot.wait_for(lambda _: robot.state.robotmoving())
+
+
+def test_one_left_open_is_closed_with_a_warning(desk: Desk) -> None:
+    desk.motion_time = 30.0
+    robot = aioduco.sync.connect(desk.host, desk.port)
+    robot.open()
+    robot.motion.movej2.start(HOME, v=1.0, a=1.0)
+    kept = [robot]
+    del robot
+    with pytest.warns(ResourceWarning, match="unclosed <Robot"):
+        kept.clear()
+    eventually(lambda: threads() == [])
+    assert desk.commands == ["movej2", "stop"]
+    assert not desk.moving()
+
+
+def test_a_program_that_ends_without_closing(desk: Desk) -> None:
+    desk.motion_time = 30.0
+    program = (
+        "import aioduco.sync\n"
+        f"robot = aioduco.sync.connect({desk.host!r}, {desk.port})\n"
+        "robot.open()\n"
+        "robot.motion.movej2.start([0, 0, 1.5, 0, -1.5, 0], v=1.0, a=1.0)\n"
+        "print('ends')\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert (done.stdout, done.returncode) == ("ends\n", 0)
+    assert "left <Robot" in done.stderr
+    assert desk.commands == ["movej2", "stop"]
+    assert not desk.moving()

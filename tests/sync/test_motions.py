@@ -1,0 +1,142 @@
+"""Motions and tasks: each call returns when it is done."""
+
+from __future__ import annotations
+
+import inspect
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+import aioduco
+import aioduco.sync
+from aioduco import Joints, Outcome, ParameterError, TaskFailed, TaskState, TaskStopped
+from aioduco.sync import MotionFunction
+from aioduco.testing import eventually
+
+if TYPE_CHECKING:
+    from api.desk import Desk
+
+HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
+
+
+def test_a_motion_returns_when_it_has_ended(robot: aioduco.sync.Robot, desk: Desk) -> None:
+    assert robot.motion.movej2(HOME, v=1.0, a=2.0, r=0.01) is Outcome.FINISHED
+    (task,) = desk.tasks.values()
+    assert task.state is TaskState.FINISHED
+    assert desk.received("movej2")[0].args[:5] == (list(HOME), 1.0, 2.0, 0.01, False)
+
+
+def test_a_motion_that_fails_raises(robot: aioduco.sync.Robot, desk: Desk) -> None:
+    desk.ends = TaskState.ERROR
+    with pytest.raises(TaskFailed):
+        robot.motion.movej2(HOME, v=1.0, a=1.0)
+    with pytest.raises(TaskFailed):
+        robot.motion.movej2.start(HOME, v=1.0, a=1.0).wait()
+
+
+def test_a_refused_argument_never_reaches_the_socket(robot: aioduco.sync.Robot, desk: Desk) -> None:
+    for function in (
+        robot.motion.movej2,
+        robot.motion.movej2.start,
+        robot.motion.movej2.prepare,
+    ):
+        with pytest.raises(ParameterError):
+            function(HOME, v=99.0, a=1.0)
+    with pytest.raises(ParameterError):
+        robot.io.get_standard_digital_out(99)
+    not_a_motion: Any = HOME
+    with pytest.raises(ParameterError):
+        robot.motion.run(not_a_motion)
+    assert desk.commands == []
+
+
+def test_a_started_motion_is_a_task(robot: aioduco.sync.Robot, desk: Desk) -> None:
+    desk.motion_time = 30.0
+    task = robot.motion.movej2.start(HOME, v=1.0, a=1.0)
+    assert (task.name, task.motion, task.done, task.outcome) == ("movej2", True, False, None)
+    assert task.id in desk.tasks
+    assert robot.tasks == (task,)
+    with pytest.raises(TimeoutError):
+        task.wait(timeout=0.01)
+    assert not task.done  # a wait that was too short does nothing to the arm
+    task.pause()
+    task.resume()
+    assert task.cancel() is Outcome.STOPPED
+    assert task.errors == ()
+    with pytest.raises(TaskStopped):
+        task.result()
+    with pytest.raises(TaskStopped):
+        task.wait()
+    assert desk.commands == ["movej2", "pause", "resume", "stop"]
+    assert len(robot.tasks) == 0
+
+
+def test_each_state_of_a_task(robot: aioduco.sync.Robot, desk: Desk) -> None:
+    task = robot.motion.movej2.start(HOME, v=1.0, a=1.0)
+    states = list(task.states())
+    assert states[-1] is TaskState.FINISHED
+    assert len(set(states)) == len(states) >= 2
+    assert task.wait(timeout=5.0) is task.result() is Outcome.FINISHED
+    assert task.duration > 0.0
+
+
+def test_a_block_waits_for_a_motion(robot: aioduco.sync.Robot, desk: Desk) -> None:
+    with robot.motion.movej2.start(HOME, v=1.0, a=1.0) as task:
+        assert not task.done
+    assert task.outcome is Outcome.FINISHED
+
+
+def test_a_block_that_raises_stops_the_arm(robot: aioduco.sync.Robot, desk: Desk) -> None:
+    desk.motion_time = 30.0
+    with pytest.raises(KeyError), robot.motion.movej2.start(HOME, v=1.0, a=1.0) as task:
+        raise KeyError
+    assert task.outcome is Outcome.STOPPED
+    assert not desk.moving()
+
+
+def test_leaving_a_block_ends_what_goes_on(robot: aioduco.sync.Robot, desk: Desk) -> None:
+    with robot.motion.speedl.start([0, 0, -0.02, 0, 0, 0], a=1.0):
+        eventually(desk.moving)
+    assert not desk.moving()
+    assert desk.commands == ["speedl", "speed_stop"]
+
+
+def test_motions_made_beforehand_blend(robot: aioduco.sync.Robot, desk: Desk) -> None:
+    legs = [robot.motion.movej2.prepare(HOME, v=1.0, a=1.0, r=r) for r in (0.02, 0.0)]
+    assert desk.commands == []
+    assert robot.motion.run(*legs) == (Outcome.BLENDED, Outcome.FINISHED)
+    assert legs[1].run() is Outcome.FINISHED
+    assert len(desk.received("movej2")) == 3
+
+
+def test_one_that_was_never_used_warns(robot: aioduco.sync.Robot) -> None:
+    with pytest.warns(RuntimeWarning, match="the arm did not move"):
+        robot.motion.movej2.prepare(HOME, v=1.0, a=1.0)
+
+
+def test_a_deadline_stops_the_arm(robot: aioduco.sync.Robot, desk: Desk) -> None:
+    desk.motion_time = 30.0
+    task = robot.motion.movej2.prepare(HOME, v=1.0, a=1.0).start(deadline=0.05)
+    with pytest.raises(aioduco.TaskOverdue):
+        task.wait()
+    assert not desk.moving()
+
+
+def test_calls_return_values_and_raise_what_the_awaited_ones_do(
+    robot: aioduco.sync.Robot, desk: Desk
+) -> None:
+    assert robot.state.get_tcp_pose().x == 0.5
+    assert robot.bring_up().robot is aioduco.RobotState.ENABLE
+    desk.answer("get_tcp_pose", [1.0])
+    with pytest.raises(aioduco.StaleState):
+        robot.state.get_tcp_pose()
+    with pytest.raises(aioduco.ControllerError):
+        robot.version.get_robot_version()
+
+
+def test_what_help_shows(robot: aioduco.sync.Robot) -> None:
+    for movej2 in (robot.motion.movej2, type(robot.motion).movej2):
+        assert isinstance(movej2, MotionFunction)
+        assert "关节运动" in str(movej2.__doc__)
+        assert {"joints", "v", "a", "r"} <= set(inspect.signature(movej2).parameters)
+    assert repr(robot.motion.movej2) == "<motion movej2>"
