@@ -1,9 +1,9 @@
 """What can happen to a robot: the classes of the items that `robot.events` gives.
 
-    with robot.events.subscribe() as stream:
-        async for event in stream:
-            if isinstance(event, events.CollisionDetected):
-                ...
+with robot.events.subscribe() as stream:
+    async for event in stream:
+        if isinstance(event, events.CollisionDetected):
+            ...
 """
 
 from __future__ import annotations

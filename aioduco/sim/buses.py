@@ -20,6 +20,7 @@ class SerialPeer(Protocol):
 
     def receive(self, data: bytes, /) -> bytes | None:
         """What it sends back for what was written to the bus."""
+        ...
 
 
 class CanPeer(Protocol):
@@ -27,6 +28,7 @@ class CanPeer(Protocol):
 
     def receive(self, id: int, data: bytes, /) -> Sequence[tuple[int, bytes]]:  # noqa: A002 - CAN's name
         """The frames, identifier and data, that it sends back for one."""
+        ...
 
 
 class SerialPort:

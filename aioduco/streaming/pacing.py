@@ -12,7 +12,6 @@ if TYPE_CHECKING:
 __all__ = ["Schedule", "sharpen_sleep", "sleep_until"]
 
 
-
 class Schedule:
     """When ticks are due: at `start + k * period`, whatever happened before. Pure.
 

@@ -12,8 +12,8 @@ NAMES = {
     "the robot": "__version__ connect Robot HeldMotion MotionCommand OnCancel Outcome Task",
     "values": "deg mm Joints JointsLike Pose PoseLike",
     "outputs": "bool_register event float_register output tool_output word_register Op PointOp",
-    "what motions are made of": "ExternalAxis ExternalAxisScheme ExternalAxisState FileKind ForceFrame "
-    "ForceLogic GuardedForce Jog Load "
+    "what motions are made of": "ExternalAxis ExternalAxisScheme ExternalAxisState FileKind "
+    "ForceFrame ForceLogic GuardedForce Jog Load "
     "JogDirections JogFrame OutputMode RealtimeMode RealtimePoint WeavePlane WeaveShape",
     "states": "HeartbeatState IOStatus OperationMode ProgramState RobotState RobotStates "
     "RobotStatus SafetyState Snapshot TaskState events",
