@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     from typing import Self
 
     from aioduco.errors import DucoError
-    from aioduco.events import Event
     from aioduco.supervision import events as aio_events
     from aioduco.supervision import feed as aio_feed
     from aioduco.supervision.buffer import Policy
+    from aioduco.supervision.changes import Event
     from aioduco.supervision.feed import FeedStatistics, Snapshot
     from aioduco.sync._runner import Runner
 
