@@ -73,6 +73,9 @@ class Handlers(rpc_server.Handlers):
     def get_robot_state(self) -> list[int]:
         return [6, 2, 5, 1]
 
+    def robotmoving(self) -> bool:
+        return False
+
     def stop(self, _block: bool) -> int:
         self.times.append(-1.0)
         return 4

@@ -77,6 +77,9 @@ class Feed:
         self.timeout = float(config["timeout"])
         self.space: Space = JOINT_SPACE if config["space"] == "joints" else POSE_SPACE
         self.rates = bool(config["rates"])
+        #: whether each call carries the step from the set-point before, in the tool's frame
+        self.offsets = bool(config["offsets"])
+        self._before = POSE_SPACE.decode((0.0,) * 6)
         self.period = float(config["point_period"])
         self.limits = Limits(*(tuple(values) for values in config["limits"]))
         self.source = Source(
@@ -106,8 +109,7 @@ class Feed:
         if self.rates:
             self._follower = Rates(self.space, self.limits, self.period)
         else:
-            name, *args = self.config["read"]
-            actual = self.connection.call(name, tuple(args), self.timeout)
+            actual = self._actual()
             self._follower = Follower(
                 self.config["upsample"],
                 self.space,
@@ -117,6 +119,14 @@ class Feed:
             )
         self.source.begin(self._follower)
         return True
+
+    def _actual(self) -> list[float]:
+        """Where the arm is; offsets count from there, so for them that is zero."""
+        if self.offsets:
+            return [0.0] * 6
+        name, *args = self.config["read"]
+        actual: list[float] = self.connection.call(name, tuple(args), self.timeout)
+        return actual
 
     def step(self) -> tuple[float, ...] | None:
         """The next set-point for the controller; None when there is nothing to send."""
@@ -133,7 +143,12 @@ class Feed:
 
     def values(self, config: Config) -> tuple[float, ...]:
         """The six numbers of the wire."""
-        return config if self.rates else self.space.encode(config)
+        if self.rates:
+            return config
+        if not self.offsets:
+            return self.space.encode(config)
+        before, self._before = self._before, config
+        return POSE_SPACE.encode(POSE_SPACE.offset(before, config))
 
     def _take(self) -> SetPoint | None:
         point = self._next()

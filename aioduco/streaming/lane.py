@@ -25,7 +25,7 @@ from typing import Any
 
 from aioduco._wire.connection import Connection
 from aioduco._wire.lifecycle import ConnectionState
-from aioduco.errors import ControllerError, DucoError
+from aioduco.errors import ControllerError, DucoError, StopUnconfirmed
 from aioduco.scheduling import shorten_slice
 from aioduco.streaming.drive import Driver, Each
 from aioduco.streaming.pacing import Schedule, sharpen_sleep, sleep_until
@@ -54,6 +54,9 @@ _STOPS = (
 _ANSWER = 50_000  # ns: no controller answers sooner
 _SLICE = 100_000  # ns: the shortest that the system gives
 _LOOK = 5_000_000  # ns between two looks at whether the program lives
+_STANDING = 2  # answers in a row that the arm does not move
+_STAND_EVERY = 10_000_000  # ns between two questions for that
+_STAND_LIMIT = 5_000_000_000  # ns for the arm to stand
 _REPORT = 10_000_000  # ns between two reports of the set-point
 
 
@@ -107,7 +110,9 @@ class Lane:
         try:
             self._leave(connection, reason)
         except (DucoError, OSError) as exc:
-            text = f"{text}; and the robot could not be stopped: {exc}".strip("; ")
+            text = f"{text}; and it is not known that the arm stands: {exc}".strip("; ")
+            if reason in (Reason.CLOSED, Reason.ABORTED):
+                reason = Reason.FAILED
         finally:
             connection.close()
             block.text = text
@@ -139,8 +144,26 @@ class Lane:
         try:
             for name, *args in calls:
                 connection.call(name, tuple(args), self._config["timeout"])
+            self._stand(connection)
         finally:
             connection.close()
+
+    def _stand(self, connection: Connection) -> None:
+        """Wait until the arm stands: a controller smooths what it is sent, and so lags behind."""
+        start = time.monotonic_ns()
+        standing = looks = 0
+        while standing < _STANDING:
+            looks += 1
+            try:
+                moving = connection.call("robotmoving", (), self._config["timeout"])
+            except ControllerError:
+                # This controller does not tell, so nothing more can be known here.
+                return
+            standing = 0 if moving else standing + 1
+            now = sleep_until(start + looks * _STAND_EVERY)
+            if now - start > _STAND_LIMIT:
+                connection.call("stop", (True,), self._config["timeout"])
+                raise StopUnconfirmed("it was still moving long after the end, and told to stop")
 
     def _loop(self, driver: Driver) -> None:
         block, config = self._block, self._config

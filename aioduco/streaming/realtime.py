@@ -154,6 +154,7 @@ class Realtime:
                 "driver": "queue",
                 "space": "joints" if space is JOINT_SPACE else "pose",
                 "rates": rates,
+                "offsets": False,
                 "read": read,
                 "leave": [],
                 "limits": _limits(v, a, jerk, groups),

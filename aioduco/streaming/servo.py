@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from aioduco.api import ranges
+from aioduco.errors import ParameterError
 from aioduco.streaming.settings import Endpoint, Feeding, LaneOptions, Upsampling, per_group
 from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE
 from aioduco.streaming.stream import Stream
@@ -13,7 +14,7 @@ from aioduco.streaming.stream import Stream
 if TYPE_CHECKING:
     from aioduco.models.rules import VectorLike
 
-__all__ = ["Servo", "ServoGains"]
+__all__ = ["OffsetStream", "Servo", "ServoGains"]
 
 _JERK = 10.0  # of the acceleration, per second: full acceleration after 0.1 s
 
@@ -50,6 +51,45 @@ class ServoGains:
 
 _GAINS = ServoGains()
 _OPTIONS = LaneOptions()
+
+
+class OffsetStream(Stream):
+    """A stream of offsets in the tool's frame, each from where the one before led to."""
+
+    def _placed(self, values: tuple[float, ...]) -> tuple[float, ...]:
+        """Where an offset leads to, in the tool's frame at the stream's start."""
+        space = POSE_SPACE
+        start = space.decode(self._last or (0.0,) * 6)
+        return space.encode(space.composed(start, space.decode(values)))
+
+    async def send(self, point: VectorLike) -> None:
+        """Send one offset.
+
+        Args:
+            point: the offset (x, y, z [m], rx, ry, rz [rad]). Shape (6,).
+
+        Raises:
+            ParameterError: it is not allowed; nothing was sent, and the stream goes on.
+            SetPointTooFar: it is larger than the stream allows; nothing was sent.
+            StreamError: the stream has ended; says why.
+        """
+        await super().send(self._placed(tuple(self._check("point", point))))
+
+    async def play(self, trajectory: Any, times: Any = None) -> None:
+        """Send a list of offsets, and wait until the lane has taken them.
+
+        Args:
+            trajectory: the offsets. Shape (n, 6).
+            times: not taken: an offset says how far, not when.
+
+        Raises:
+            ParameterError: an offset is not allowed, or times were given.
+            StreamError: the stream has ended; says why.
+        """
+        if times is not None:
+            raise ParameterError("times", times, "left out: an offset says how far, not when")
+        for offset in trajectory:
+            await self.send(offset)
 
 
 class Servo:
@@ -297,31 +337,41 @@ class Servo:
         *,
         v: float,
         a: float,
-        max_offset: tuple[float, float] = (0.005, 0.02),
-        ramp: float = 0.2,
+        velocity: tuple[float, float] = (0.25, 1.0),
+        acceleration: tuple[float, float] = (1.0, 4.0),
+        jerk: tuple[float, float] | None = None,
         tool: str = "",
         rate: float = 500.0,
-        latest: bool = True,
-        hold: float = 0.1,
+        source_rate: float | None = None,
+        latest: bool = False,
+        upsample: Upsampling = "none",
+        hold: float = 0.5,
         ahead: int | None = None,
+        max_step: tuple[float, float] = (0.05, 0.2),
         gains: ServoGains = _GAINS,
         options: LaneOptions = _OPTIONS,
-    ) -> Stream:
-        """Move by offsets from the tool's present pose (servo_tcp, 工具增量伺服).
+    ) -> OffsetStream:
+        """Move by offsets in the tool's frame (servo_tcp, 工具增量伺服).
 
-        An offset that is sent again and again keeps the arm moving, as a speed would; so it is
-        ramped like one, and the end of the stream is an offset of zero.
+        The controller counts an offset from its last target, so offsets add up, and each is
+        carried out once: when no more of them come, the arm stands where they led to. The lane
+        spreads them over the ticks that the limits ask for.
 
         Args:
             v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
             a: acceleration for the controller, from 0.000175 [rad/s² or m/s²].
-            max_offset: largest offset, and largest turn [m, rad]; a larger one is shortened.
-            ramp: time from zero to the largest offset [s].
+            velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
+            acceleration: of the tool [m/s²] and of its turning [rad/s²].
+            jerk: of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
+                acceleration.
             tool: name of the tool; empty: the one in use.
-            rate: offsets per second to the controller [Hz].
-            latest: only the newest offset counts, and `send` never waits.
+            rate: calls per second to the controller [Hz].
+            source_rate: offsets per second from the program [Hz], see `Feeding`.
+            latest: `send` never waits; offsets that are not sent yet add up.
+            upsample: "none", "linear", "cubic" or "ruckig".
             hold: time without an offset after which the stream ends [s].
             ahead: offsets queued before `send` waits.
+            max_step: largest offset, and largest turn of one [m, rad].
             gains: how closely the controller follows.
             options: how the lane runs.
 
@@ -333,18 +383,35 @@ class Servo:
 
         Manual section 1.3.5.
         """
-        feeding = Feeding(rate=rate, latest=latest, hold=hold, ahead=ahead)
+        steps = per_group("max_step", max_step, 2)
+        feeding = Feeding(
+            rate=rate,
+            source_rate=source_rate,
+            latest=latest,
+            upsample=upsample,
+            hold=hold,
+            ahead=ahead,
+            max_step=steps,
+            reach=steps,
+        )
         v_, a_ = ranges.SERVO_SPEED("v", v), ranges.SERVO_ACCELERATION("a", a)
-        largest = per_group("max_offset", max_offset, 2)
-        (ramp_,) = per_group("ramp", ramp, 1)
+        frame = ranges.FRAME("tool", tool)
         config = {
-            "space": "pose",
-            "rates": True,
-            "limits": [largest, [value / ramp_ for value in largest]],
+            **_cartesian(velocity, acceleration, jerk, []),
+            "read": [],
+            "offsets": True,
             "function": "servo_tcp",
-            "arguments": [None, v_, a_, ranges.FRAME("tool", tool), False, *gains.wire()],
+            "arguments": [None, v_, a_, frame, False, *gains.wire()],
         }
-        return self._poses(feeding, options, config, rate, "servo_tcp")
+        return OffsetStream(
+            self._endpoint,
+            feeding,
+            options,
+            space=POSE_SPACE,
+            check=ranges.POSE,
+            config=_single(config, rate),
+            name="servo_tcp",
+        )
 
     def _poses(
         self, feeding: Feeding, options: LaneOptions, config: dict[str, Any], rate: float, name: str
@@ -385,6 +452,7 @@ def _single(config: dict[str, Any], rate: float) -> dict[str, Any]:
     return {
         "driver": "each",
         "rates": False,
+        "offsets": False,
         "read": [],
         "slot": 0,
         "leave": [],

@@ -117,6 +117,20 @@ class PoseSpace:
         u, v, w, *rotation = displacement
         return (x + u, y + v, z + w, *_product(_exponential(rotation), quaternion))
 
+    def composed(self, pose: Config, offset: Config) -> Config:
+        """The pose that an offset, in the frame of a pose, leads to."""
+        x, y, z, *turn = pose
+        ox, oy, oz, *further = offset
+        u, v, w = _turned(turn, (ox, oy, oz))
+        return (x + u, y + v, z + w, *_product(turn, further))
+
+    def offset(self, start: Config, end: Config) -> Config:
+        """The offset, in the frame of `start`, that leads from there to `end`."""
+        x, y, z, qw, qx, qy, qz = start
+        u, v, w, *turn = end
+        back = (qw, -qx, -qy, -qz)
+        return (*_turned(back, (u - x, v - y, w - z)), *_product(back, turn))
+
 
 JOINT_SPACE = JointSpace()
 POSE_SPACE = PoseSpace()
@@ -145,6 +159,19 @@ def _angles(w: float, x: float, y: float, z: float) -> tuple[float, float, float
         return 0.0, copysign(pi / 2, pitch), atan2(-2 * (x * y - w * z), 1 - 2 * (x * x + z * z))
     roll = atan2(2 * (y * z + w * x), 1 - 2 * (x * x + y * y))
     return roll, pitch, atan2(r10, r00)
+
+
+def _turned(q: Sequence[float], vector: Sequence[float]) -> tuple[float, float, float]:
+    """A vector, turned by a unit quaternion."""
+    w, x, y, z = q
+    a, b, c = vector
+    # twice the vector part crossed with the vector, and that again
+    u, v, t = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
+    return (
+        a + w * u + y * t - z * v,
+        b + w * v + z * u - x * t,
+        c + w * t + x * v - y * u,
+    )
 
 
 def _product(a: Sequence[float], b: Sequence[float]) -> Quaternion:

@@ -138,6 +138,7 @@ class Speed:
             config={
                 "driver": "each",
                 "rates": True,
+                "offsets": False,
                 "read": [],
                 "slot": 0,
                 "arguments": [None, a, milliseconds, False],

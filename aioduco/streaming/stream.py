@@ -230,7 +230,7 @@ class Stream:
         """How long the lane may take to bring the arm to rest, and to say good-bye [s]."""
         velocity, acceleration, *_ = self._config["limits"]
         braking: float = max(v / a for v, a in zip(velocity, acceleration, strict=True))
-        return 2.0 + 2 * braking + 4 * self._options.timeout
+        return 8.0 + 2 * braking + 4 * self._options.timeout
 
     async def ended(self) -> None:
         """Wait until the stream has ended, for whatever reason, and its lane is gone."""

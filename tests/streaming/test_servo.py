@@ -23,6 +23,7 @@ from aioduco.errors import (
     StreamStarved,
     StreamStopped,
 )
+from aioduco.models.pose import Pose
 from aioduco.streaming.servo import Servo
 from aioduco.streaming.settings import Endpoint, LaneOptions
 from aioduco.streaming.source import Reason, State
@@ -396,18 +397,40 @@ async def test_poses_turn_the_shorter_way_and_carry_tool_and_work_object(
     assert np.abs(np.diff(poses[:, 0])).max() < 1e-3
 
 
-async def test_offsets_are_ramped_and_end_at_zero(controller: Controller) -> None:
+@pytest.mark.parametrize("latest", [False, True])
+async def test_each_offset_is_carried_out_once_within_the_limits(
+    controller: Controller, latest: bool
+) -> None:
     opened = controller.servo.tcp_offset(
-        v=1.0, a=5.0, max_offset=(0.002, 0.02), ramp=0.1, rate=200, options=THREAD
-    )
+        v=1.0, a=5.0, velocity=(0.1, 0.5), acceleration=(1.0, 5.0), rate=200, latest=latest,
+        options=THREAD,
+    )  # fmt: skip
+    offset = [0.01, 0.0, 0.0, 0.0, 0.0, 0.05]
     async with opened as stream:
-        for _ in range(40):
-            await stream.send([0.01, 0.0, 0.0, 0.0, 0.0, 0.0])
-            await anyio.sleep(0.005)
-    offsets = np.array([call.args[0] for call in controller.server.received("servo_tcp")])
-    assert offsets[:, 0].max() == pytest.approx(0.002)
-    assert np.abs(np.diff(offsets[:, 0])).max() <= 0.002 / 0.1 / 200 + 1e-12
-    assert not offsets[-1].any()
+        for _ in range(5):
+            await stream.send(offset)
+        with pytest.raises(SetPointTooFar):
+            await stream.send([0.06, 0.0, 0.0, 0.0, 0.0, 0.0])
+    steps = [call.args[0] for call in controller.server.received("servo_tcp")]
+    lengths = np.linalg.norm(np.array(steps)[:, :3], axis=1) * 200
+    assert lengths.max() <= 0.1 * (1 + 1e-6)
+    assert np.abs(np.diff(lengths)).max() <= 1.0 / 200 * (1 + 1e-6)
+    # The steps, one after the other in the tool's frame, lead where the offsets lead.
+    reached, wanted = np.eye(4), np.eye(4)
+    for step in steps:
+        reached = reached @ Pose.of(step).matrix
+    for _ in range(5):
+        wanted = wanted @ Pose.of(offset).matrix
+    np.testing.assert_allclose(reached, wanted, atol=1e-9)
+    assert not np.any(steps[-1])
+
+
+async def test_leaving_waits_until_the_arm_stands(controller: Controller) -> None:
+    looks = itertools.count()
+    controller.server.answer("robotmoving", lambda: next(looks) < 5)
+    async with controller.servo.joints(v=1.0, a=5.0, options=THREAD) as stream:
+        await stream.send(HERE)
+    assert next(looks) >= 7
 
 
 async def test_commanded_is_what_the_lane_sent_last(controller: Controller) -> None:
