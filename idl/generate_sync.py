@@ -277,7 +277,7 @@ class Generator:
         lines += ["    def __init__(self, runner: Runner, robot: aio_robot.Robot) -> None:"]
         lines += ["        self._runner = runner", "        self._robot = robot"]
         lines += [
-            f"        self.{name} = {shown}(runner, robot.{name})"
+            f"        self.{name}: {shown} = {shown}(runner, robot.{name})"
             for name, shown in sections.items()
         ]
         for name, attribute in vars(Robot).items():

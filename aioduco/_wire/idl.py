@@ -43,16 +43,16 @@ class Function:
     __slots__ = ("args", "head", "name", "parameters", "result", "texts", "void", "zeros")
 
     def __init__(self, service: Any, name: str) -> None:
-        self.name = name
-        self.args = getattr(service, f"{name}_args")
-        self.result = getattr(service, f"{name}_result")
+        self.name: str = name
+        self.args: Any = getattr(service, f"{name}_args")
+        self.result: Any = getattr(service, f"{name}_result")
         entries = list(self.args.thrift_spec.values())
         self.parameters: tuple[str, ...] = tuple(entry[1] for entry in entries)
-        self.void = 0 not in self.result.thrift_spec
-        self.head = struct.pack("!i", len(name)) + name.encode()
-        self.texts = _has_text(self.result.thrift_spec)
+        self.void: bool = 0 not in self.result.thrift_spec
+        self.head: bytes = struct.pack("!i", len(name)) + name.encode()
+        self.texts: bool = _has_text(self.result.thrift_spec)
         #: one factory per parameter for the value that a field left out stands for
-        self.zeros = tuple(
+        self.zeros: tuple[Any, ...] = tuple(
             entry[2] if entry[0] == TType.STRUCT else _ZERO[entry[0]] for entry in entries
         )
 

@@ -107,7 +107,7 @@ class Lane:
         self.host = host
         self.port = port
         self.call_timeout = call_timeout
-        self.rpc = AsyncRpc(self.call)
+        self.rpc: AsyncRpc = AsyncRpc(self.call)
         self._trace = trace
         self._state = LaneState.NEW
         self._functions = idl.functions()

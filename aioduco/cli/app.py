@@ -12,7 +12,7 @@ from aioduco.cli.sim import sim
 
 __all__ = ["app"]
 
-app = typer.Typer(
+app: typer.Typer = typer.Typer(
     name="aioduco",
     no_args_is_help=True,
     add_completion=False,

@@ -25,7 +25,7 @@ class Pace:
     def __init__(self, cycle: float, speed: float) -> None:
         if not speed > 0.0:
             raise ValueError(f"speed is {speed}, but must be above 0")
-        self.slipped = 0.0
+        self.slipped: float = 0.0
         self._cycle = cycle
         self._speed = speed
         self._period = 0.0
@@ -89,7 +89,7 @@ class LoopTimes:
     """Collects the times of cycles."""
 
     def __init__(self) -> None:
-        self.cycles = 0
+        self.cycles: int = 0
         self._late: deque[float] = deque(maxlen=4096)
         self._work: deque[float] = deque(maxlen=4096)
 

@@ -66,15 +66,15 @@ class Controller:
     """
 
     def __init__(self, mover: Callable[[Vector], Mover], q: Vector) -> None:
-        self.tasks = TaskTable()
-        self.signals = Signals()
-        self.frames = Frames()
-        self.heartbeat = Heartbeat()
-        self.commands = Commands()
-        self.pool = Pool()
-        self.optimization = Optimization()
-        self.mode = OperationMode.AUTO
-        self.halted = False
+        self.tasks: TaskTable = TaskTable()
+        self.signals: Signals = Signals()
+        self.frames: Frames = Frames()
+        self.heartbeat: Heartbeat = Heartbeat()
+        self.commands: Commands = Commands()
+        self.pool: Pool = Pool()
+        self.optimization: Optimization = Optimization()
+        self.mode: OperationMode = OperationMode.AUTO
+        self.halted: bool = False
         self._power = Power(self.tasks)
         self._motion = Motion(self.tasks, mover, q)
         self._sensed = Sensed(0.0, 0.0, q, _ZEROS)

@@ -15,7 +15,7 @@ class Heartbeat:
 
     def __init__(self) -> None:
         self._deadline: float | None = None
-        self.time = 0
+        self.time: int = 0
 
     @property
     def armed(self) -> bool:

@@ -46,10 +46,10 @@ class ModbusSlave:
         registers: dict[int, int] | None = None,
         input_registers: dict[int, int] | None = None,
     ) -> None:
-        self.coils = dict(coils or {})
-        self.inputs = dict(inputs or {})
-        self.registers = dict(registers or {})
-        self.input_registers = dict(input_registers or {})
+        self.coils: dict[int, bool] = dict(coils or {})
+        self.inputs: dict[int, bool] = dict(inputs or {})
+        self.registers: dict[int, int] = dict(registers or {})
+        self.input_registers: dict[int, int] = dict(input_registers or {})
 
     def write_coils(self, address: int, values: list[bool]) -> None:
         """Set coils from an address on.

@@ -68,7 +68,7 @@ class Power:
     """
 
     def __init__(self, tasks: TaskTable) -> None:
-        self.state = _OFF
+        self.state: RobotState = _OFF
         self._tasks = tasks
         self._waiting: deque[tuple[int, str]] = deque()
         self._current: tuple[int, str] | None = None

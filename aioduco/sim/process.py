@@ -42,8 +42,8 @@ class SimulatorProcess:
         self._options = options
         # A file, not a pipe that nobody reads: a full pipe would stop the process.
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
-        self.host = ""
-        self.port = 0
+        self.host: str = ""
+        self.port: int = 0
 
     @property
     def pid(self) -> int:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from aioduco.kinematics import Arm
     from aioduco.models.pose import JointsLike
     from aioduco.sim.clock import LoopStatistics
     from aioduco.sim.controller import View
@@ -79,11 +80,11 @@ class Simulator:
         values: Mapping[str, Value] | None = None,
         on_shutdown: Callable[[], object] = lambda: None,
     ) -> None:
-        self.arm = arm_of(model)
+        self.arm: Arm = arm_of(model)
         self.speed = speed
         self.seed = seed
         self._start = Joints.of(READY if joints is None else joints).array
-        self.cabinet = Cabinet(SystemValues(values))
+        self.cabinet: Cabinet = Cabinet(SystemValues(values))
         self._address = (host, port)
         self._halted = threading.Event()
         self._on_shutdown = on_shutdown

@@ -40,8 +40,8 @@ class World:
 
     def __init__(self, arm: Arm, timestep: float = 0.001, q: Array | None = None) -> None:
         self.arm = arm
-        self.model = mujoco.MjModel.from_xml_string(mjcf(arm, timestep))
-        self.data = mujoco.MjData(self.model)
+        self.model: Any = mujoco.MjModel.from_xml_string(mjcf(arm, timestep))
+        self.data: Any = mujoco.MjData(self.model)
         self._stiffness = self.model.actuator_gainprm[:, 0].copy()
         self._damping = -self.model.actuator_biasprm[:, 2] / self._stiffness
         self._timestep = timestep

@@ -94,6 +94,8 @@ class Batch:
         self._function = idl.functions()[name]
         self._kind, encoded, self._rest = _parts(self._function, element, others)
         #: what lies before and behind the six numbers in an element of the list
+        self.head: bytes
+        self.tail: bytes
         self.head, self.tail = _around(encoded)
 
     def element(self, values: Sequence[float], tail: bytes = b"") -> bytes:

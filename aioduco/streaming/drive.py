@@ -15,7 +15,7 @@ from aioduco.streaming.upsample import Follower
 
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
-    from aioduco.streaming.ring import SetPoint
+    from aioduco.streaming.ring import Ring, SetPoint
     from aioduco.streaming.shared import Block
     from aioduco.streaming.space import Config, Space
 
@@ -73,16 +73,16 @@ class Feed:
         self.config = config
         self.connection = connection
         self.block = block
-        self.ring = block.ring
-        self.timeout = float(config["timeout"])
+        self.ring: Ring = block.ring
+        self.timeout: float = float(config["timeout"])
         self.space: Space = JOINT_SPACE if config["space"] == "joints" else POSE_SPACE
-        self.rates = bool(config["rates"])
+        self.rates: bool = bool(config["rates"])
         #: whether each call carries the step from the set-point before, in the tool's frame
-        self.offsets = bool(config["offsets"])
+        self.offsets: bool = bool(config["offsets"])
         self._before = POSE_SPACE.decode((0.0,) * 6)
-        self.period = float(config["point_period"])
-        self.limits = Limits(*(tuple(values) for values in config["limits"]))
-        self.source = Source(
+        self.period: float = float(config["point_period"])
+        self.limits: Limits = Limits(*(tuple(values) for values in config["limits"]))
+        self.source: Source = Source(
             self.space,
             self.period,
             hold=config["hold"],

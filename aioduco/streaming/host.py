@@ -46,7 +46,7 @@ class Host:
         self._link: socket.socket | None = None
         self._woken = anyio.Event()
         self._gone = False
-        self.block = Block.make(config, shared=not thread)
+        self.block: Block = Block.make(config, shared=not thread)
         self._outcome: tuple[Reason, str] | None = None
 
     @property

@@ -56,9 +56,9 @@ class JerkLimiter:
         self._period = period
         self._target = start
         self._acceleration: Displacement = _ZERO
-        self.config = start
+        self.config: Config = start
         self.velocity: Displacement = _ZERO
-        self.limited = 0
+        self.limited: int = 0
 
     @property
     def at_rest(self) -> bool:

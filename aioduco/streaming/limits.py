@@ -69,8 +69,8 @@ class Limiter:
             for group, v, a in self._rules
             if group.stop - group.start == 1
         )
-        self.config = start
-        self.limited = 0
+        self.config: Config = start
+        self.limited: int = 0
         self._step: Displacement = _ZERO
         self._target = start
 

@@ -32,9 +32,9 @@ class Schedule:
     def __init__(self, period: int, start: int) -> None:
         if period <= 0:
             raise ValueError(f"period is {period} ns, but must be above zero")
-        self.period = period
-        self.due = start
-        self.missed = 0
+        self.period: int = period
+        self.due: int = start
+        self.missed: int = 0
 
     def advance(self, now: int) -> int:
         """Go on to the next tick, over those for which it is too late.

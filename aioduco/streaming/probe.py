@@ -27,8 +27,8 @@ class Probe:
         self._arguments = codec.encode(self._function, ())
         self._round_trip = block.histograms["round_trip"].record
         self._asked = 0
-        self.state = State.FOLLOWING
-        self.reason = Reason.NONE
+        self.state: State = State.FOLLOWING
+        self.reason: Reason = Reason.NONE
 
     def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - of the protocol
         """Ask once; returns whether there is another tick."""

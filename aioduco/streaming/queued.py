@@ -197,8 +197,8 @@ class Pool:
         self._topped = 0  # points sent in this tick
         self._closing = False
         self._dry_since = 0
-        self.state = State.WAITING
-        self.reason = Reason.NONE
+        self.state: State = State.WAITING
+        self.reason: Reason = Reason.NONE
 
     def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - what is late is made up by the queue
         """Do the work of one tick; returns whether there is another one."""

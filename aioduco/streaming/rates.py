@@ -34,7 +34,7 @@ class Rates:
         self._period = period
         self._target: Displacement = _ZERO
         self.config: Config = _ZERO
-        self.limited = 0
+        self.limited: int = 0
 
     @property
     def velocity(self) -> Displacement:

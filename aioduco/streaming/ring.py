@@ -65,7 +65,7 @@ class Ring:
         self._extra = extra
         self._slot = _slot_size(extra)
         #: set-points that the reader never saw because newer ones took their place
-        self.overwritten = 0
+        self.overwritten: int = 0
 
     @staticmethod
     def size(capacity: int, extra: int = 0) -> int:

@@ -117,7 +117,7 @@ class Block:
     ) -> None:
         self._memory = memory
         self._view = memoryview(memory)
-        self.descriptor = descriptor
+        self.descriptor: int = descriptor
         if config is not None:
             text = json.dumps(config).encode()
             if len(text) > _CONFIG:
@@ -133,9 +133,9 @@ class Block:
             memory[_HEADER.size : _HEADER.size + length].decode()
         )
         at = _HEADER.size + _CONFIG
-        self.control = self._view[at : at + 8 * _WORDS].cast("Q")
+        self.control: memoryview[int] = self._view[at : at + 8 * _WORDS].cast("Q")
         at += 8 * _WORDS
-        self.status = self._view[at : at + 8 * _WORDS].cast("Q")
+        self.status: memoryview[int] = self._view[at : at + 8 * _WORDS].cast("Q")
         at += 8 * _WORDS
         self._text = self._view[at : at + _TEXT]
         at += _TEXT
@@ -144,9 +144,9 @@ class Block:
             words = self._view[at : at + 8 * Histogram.WORDS].cast("Q")
             self.histograms[name] = Histogram(words)
             at += 8 * Histogram.WORDS
-        self.report = Ring(self._view[at : at + Ring.size(_REPORT)], _REPORT)
+        self.report: Ring = Ring(self._view[at : at + Ring.size(_REPORT)], _REPORT)
         at += Ring.size(_REPORT)
-        self.ring = Ring(self._view[at : at + Ring.size(capacity, extra)], capacity, extra)
+        self.ring: Ring = Ring(self._view[at : at + Ring.size(capacity, extra)], capacity, extra)
 
     @staticmethod
     def _size(config: Mapping[str, Any]) -> int:

@@ -125,9 +125,9 @@ class Source:
         self._closing = False
         self._stamp = 0
         self._idle = 0
-        self.state = State.WAITING
-        self.reason = Reason.NONE
-        self.starved = 0
+        self.state: State = State.WAITING
+        self.reason: Reason = Reason.NONE
+        self.starved: int = 0
 
     @property
     def follower(self) -> Follows | None:

@@ -63,7 +63,7 @@ class Space(Protocol):
 class JointSpace:
     """Joint angles [rad], each limited by itself."""
 
-    groups = tuple(slice(axis, axis + 1) for axis in range(6))
+    groups: tuple[slice, ...] = tuple(slice(axis, axis + 1) for axis in range(6))
 
     def decode(self, values: Sequence[float]) -> Config:
         """The point that six numbers of the wire mean."""
@@ -89,7 +89,7 @@ class JointSpace:
 class PoseSpace:
     """Poses (x, y, z [m], rx, ry, rz [rad], R = Rz·Ry·Rx), limited in speed and turning speed."""
 
-    groups = (slice(0, 3), slice(3, 6))
+    groups: tuple[slice, ...] = (slice(0, 3), slice(3, 6))
 
     def decode(self, values: Sequence[float]) -> Config:
         """The point that six numbers of the wire mean."""

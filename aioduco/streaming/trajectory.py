@@ -100,19 +100,21 @@ class JointTrajectory:
     def __init__(
         self, positions: Any, times: Any, velocities: Any = None, accelerations: Any = None
     ) -> None:
-        self.positions = _matrix("positions", positions)
+        self.positions: NDArray[np.float64] = _matrix("positions", positions)
         count = len(self.positions)
         for row in self.positions.tolist():
             ranges.JOINTS("positions", row)
-        self.times = np.asarray(times, dtype=np.float64)
+        self.times: NDArray[np.float64] = np.asarray(times, dtype=np.float64)
         if self.times.shape != (count,) or not np.all(np.isfinite(self.times)):
             raise ParameterError("times", times, f"{count} finite numbers")
         if self.times[0] < 0 or np.any(np.diff(self.times) <= 0):
             raise ParameterError("times", times, "rising, the first at least 0")
-        self.velocities = None if velocities is None else _matrix("velocities", velocities, count)
+        self.velocities: NDArray[np.float64] | None = (
+            None if velocities is None else _matrix("velocities", velocities, count)
+        )
         if accelerations is not None and velocities is None:
             raise ParameterError("accelerations", "given", "left out when velocities are")
-        self.accelerations = (
+        self.accelerations: NDArray[np.float64] | None = (
             None if accelerations is None else _matrix("accelerations", accelerations, count)
         )
 

@@ -52,7 +52,7 @@ class FaultProxy:
             seed: seed of the jitter of delays.
         """
         self.host = _HOST
-        self.port = 0
+        self.port: int = 0
         self._upstream = (upstream_host, upstream_port)
         self._script = Script()
         self._records = Records()
@@ -191,7 +191,7 @@ class FaultProxy:
         for relay in relays:
             relay.cut(how)
         for relay in relays:
-            await relay.ended.wait()
+            await relay.wait()
 
     async def _listen(self, *, task_status: TaskStatus[None]) -> None:
         self._silent = anyio.Event()

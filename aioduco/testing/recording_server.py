@@ -67,7 +67,8 @@ class RecordingServer:
 
     def __enter__(self) -> Self:
         self._server.start()
-        self.host, self.port = self._server.host, self._server.port
+        self.host: str = self._server.host
+        self.port: int = self._server.port
         return self
 
     def __exit__(

@@ -92,7 +92,11 @@ class Relay:
         #: calls that the server has and has not answered, oldest first
         self._waiting: deque[tuple[int, Fault | None]] = deque()
         self._held: list[bytes] = []
-        self.ended = anyio.Event()
+        self._ended = anyio.Event()
+
+    async def wait(self) -> None:
+        """Wait until the connection has ended."""
+        await self._ended.wait()
 
     def cut(self, how: Ending, ended_by: str = "proxy") -> None:
         """End the connection on both sides, whatever is going on."""
@@ -118,7 +122,7 @@ class Relay:
                 if endpoint is not None:
                     endpoint.close(self._how)
             self._records.disconnected(self._index, self._ended_by or "proxy")
-            self.ended.set()
+            self._ended.set()
 
     async def _pump(
         self,

@@ -51,16 +51,16 @@ class Vector(Rule):
     def __init__(self, *element: Number, length: int | None = None, source: str = "") -> None:
         if length is not None:
             element = element * length
-        self.element = element
-        self.length = None if length is None and len(element) == 1 else len(element)
-        self.low = tuple(rule.low for rule in element)
-        self.high = tuple(rule.high for rule in element)
-        self.unit = ", ".join(dict.fromkeys(rule.unit for rule in element if rule.unit))
-        self.source = source or element[0].source
+        self.element: tuple[Number, ...] = element
+        self.length: int | None = None if length is None and len(element) == 1 else len(element)
+        self.low: tuple[float, ...] = tuple(rule.low for rule in element)
+        self.high: tuple[float, ...] = tuple(rule.high for rule in element)
+        self.unit: str = ", ".join(dict.fromkeys(rule.unit for rule in element if rule.unit))
+        self.source: str = source or element[0].source
         self._lows = tuple(rule._low for rule in element)
         self._highs = tuple(rule._high for rule in element)
         count = "numbers" if self.length is None else f"{self.length} numbers"
-        self.expected = f"{count} ({self.unit})" if self.unit else count
+        self.expected: str = f"{count} ({self.unit})" if self.unit else count
 
     def __call__(self, name: str, value: VectorLike) -> list[float]:
         """Check `value` and return it as a list of floats."""
@@ -119,9 +119,9 @@ class OrCurrent(Rule):
     __slots__ = ("rule",)
 
     def __init__(self, rule: Vector) -> None:
-        self.rule = rule
-        self.source = rule.source
-        self.expected = f"{rule.expected}, or None for the controller's present value"
+        self.rule: Vector = rule
+        self.source: str = rule.source
+        self.expected: str = f"{rule.expected}, or None for the controller's present value"
 
     @property
     def length(self) -> int | None:
@@ -149,11 +149,11 @@ class Points(Rule):
     __slots__ = ("element", "high", "low")
 
     def __init__(self, element: Vector, low: int, high: int, *, source: str) -> None:
-        self.element = element
-        self.low = low
-        self.high = high
+        self.element: Vector = element
+        self.low: int = low
+        self.high: int = high
         self.source = source
-        self.expected = f"{low} to {high} points, each {element.expected}"
+        self.expected: str = f"{low} to {high} points, each {element.expected}"
 
     def __call__(
         self, name: str, value: Iterable[VectorLike] | NDArray[np.floating[Any]]
@@ -192,11 +192,11 @@ class Integers(Rule):
     def __init__(
         self, element: Integer | Choice, *, length: int | None = None, source: str
     ) -> None:
-        self.element = element
-        self.length = length
+        self.element: Integer | Choice = element
+        self.length: int | None = length
         self.source = source
         count = "a list" if length is None else f"a list of {length}"
-        self.expected = f"{count}, each {element.expected}"
+        self.expected: str = f"{count}, each {element.expected}"
 
     def __call__(self, name: str, value: WholesLike) -> list[int]:
         """Check `value` and return it as a list of ints."""
@@ -218,9 +218,9 @@ class Flags(Rule):
 
     def __init__(self, length: int, *, source: str) -> None:
         self._element = Flag(source=source)
-        self.length = length
+        self.length: int = length
         self.source = source
-        self.expected = f"a list of {length}, each True or False"
+        self.expected: str = f"a list of {length}, each True or False"
 
     def __call__(self, name: str, value: FlagsLike) -> list[bool]:
         """Check `value` and return it as a list of bools."""
@@ -243,15 +243,15 @@ class Signed(Rule):
     __slots__ = ("_bytes", "_element", "bits", "high", "low", "min_length")
 
     def __init__(self, bits: int, words: str, *, min_length: int = 1, source: str) -> None:
-        self.bits = bits
-        self.low = 0
-        self.high = (1 << bits) - 1
-        self.min_length = min_length
+        self.bits: int = bits
+        self.low: int = 0
+        self.high: int = (1 << bits) - 1
+        self.min_length: int = min_length
         self.source = source
         self._bytes = bits == 8
         self._element = Integer(self.low, self.high, source=source)
         amount = f"at least {min_length}" if min_length else "any number of"
-        self.expected = f"{words}, {amount}, each {self._element.expected}"
+        self.expected: str = f"{words}, {amount}, each {self._element.expected}"
 
     def __call__(self, name: str, value: BytesLike) -> list[int]:
         """Check `value` and return it as a list of signed ints."""

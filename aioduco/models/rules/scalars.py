@@ -71,14 +71,14 @@ class Number(Rule):
         open_low: bool = False,
         source: str,
     ) -> None:
-        self.low = low
-        self.high = high
-        self.open_low = open_low
-        self.unit = unit
+        self.low: float = low
+        self.high: float = high
+        self.open_low: bool = open_low
+        self.unit: str = unit
         self.source = source
         self._low = math.nextafter(low, math.inf) if open_low else max(low, -_MAX)
         self._high = min(high, _MAX)
-        self.expected = f"{self._words()} {unit}".rstrip()
+        self.expected: str = f"{self._words()} {unit}".rstrip()
 
     def _words(self) -> str:
         above, below = self.low > -math.inf, self.high < math.inf
@@ -127,11 +127,11 @@ class Integer(Rule):
     __slots__ = ("high", "low", "unit")
 
     def __init__(self, low: int, high: int, unit: str = "", *, source: str) -> None:
-        self.low = low
-        self.high = high
-        self.unit = unit
+        self.low: int = low
+        self.high: int = high
+        self.unit: str = unit
         self.source = source
-        self.expected = f"a whole number from {low} to {high} {unit}".rstrip()
+        self.expected: str = f"a whole number from {low} to {high} {unit}".rstrip()
 
     def __call__(self, name: str, value: Whole) -> int:
         """Check `value` and return it as an int."""
@@ -155,9 +155,9 @@ class Choice(Rule):
     __slots__ = ("choices",)
 
     def __init__(self, choices: Mapping[int, str], *, source: str) -> None:
-        self.choices = dict(choices)
+        self.choices: dict[int, str] = dict(choices)
         self.source = source
-        self.expected = " or ".join(f"{key} ({words})" for key, words in self.choices.items())
+        self.expected: str = " or ".join(f"{key} ({words})" for key, words in self.choices.items())
 
     def __call__(self, name: str, value: Whole) -> int:
         """Check `value` and return it as an int."""
@@ -197,11 +197,13 @@ class Text(Rule):
     __slots__ = ("max_bytes", "min_bytes")
 
     def __init__(self, *, min_bytes: int = 0, max_bytes: int | None = None, source: str) -> None:
-        self.min_bytes = min_bytes
-        self.max_bytes = max_bytes
+        self.min_bytes: int = min_bytes
+        self.max_bytes: int | None = max_bytes
         self.source = source
         words = "a string" if min_bytes == 0 else "a string that is not empty"
-        self.expected = words + (f" of at most {max_bytes} bytes in UTF-8" if max_bytes else "")
+        self.expected: str = words + (
+            f" of at most {max_bytes} bytes in UTF-8" if max_bytes else ""
+        )
 
     def __call__(self, name: str, value: str) -> str:
         """Check `value` and return it."""
@@ -229,11 +231,11 @@ class Duration(Rule):
 
     def __init__(self, low: float = 0.0, high: float = 2147483.647, *, source: str) -> None:
         self._number = Number(low, high, "s", source=source)
-        self.low = low
-        self.high = high
-        self.unit = "s"
+        self.low: float = low
+        self.high: float = high
+        self.unit: str = "s"
         self.source = source
-        self.expected = self._number.expected
+        self.expected: str = self._number.expected
 
     def __call__(self, name: str, value: Real) -> int:
         """Check `value` and return it in milliseconds."""
@@ -250,9 +252,9 @@ class OrForever(Rule):
     __slots__ = ("rule",)
 
     def __init__(self, rule: Duration) -> None:
-        self.rule = rule
-        self.source = rule.source
-        self.expected = f"{rule.expected}, or None for no end"
+        self.rule: Duration = rule
+        self.source: str = rule.source
+        self.expected: str = f"{rule.expected}, or None for no end"
 
     def __call__(self, name: str, value: Real | None) -> int:
         """Check `value` and return it in milliseconds, -1 for None."""

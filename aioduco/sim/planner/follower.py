@@ -122,11 +122,14 @@ class Follower(ABC):
             try:
                 self._setpoint = self._checked(self._next(q, qd))
             except FollowError as exc:
-                self.failure = exc
-                self._then = "end"
+                self._fail(exc)
         if self._then:
             self._slow_down()
         return self._setpoint
+
+    def _fail(self, why: FollowError) -> None:
+        self.failure = why
+        self._then = "end"
 
     @abstractmethod
     def _next(self, q: Array, qd: Array) -> SetPoint:

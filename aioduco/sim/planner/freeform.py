@@ -47,9 +47,9 @@ class ByLength:
             raise PlanError("parameter", "the curve stands still somewhere")
         self._s = np.concatenate([[0.0], np.cumsum(step)])
         self._slope = np.gradient(self._u, self._s, edge_order=2)
-        self.length = float(self._s[-1])
+        self.length: float = float(self._s[-1])
         turns = rotvec_from_matrix(np.swapaxes(rotations[:-1], -1, -2) @ rotations[1:])
-        self.turning = float(np.linalg.norm(turns, axis=1).sum())
+        self.turning: float = float(np.linalg.norm(turns, axis=1).sum())
 
     def poses(self, s: Array) -> Array:
         """Give the poses at distances s. Shape (n,) to (n, 4, 4)."""

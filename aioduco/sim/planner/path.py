@@ -34,7 +34,7 @@ class Path:
         gains: list[float],
         coefficients: list[Array],
     ) -> None:
-        self.bounds = bounds
+        self.bounds: list[float] = bounds
         self._origins = origins
         self._gains = gains
         self._coefficients = coefficients

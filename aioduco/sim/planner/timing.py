@@ -107,9 +107,10 @@ class Law:
     def __init__(self, start: float, speed: float) -> None:
         self._s, self._v, self._t = [start], [speed], [0.0]
         self._rate: list[float] = []
-        self.start = self.end = start
-        self.duration = 0.0
-        self.end_speed = speed
+        self.start: float = start
+        self.end: float = start
+        self.duration: float = 0.0
+        self.end_speed: float = speed
 
     def extend(self, end: float, x: float) -> None:
         """Go on to distance `end`, where (ds/dt)² is x, at a constant acceleration."""

@@ -55,8 +55,8 @@ class Pool:
 
     def __init__(self) -> None:
         self._points: deque[tuple[tuple[float, ...], Any]] = deque()
-        self.taken = 0  # points that have left it at its front, or were dropped
-        self.cleared = 0  # how often it was emptied
+        self.taken: int = 0  # points that have left it at its front, or were dropped
+        self.cleared: int = 0  # how often it was emptied
 
     def __len__(self) -> int:
         return len(self._points)
@@ -280,8 +280,7 @@ class _Track(Follower):
         try:
             self._setpoint = self._go(max(self._rate - change, 0.0))
         except FollowError as exc:
-            self.failure = exc
-            self._then = "end"
+            self._fail(exc)
             super()._slow_down()
 
     def _go(self, rate: float) -> SetPoint:

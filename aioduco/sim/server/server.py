@@ -46,7 +46,7 @@ class Server:
         max_connections: int = 2048,
     ) -> None:
         self.host = host
-        self.port = port
+        self.port: int = port
         self.max_connections = max_connections
         self._handler = handler
         self._lock = threading.Lock()
