@@ -278,7 +278,7 @@ class TaskError(DucoError):
     ) -> None:
         self.name = name
         self.task_id = task_id
-        self.errors = tuple(errors)
+        self.errors: tuple[str, ...] = tuple(errors)
         listed = f"; the controller's errors: {'; '.join(self.errors)}" if self.errors else ""
         which = name if task_id is None else f"{name} (task {task_id})"
         super().__init__(f"{which} {message}{listed}")

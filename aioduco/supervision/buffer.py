@@ -34,8 +34,8 @@ class Buffer(Generic[T]):
         if type(size) is not int or size < 1:
             raise ParameterError("size", size, "a whole number from 1")
         self.policy = policy
-        self.size = 1 if policy == "latest" else size
-        self.dropped = 0
+        self.size: int = 1 if policy == "latest" else size
+        self.dropped: int = 0
         self._items: deque[T] = deque()
         self._overflown = False
 

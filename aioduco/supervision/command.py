@@ -70,7 +70,7 @@ class MotionCommand:
         self._launcher = launcher
         self._used = False
         self._open: Task | None = None
-        self.command = command
+        self.command: Command = command
 
     def __repr__(self) -> str:
         shown = ", ".join(_short(arg) for arg in self.command.args)

@@ -52,9 +52,9 @@ class Control:
         self._stop = stop
         self._others = others
         self._watch = watch
-        self.epoch = 0
-        self.stops = 0
-        self.attempts = 0
+        self.epoch: int = 0
+        self.stops: int = 0
+        self.attempts: int = 0
 
     async def open(self) -> None:
         """Open the connections.

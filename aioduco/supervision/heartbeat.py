@@ -60,9 +60,9 @@ class SignOfLife:
     __slots__ = ("longest_stall", "stamp")
 
     def __init__(self) -> None:
-        self.stamp = time.monotonic()
+        self.stamp: float = time.monotonic()
         #: how late the latest sign of life came [s]
-        self.longest_stall = 0.0
+        self.longest_stall: float = 0.0
 
     def touch(self, due: float) -> None:
         """The loop runs; `due` is when this sign of life was to be given."""

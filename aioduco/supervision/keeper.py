@@ -19,6 +19,7 @@ from aioduco.supervision.control import STANDSTILL_EVERY, Control
 from aioduco.supervision.insist import insist
 from aioduco.supervision.lifecycle import TaskLifecycle
 from aioduco.supervision.poller import Poller
+from aioduco.supervision.streams import Streams
 from aioduco.supervision.task import Task
 
 if TYPE_CHECKING:
@@ -40,6 +41,10 @@ _SETTLE = 1.0
 _PAUSE_LIMIT = 10.0
 #: seconds for a mode to be left after a stop
 _LEAVE_LIMIT = 0.5
+#: seconds for the lane of a stream to fall silent: an answer that it waits for, and more
+_SILENCE = 2.0
+#: the same in a thread that cannot go on meanwhile
+_SILENCE_NOW = 0.1
 
 
 class Keeper:
@@ -57,6 +62,7 @@ class Keeper:
         modes: modes that the controller is in because of this program, in which the arm gives
             way or follows: the function that ends each, and its arguments.
         unfollowed: motions on their way that are answered only at their ends.
+        streams: the open streams; whatever brings the arm to rest ends them first.
     """
 
     def __init__(
@@ -66,10 +72,11 @@ class Keeper:
         self._poll = poll
         self._background = background
         self._settings = settings
-        self.poller = Poller(poll, self)
-        self.loose = False
+        self.poller: Poller = Poller(poll, self)
+        self.loose: bool = False
         self.modes: dict[str, tuple[bool, ...]] = {}
         self.unfollowed = 0
+        self.streams = Streams()
 
     @property
     def stops(self) -> int:
@@ -79,7 +86,7 @@ class Keeper:
     @property
     def moving(self) -> bool:
         """Whether anything that this program started may be moving the arm."""
-        if self.loose or self.modes or self.unfollowed:
+        if self.loose or self.modes or self.unfollowed or self.streams:
             return True
         return any(task.motion for task in self.poller.tasks)
 
@@ -90,13 +97,41 @@ class Keeper:
             StopUnconfirmed: it is not known that it stands.
         """
         settings = self._settings
-        if self.modes:
+        streaming = self.streams.halt()
+        if self.modes or streaming:
             try:
                 await self._control.stop(settings.stop_timeout)
             finally:
+                if streaming:
+                    await self.streams.settled(_SILENCE)
                 await self._leave_modes()
         await self._control.rest(settings.stop_timeout, settings.standstill_timeout)
         self.loose = False
+
+    def stop_now(self, timeout: float) -> None:
+        """Send a stop from any thread or signal handler, and block until it is accepted.
+
+        Args:
+            timeout: seconds in which that must happen.
+
+        Raises:
+            StopUnconfirmed: it did not.
+        """
+        streaming = self.streams.halt()
+        self._control.stop_now(timeout)
+        if streaming:
+            self.streams.quiet(_SILENCE_NOW)
+            self._control.stop_now(timeout)
+
+    async def stop_stream(self, ending: str) -> None:
+        """Stop what a lane streamed that is gone without a word.
+
+        Args:
+            ending: the function of the wire that ends the mode in which it was; may be empty.
+        """
+        if ending:
+            self.modes[ending] = ()
+        await self.stop()
 
     async def _leave_modes(self) -> None:
         """Leave the modes in which the arm gives way or follows: a stop may not."""
@@ -183,6 +218,9 @@ class Keeper:
 
     async def pause(self) -> None:
         """Pause all tasks, and see the arm stand."""
+        if self.streams.halt():
+            # A stream goes by a clock, so it cannot go on later where it was.
+            await self.streams.settled(_SILENCE)
         # A motion whose task has ended stands as if it were over, and moves on when resumed.
         self.loose = self.loose or any(task.life.goes_on for task in self.poller.tasks)
         await self._controlled("pause")
@@ -194,6 +232,8 @@ class Keeper:
 
     async def abort(self) -> None:
         """End the running motion and those read ahead, and see the arm stand."""
+        if self.streams.halt():
+            await self.streams.settled(_SILENCE)
         await self._controlled("abort")
         await self._control.standstill(self._settings.standstill_timeout)
 

@@ -83,13 +83,33 @@ class Launcher:
         self._order = anyio.Lock()
         self._last: Task | None = None
         self.closed = ""
-        self.accepted = 0
+        self.accepted: int = 0
 
     async def quiet(self, timeout: float) -> None:
         """Wait until no command is on its way; after `closed` was set, none follows."""
         with anyio.move_on_after(timeout):
             async with self._order:
                 return
+
+    async def admit_stream(self, name: str) -> None:
+        """See that a stream of set-points may begin.
+
+        Args:
+            name: what it is called.
+
+        Raises:
+            RobotStateError: the robot is not open, or something moves the arm.
+            HeartbeatLost: the heartbeat does not beat.
+        """
+        async with self._order:
+            self._admit(Command(name, ()))
+            keeper = self._keeper
+            tasks = [task for task in keeper.poller.tasks if task.motion]
+            if tasks or keeper.modes or keeper.unfollowed:
+                moved = ", ".join(map(repr, tasks)) or "a mode in which the arm moves"
+                raise RobotStateError(
+                    f"{name} was not opened: {moved} is under way, and the arm can follow only one"
+                )
 
     async def perform(self, name: str, args: tuple[Any, ...], timeout: float) -> Outcome:
         """Send a command that moves nothing, and wait for its end.
@@ -202,6 +222,11 @@ class Launcher:
     def _admit(self, command: Command) -> None:
         if self.closed:
             raise RobotStateError(f"{command.name} was not sent: {self.closed}")
+        if command.motion and self._keeper.streams:
+            raise RobotStateError(
+                f"{command.name} was not sent: the arm follows {next(iter(self._keeper.streams))!r}"
+                "; close it first"
+            )
         if self._heartbeat is None or not command.motion:
             return
         if (state := self._heartbeat.state) is not HeartbeatState.BEATING:

@@ -78,13 +78,13 @@ class TaskLifecycle:
         self._blends = blends
         self._held = held
         self._idle_again = 0
-        self.state = TaskState.IDLE
+        self.state: TaskState = TaskState.IDLE
         self.outcome: Outcome | None = None
-        self.started = False
-        self.successor = Successor.NONE
-        self.stop_seen = False
-        self.end_seen = False
-        self.goes_on = False
+        self.started: bool = False
+        self.successor: Successor = Successor.NONE
+        self.stop_seen: bool = False
+        self.end_seen: bool = False
+        self.goes_on: bool = False
 
     def __repr__(self) -> str:
         end = self.outcome.value if self.outcome else "live"

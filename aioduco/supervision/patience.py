@@ -62,8 +62,8 @@ class Patience:
     def __init__(self, lane: Lane) -> None:
         self._lane = lane
         self._draw = random.Random()
-        self.rpc = AsyncRpc(self.call)
-        self.retries = 0
+        self.rpc: AsyncRpc = AsyncRpc(self.call)
+        self.retries: int = 0
 
     def within(self, timeout: float | None) -> AsyncRpc:
         """The functions of the wire with another time limit; None: none."""

@@ -77,7 +77,7 @@ class Poller:
         self._wake = anyio.Event()
         self._seen: dict[Task, float] = {}
         self._closed = False
-        self.polls = 0
+        self.polls: int = 0
 
     @property
     def tasks(self) -> tuple[Task, ...]:

@@ -66,12 +66,12 @@ class Pulse:
         self._time = time
         self._stall_limit = stall_limit
         self._beaten = now
-        self.state = HeartbeatState.STARTING
-        self.beats = 0
-        self.missed = 0
-        self.losses = 0
-        self.stalls = 0
-        self.longest_gap = 0.0
+        self.state: HeartbeatState = HeartbeatState.STARTING
+        self.beats: int = 0
+        self.missed: int = 0
+        self.losses: int = 0
+        self.stalls: int = 0
+        self.longest_gap: float = 0.0
 
     def may_beat(self, now: float, alive: float) -> bool:
         """Whether a beat may be sent now.

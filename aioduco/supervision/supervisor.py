@@ -104,10 +104,10 @@ class Supervisor:
         self.host = host
         self.port = port
         self.settings = settings
-        self.samples = Samples()
-        self.calls = self._lane("call", size=settings.pool_size)
-        self.patient = Patience(self.calls)
-        self.poll = self._lane("poll")
+        self.samples: Samples = Samples()
+        self.calls: Lane = self._lane("call", size=settings.pool_size)
+        self.patient: Patience = Patience(self.calls)
+        self.poll: Lane = self._lane("poll")
         self._stop_lane = self._lane("stop")
         self._control_lane = self._lane("control")
         self._motion_lane = self._lane("motion")
@@ -115,6 +115,7 @@ class Supervisor:
         self._background = Background(self._crashed)
         self.guard: Seat | None = None
         self.heartbeat: Heart | None = None
+        self.control: Control
         if settings.guard is None:
             self._life = SignOfLife()
             self.control = Control(self._stop_lane, self._control_lane, self.poll)
@@ -130,12 +131,14 @@ class Supervisor:
             )
             if settings.heartbeat is not None:
                 self.heartbeat = GuardedHeartbeat(self.guard)
-        self.keeper = Keeper(self.control, self.poll, self._background, settings)
-        self.launcher = Launcher(
+        self.keeper: Keeper = Keeper(self.control, self.poll, self._background, settings)
+        self.launcher: Launcher = Launcher(
             self._motion_lane, self.keeper, self._background, self.heartbeat, settings
         )
-        self.feed = Feed(self._feed_lane, self.samples, self._background, settings.state_rate)
-        self.events = Events(self.feed, self._feed_lane, self._background, self._heartbeat_state)
+        self.feed: Feed = Feed(self._feed_lane, self.samples, self._background, settings.state_rate)
+        self.events: Events = Events(
+            self.feed, self._feed_lane, self._background, self._heartbeat_state
+        )
         self._lag: LagMonitor | None = None
         self._watched: Watched | None = None
         self._opened = False

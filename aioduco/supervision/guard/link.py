@@ -43,9 +43,9 @@ class Answer:
 
     def __init__(self, notify: Callable[[], None]) -> None:
         self._notify = notify
-        self.given = False
-        self.error = ""
-        self.lost = False
+        self.given: bool = False
+        self.error: str = ""
+        self.lost: bool = False
 
     def give(self, error: str, *, lost: bool = False) -> None:
         """Set what came of the request."""
@@ -73,7 +73,7 @@ class GuardLink:
         self._robots = itertools.count(1)
         self._answers: dict[int, Answer] = {}
         self._watchers: dict[int, Watcher] = {}
-        self.alive = True
+        self.alive: bool = True
         self.users = 0
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         try:

@@ -67,7 +67,7 @@ class Ward:
     """
 
     def __init__(self, watch: Watch, guard: Guard) -> None:
-        self.robot = watch.robot
+        self.robot: int = watch.robot
         self._watch = watch
         self._guard = guard
         lanes = [
@@ -81,8 +81,8 @@ class Ward:
             for name in ("guard-stop", "guard-spare")
         ]
         self._lanes = lanes
-        self.control = Control(lanes[0], lanes[1], lanes[1])
-        self.life = SignOfLife()
+        self.control: Control = Control(lanes[0], lanes[1], lanes[1])
+        self.life: SignOfLife = SignOfLife()
         self.heartbeat: Heartbeat | None = None
         #: stops on their way: pointless as soon as the robot is released
         self.stopping: set[anyio.CancelScope] = set()
