@@ -169,6 +169,16 @@ def test_a_wrong_type_never_reaches_the_socket(server: RecordingServer, robot: A
     assert robot.stop(True) == 4
 
 
+def test_true_is_1_to_a_function_that_takes_a_number(
+    server: RecordingServer, robot: DucoCobot
+) -> None:
+    server.answer("modbus_write", 4)
+    server.answer("stop", 4)
+    robot.modbus_write("valve", True)
+    robot.stop(1)  # type: ignore[arg-type]  # as old scripts have it
+    assert [call.args for call in server.received()] == [("valve", 1), (True,)]
+
+
 @pytest.mark.parametrize("name", ["robotmoving", "open", "close"])
 def test_another_thread_is_told_to_make_its_own(name: str, robot: DucoCobot) -> None:
     raised: list[BaseException] = []

@@ -10,6 +10,7 @@ from thriftpy2.protocol import TCyBinaryProtocol
 from thriftpy2.thrift import TApplicationException, TDecodeException
 from thriftpy2.transport import TCyMemoryBuffer
 
+from aioduco._wire.fitting import Misfit
 from aioduco._wire.framing import Malformed, StructScanner
 from aioduco.errors import ControllerError, ParameterError, UnknownFunction
 
@@ -34,7 +35,7 @@ def encode(function: Function, args: tuple[Any, ...]) -> bytes:
 
     Args:
         function: the function of the wire.
-        args: one value per parameter, none of them None.
+        args: one value per parameter.
 
     Returns:
         The argument struct as it stands in the message.
@@ -49,10 +50,12 @@ def encode(function: Function, args: tuple[Any, ...]) -> bytes:
             f"{function.name} takes {len(parameters)} arguments ({', '.join(parameters)}), "
             f"not {len(args)}"
         )
-    # thriftpy2 would leave the field out, and the controller would take it for zero
-    for value, parameter in zip(args, parameters, strict=True):
-        if value is None:
-            raise ParameterError(parameter, value, f"a value; {function.name} needs every one")
+    parameter = ""
+    try:
+        for check, parameter, value in zip(function.checks, parameters, args, strict=True):  # noqa: B007  # read when a check raises
+            check(value)
+    except Misfit as exc:
+        raise ParameterError(f"{parameter}{exc.path}", exc.value, exc.expected) from None
     # a buffer of its own: a signal handler may encode a stop in the middle of another call
     buffer = TCyMemoryBuffer()
     try:

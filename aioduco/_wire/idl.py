@@ -11,6 +11,7 @@ import thriftpy2
 from thriftpy2.thrift import TType
 
 from aioduco._wire import rpc
+from aioduco._wire.fitting import Check, check_of, type_of
 
 SERVICE = "RPCRobot"
 
@@ -25,6 +26,7 @@ _ZERO: dict[int, Any] = {
     TType.LIST: list,
     TType.MAP: dict,
 }
+_WHOLE = {TType.BYTE, TType.I16, TType.I32, TType.I64}
 
 
 class Function:
@@ -35,12 +37,25 @@ class Function:
         args: class of the argument struct; an instance takes the fields as attributes.
         result: class of the result struct; the value is its attribute `success`.
         parameters: names of the parameters, in the order of their field ids.
+        checks: for each parameter the check whether a value fits its type.
+        whole: positions of the parameters that are whole numbers.
         void: whether the function returns nothing.
         head: the name as it stands in a message: its length and its text.
         texts: whether the result has strings in it, at any depth.
     """
 
-    __slots__ = ("args", "head", "name", "parameters", "result", "texts", "void", "zeros")
+    __slots__ = (
+        "args",
+        "checks",
+        "head",
+        "name",
+        "parameters",
+        "result",
+        "texts",
+        "void",
+        "whole",
+        "zeros",
+    )
 
     def __init__(self, service: Any, name: str) -> None:
         self.name: str = name
@@ -48,6 +63,10 @@ class Function:
         self.result: Any = getattr(service, f"{name}_result")
         entries = list(self.args.thrift_spec.values())
         self.parameters: tuple[str, ...] = tuple(entry[1] for entry in entries)
+        self.checks: tuple[Check, ...] = tuple(check_of(*type_of(entry)) for entry in entries)
+        self.whole: tuple[int, ...] = tuple(
+            index for index, entry in enumerate(entries) if entry[0] in _WHOLE
+        )
         self.void: bool = 0 not in self.result.thrift_spec
         self.head: bytes = struct.pack("!i", len(name)) + name.encode()
         self.texts: bool = _has_text(self.result.thrift_spec)

@@ -22,6 +22,7 @@ import warnings
 from typing import TYPE_CHECKING, Any
 
 from aioduco._version import __version__
+from aioduco._wire import idl
 from aioduco._wire.connection import Connection
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco._wire.rpc import (
@@ -207,7 +208,7 @@ class DucoCobot(Functions):
         if connection is None:
             raise ConnectionLost(f"{name} was not sent: call open() first")
         self._check_thread(name)
-        answer = connection.call(name, args, self.timeout)
+        answer = connection.call(name, _plain(name, args), self.timeout)
         self.last_error = None
         return answer
 
@@ -225,3 +226,12 @@ class DucoCobot(Functions):
         self.last_error = error
         _log.warning("%s returns -1: %s", name, error)
         return -1
+
+
+def _plain(name: str, args: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The arguments with True and False as the 1 and 0 that they are to the vendor's class."""
+    whole = idl.functions()[name].whole
+    return tuple(
+        int(value) if isinstance(value, bool) and index in whole else value
+        for index, value in enumerate(args)
+    )

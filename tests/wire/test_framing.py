@@ -274,9 +274,9 @@ def test_texts_is_known_of_each_result(name: str) -> None:
         ("get_noneblock_taskstate", (None,), "id"),
         ("get_tcp_force_tool", (7,), "tool"),
         ("get_tcp_force_tool", ("\ud800",), "tool"),
-        ("tool_write_data_485", ([200],), "data"),
-        ("servoj", ([0.0, "x"], 1.0, 1.0, False, 200.0, 25.0, 10.0, 1.0), "joints_list"),
-        ("movej2", ([0.0] * 6, 1.0, 1.0, 0.0, True, rpc.Op(trig_io_1=300), False), "trig_io_1"),
+        ("tool_write_data_485", ([200],), "data[0]"),
+        ("servoj", ([0.0, "x"], 1.0, 1.0, False, 200.0, 25.0, 10.0, 1.0), "joints_list[1]"),
+        ("movej2", ([0.0] * 6, 1.0, 1.0, 0.0, True, rpc.Op(trig_io_1=300), False), "op.trig_io_1"),
     ],
 )
 def test_a_value_that_does_not_fit_is_named(
