@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from collections import Counter
+from typing import Any
 
+import pytest
 from hypothesis import settings
-
-if TYPE_CHECKING:
-    import pytest
 
 # An example that takes long on a busy machine is no failure; the time-out of the test is enough.
 settings.register_profile("aioduco", deadline=None)
@@ -37,3 +36,38 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_report_header(config: pytest.Config) -> str:
     return f"adversity: {config.getoption('faults')} faults, seed {config.getoption('seed')}"
+
+
+# What the adversity tests did, counted. Here and not beside them: where tests are spread over
+# processes, the one that reports reads no other conftest than this.
+
+_totals = pytest.StashKey[Counter[str]]()
+
+
+def _counted(config: pytest.Config) -> Counter[str]:
+    return config.stash.setdefault(_totals, Counter())
+
+
+@pytest.fixture
+def totals(request: pytest.FixtureRequest) -> Counter[str]:
+    """Counts over all tests, said at the end."""
+    return _counted(request.config)
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    output: dict[str, Any] | None = getattr(session.config, "workeroutput", None)
+    if output is not None:
+        output["adversity"] = dict(_counted(session.config))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any) -> None:
+    _counted(node.config).update(getattr(node, "workeroutput", {}).get("adversity", {}))
+
+
+def pytest_terminal_summary(
+    terminalreporter: pytest.TerminalReporter, config: pytest.Config
+) -> None:
+    if totals := _counted(config):
+        said = ", ".join(f"{number} {what}" for what, number in sorted(totals.items()))
+        terminalreporter.write_line(f"adversity, seed {config.getoption('seed')}: {said}")

@@ -1,15 +1,11 @@
-"""How many faults, from which seed; and how many it were."""
+"""How many faults, from which seed."""
 
 from __future__ import annotations
-
-from collections import Counter
 
 import pytest
 
 #: tests among which the faults are divided
 PARTS = 10
-
-_totals = pytest.StashKey[Counter[str]]()
 
 
 @pytest.fixture
@@ -26,18 +22,3 @@ def faults(request: pytest.FixtureRequest) -> int:
     number = request.config.getoption("faults")
     assert isinstance(number, int)
     return max(1, number // PARTS)
-
-
-@pytest.fixture
-def totals(request: pytest.FixtureRequest) -> Counter[str]:
-    """Counts over all tests, said at the end."""
-    return request.config.stash.setdefault(_totals, Counter())
-
-
-def pytest_terminal_summary(
-    terminalreporter: pytest.TerminalReporter, config: pytest.Config
-) -> None:
-    totals = config.stash.get(_totals, Counter())
-    if totals:
-        said = ", ".join(f"{number} {what}" for what, number in sorted(totals.items()))
-        terminalreporter.write_line(f"adversity, seed {config.getoption('seed')}: {said}")
