@@ -33,7 +33,9 @@ __all__ = [
     "PersonNeeded",
     "ProtocolError",
     "Refused",
+    "RenderError",
     "RobotStateError",
+    "SceneError",
     "SetPointTooFar",
     "StaleState",
     "StopUnconfirmed",
@@ -372,3 +374,11 @@ class PathToleranceViolated(StreamError):
 
 class GoalToleranceViolated(StreamError):
     """The arm did not come close enough to the end of its trajectory in time. It stands."""
+
+
+class SceneError(DucoError, ValueError):
+    """A scene, a tool or a mounting cannot be simulated. No simulator was started."""
+
+
+class RenderError(DucoError, RuntimeError):
+    """This computer can draw no picture of a simulator, or show no window. It goes on without."""

@@ -120,7 +120,7 @@ def _parts(arm: Arm) -> tuple[tuple[Capsule, ...], ...]:
             Capsule(origin, (0.0, g.d6 - wrist, 0.0), wrist),
             Capsule((0.0, 0.0, -0.5 * wrist), (0.0, 0.0, 0.5 * wrist), 1.02 * wrist, joint=True),
         ),
-        (Capsule((0.0, 0.0, -0.6 * wrist), (0.0, 0.0, -0.5 * wrist), 0.5 * wrist, joint=True),),
+        (Capsule((0.0, 0.0, -0.65 * wrist), (0.0, 0.0, -0.55 * wrist), 0.5 * wrist, joint=True),),
     )
 
 

@@ -9,6 +9,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from aioduco.kinematics.bodies import ROTOR, Body, bodies
+from aioduco.models.pose import Pose
 from aioduco.models.rotation import quaternion_from_matrix
 
 if TYPE_CHECKING:
@@ -16,10 +17,13 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
 
-__all__ = ["FREQUENCY", "mjcf"]
+__all__ = ["FREQUENCY", "SERVOS", "mjcf"]
 
 FREQUENCY = 2 * math.pi * 25
 """Natural frequency of the position servos with the arm at its lightest [rad/s]."""
+
+SERVOS = 5
+"""Group of the servos, which lose their power together; a scene's drives are in others."""
 
 # MuJoCo's friction gives way a little under load: this is as firm as it gets.
 _FIRM = "0.9999 0.9999 0.001 0.5 2"
@@ -31,7 +35,7 @@ def _text(values: Iterable[float]) -> str:
     return " ".join(f"{value:.12g}" for value in values)
 
 
-def mjcf(arm: Arm, timestep: float) -> str:
+def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None) -> str:
     """Give the model as MJCF.
 
     Joints are named joint1 to joint6, their servos likewise. The flange is a site of that name,
@@ -41,6 +45,7 @@ def mjcf(arm: Arm, timestep: float) -> str:
     Args:
         arm: the arm.
         timestep: of the simulation [s].
+        mounting: of the base in the world, whose z axis is up; None for on the floor.
     """
     root = ET.Element("mujoco", model=arm.name)
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
@@ -59,20 +64,24 @@ def mjcf(arm: Arm, timestep: float) -> str:
         rgb1="0.9 0.93 0.96", rgb2="0.6 0.68 0.76", width="64", height="64",
     )  # fmt: skip
     ET.SubElement(
-        asset, "texture", name="floor", type="2d", builtin="checker",
+        asset, "texture", name="tiles", type="2d", builtin="checker",
         rgb1="0.82 0.83 0.84", rgb2="0.76 0.77 0.78", width="128", height="128",
     )  # fmt: skip
-    ET.SubElement(asset, "material", name="floor", texture="floor", texrepeat="8 8")
+    ET.SubElement(asset, "material", name="tiles", texture="tiles", texrepeat="8 8")
     world = ET.SubElement(root, "worldbody")
     ET.SubElement(
         world, "light", pos="1 -1 3", dir="-0.3 0.3 -1", diffuse="0.5 0.5 0.5", directional="true"
     )
     # The base stands a little above the floor, so that a link may come close to its own height.
     ET.SubElement(
-        world, "geom", name="floor", type="plane", size="3 3 0.1", pos="0 0 -0.01", material="floor"
+        world, "geom", name="floor", type="plane", size="3 3 0.1", pos="0 0 -0.01", material="tiles"
     )
     links = bodies(arm)
-    parent = ET.SubElement(world, "body", name="base")
+    place = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if mounting is None else mounting
+    parent = ET.SubElement(
+        world, "body", name="base", pos=_text(place[:3]),
+        quat=_text(quaternion_from_matrix(place.matrix[:3, :3])),
+    )  # fmt: skip
     _solid(parent, links[0], "base")
     actuator = ET.Element("actuator")
     for i, link in enumerate(links[1:], start=1):
@@ -93,8 +102,15 @@ def mjcf(arm: Arm, timestep: float) -> str:
         ET.SubElement(
             actuator, "position", name=f"servo{i}", joint=f"joint{i}", kp=f"{stiffness:.9g}",
             kv=f"{2 * stiffness / FREQUENCY:.9g}", forcerange=_text((-effort, effort)),
+            group=str(SERVOS),
         )  # fmt: skip
     flange = ET.SubElement(parent, "body", name="flange")
+    # What touches here is felt by the sensor; the link behind it is set back a little.
+    thick, wide = 0.002, links[6].parts[0].radius
+    ET.SubElement(
+        flange, "geom", name="flange_0", type="cylinder", size=_text((wide, thick)),
+        pos=_text((0.0, 0.0, -thick)), rgba=_TUBE, contype="2", conaffinity="1", mass="0",
+    )  # fmt: skip
     ET.SubElement(flange, "inertial", pos="0 0 0", mass="1e-6", diaginertia="1e-9 1e-9 1e-9")
     ET.SubElement(flange, "site", name="flange", size="0.004", rgba="0.9 0.3 0.1 1")
     root.append(actuator)

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Protocol
 from aioduco.sim.clock import LoopStatistics, LoopTimes, Pace
 from aioduco.sim.controller import Controller, Drive, Sensed, View
 from aioduco.sim.planner.mover import SetPoint
-from aioduco.sim.refusal import Refusal
+from aioduco.sim.refusal import Pending, Refusal
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -73,6 +73,11 @@ class Plant(Protocol):
     @property
     def wrench(self) -> Vector:
         """What acts on the flange, in its frame [N, N m]. Shape (6,)."""
+        ...
+
+    @property
+    def still(self) -> bool:
+        """Whether nothing else in the scene moves."""
         ...
 
     def load(self, mass: float, centre: Sequence[float]) -> None:
@@ -191,6 +196,9 @@ class Runtime:
         """
         if self._failure is not None:
             raise Refusal(f"the simulation failed: {self._failure!r}")
+        if self._within:  # a program of the controller makes a call, under the lock of the tick
+            yield self._controller
+            return
         with self._lock:
             try:
                 yield self._controller
@@ -210,7 +218,10 @@ class Runtime:
 
         Raises:
             Refusal: The simulation ended or failed before the task.
+            Pending: The call is one of a program, which the controller itself goes on with.
         """
+        if self._within:
+            raise Pending(id_)
         tasks = self._controller.tasks
         with self._lock:
             if (state := tasks.state(id_)).ended:
@@ -248,6 +259,10 @@ class Runtime:
         finally:
             with self._news:
                 self._watchers -= 1
+
+    @property
+    def _within(self) -> bool:
+        return threading.current_thread() is self._thread
 
     def _newer(self, seen: Snapshot) -> bool:
         return self._snapshot is not seen or self._closing
@@ -366,6 +381,6 @@ class Runtime:
         """Whether the arm has stood for so long that physics would change nothing."""
         changing = self._controller.busy or self._braked is not self._drive.brake
         changing = changing or self._pushed is not self._push or any(self._pushed)
-        changing = changing or self._loaded is not self._load
+        changing = changing or self._loaded is not self._load or not self._plant.still
         self._quiet = 0 if changing else self._quiet + cycles
         return self._quiet * self.cycle >= _SETTLING

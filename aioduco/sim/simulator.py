@@ -10,19 +10,22 @@ import anyio.to_thread
 import numpy as np
 
 from aioduco.kinematics import arm as arm_of
-from aioduco.models.pose import Joints
+from aioduco.models.pose import Joints, Pose
 from aioduco.sim.cabinet import Cabinet
 from aioduco.sim.controller import Controller
 from aioduco.sim.handlers import handlers
 from aioduco.sim.handlers.base import Context
+from aioduco.sim.mounting import gravity, mounting_of
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.runtime import Runtime
+from aioduco.sim.scene.xml import mjcf_of
 from aioduco.sim.server import Server
 from aioduco.sim.values import SystemValues
 from aioduco.sim.world import World
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
+    from pathlib import Path
     from types import TracebackType
     from typing import Self
 
@@ -32,7 +35,10 @@ if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike
     from aioduco.sim.clock import LoopStatistics
     from aioduco.sim.controller import View
+    from aioduco.sim.mounting import MountingLike
     from aioduco.sim.process import SimulatorProcess
+    from aioduco.sim.scene.xml import SceneLike
+    from aioduco.sim.script import Script
     from aioduco.sim.signals import Signals
     from aioduco.sim.tasks import Task
     from aioduco.sim.values import Value
@@ -61,11 +67,18 @@ class Simulator:
         speed: simulated seconds in a real one; `math.inf` for as fast as possible.
         seed: of everything random in the simulation.
         joints: where the arm stands at the start [rad]; None for the elbow bent, flange down.
+        scene: what stands around the arm, in the world's frame: a sequence of
+            `aioduco.sim.scene.Thing`s, the path of an MJCF file, or MJCF as text.
+        tool: what the flange carries, likewise, in the flange's frame.
+        mounting: where the base is in the world: "floor", "wall", "ceiling", or a pose [m, rad].
         values: system values by name, which a controller's pendant would define.
+        programs: by name, for run_program: a list of calls of the wire, or a generator function
+            that yields them; or a folder whose files "<name>.json" hold such lists.
         on_shutdown: called when a client has shut the controller down, from one of its threads.
 
     Raises:
         ParameterError: There is no such model, or `joints` are no six angles.
+        SceneError: `mounting` is none, or `scene` or `tool` hold what is no thing.
     """
 
     def __init__(
@@ -77,14 +90,22 @@ class Simulator:
         speed: float = 1.0,
         seed: int = 0,
         joints: JointsLike | None = None,
+        scene: SceneLike | None = None,
+        tool: SceneLike | None = None,
+        mounting: MountingLike = "floor",
         values: Mapping[str, Value] | None = None,
+        programs: Mapping[str, Script] | str | Path | None = None,
         on_shutdown: Callable[[], object] = lambda: None,
     ) -> None:
         self.arm: Arm = arm_of(model)
         self.speed = speed
         self.seed = seed
         self._start = Joints.of(READY if joints is None else joints).array
+        self.mounting: Pose = mounting_of(mounting, self.arm)
+        self._scene = None if scene is None else mjcf_of(scene)
+        self._tool = None if tool is None else mjcf_of(tool, free=False)
         self.cabinet: Cabinet = Cabinet(SystemValues(values))
+        self.cabinet.project.add(programs or {})
         self._address = (host, port)
         self._halted = threading.Event()
         self._on_shutdown = on_shutdown
@@ -103,13 +124,20 @@ class Simulator:
 
         Raises:
             OSError: The address cannot be listened on.
+            SceneError: The scene or the tool is no MJCF that MuJoCo takes.
             RuntimeError: It is running already.
         """
         if self._runtime is not None:
             raise RuntimeError("this simulator is running already")
         self._halted.clear()
-        world = World(self.arm, timestep=CYCLE)
-        world.reset(self._start)
+        world = World(
+            self.arm,
+            CYCLE,
+            self._start,
+            scene=self._scene,
+            tool=self._tool,
+            mounting=self.mounting,
+        )
 
         def mover(q: NDArray[np.float64]) -> Mover:
             return Mover(self.arm, q, CYCLE)
@@ -128,6 +156,7 @@ class Simulator:
             model,
             f"SIM{self.seed:08d}",
             self.cabinet,
+            gravity(self.mounting),
         )
         server = Server(handlers(context), host=self._address[0], port=self._address[1])
         server.start()
@@ -176,13 +205,16 @@ class Simulator:
         """Run a simulator in a process of its own.
 
         Args:
-            options: those of `Simulator`; numbers, texts and lists only.
+            options: those of `Simulator`; numbers, texts and lists only, besides scenes and tools.
 
         Returns:
             A context manager that gives the running process with its `host` and `port`.
         """
         from aioduco.sim.process import SimulatorProcess  # noqa: PLC0415 - it names this class
 
+        for name in options.keys() & {"scene", "tool"}:
+            if options[name] is not None:
+                options[name] = mjcf_of(options[name], free=name == "scene")
         return SimulatorProcess(options)
 
     # -- what can be seen ----------------------------------------------------------------------

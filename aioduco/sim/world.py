@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from aioduco.sim.mjcf import mjcf
+from aioduco.models.pose import Pose
+from aioduco.sim.mjcf import SERVOS, mjcf
+from aioduco.sim.scene.compose import compose
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,6 +25,7 @@ __all__ = ["World"]
 
 _BRAKE = 0.5  # torque of a brake, of its drive's; an assumption
 _NOTHING = 1e-6  # mass that stands for none [kg]
+_STILL = 1e-3  # speed that counts as none [m/s, rad/s]
 
 
 class World:
@@ -36,28 +39,57 @@ class World:
         arm: the arm.
         timestep: of one step [s].
         q: joints at the start [rad]. Shape (6,); None for zero, straight up.
+        scene: what stands around it, as `scene.mjcf_of` gives it.
+        tool: what it carries, likewise; its mass is known to the servos.
+        mounting: of its base in the world; None for on the floor.
+
+    Raises:
+        SceneError: MuJoCo does not take the scene or the tool.
     """
 
-    def __init__(self, arm: Arm, timestep: float = 0.001, q: Array | None = None) -> None:
+    def __init__(
+        self,
+        arm: Arm,
+        timestep: float = 0.001,
+        q: Array | None = None,
+        *,
+        scene: str | None = None,
+        tool: str | None = None,
+        mounting: Pose | None = None,
+    ) -> None:
         self.arm = arm
-        self.model: Any = mujoco.MjModel.from_xml_string(mjcf(arm, timestep))
+        self.mounting: Pose = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if mounting is None else mounting
+        self.model: Any = compose(mjcf(arm, timestep, self.mounting), scene, tool)
         self.data: Any = mujoco.MjData(self.model)
-        self._stiffness = self.model.actuator_gainprm[:, 0].copy()
-        self._damping = -self.model.actuator_biasprm[:, 2] / self._stiffness
+        self._stiffness = self.model.actuator_gainprm[:6, 0].copy()
+        self._damping = -self.model.actuator_biasprm[:6, 2] / self._stiffness
         self._timestep = timestep
-        self._change = self._stiffness * self._damping * timestep
+        self._change: Array = self._stiffness * self._damping * timestep
         self._effort = np.array(arm.effort)
-        self._hold = _BRAKE * self._effort
-        self._feed = np.empty(6)
+        self._hold: Array = _BRAKE * self._effort
+        # The arm's share of what MuJoCo keeps; it comes first.
+        data = self.data
+        self._q: Array = data.qpos[:6]
+        self._qd: Array = data.qvel[:6]
+        self._qdd: Array = data.qacc[:6]
+        self._bias: Array = data.qfrc_bias[:6]
+        self._applied: Array = data.qfrc_applied[:6]
+        self._ctrl: Array = data.ctrl[:6]
+        self._force: Array = data.actuator_force[:6]
+        self._sensor: Array = data.sensordata[:6]
+        self._others: Array = data.qvel[6:]
+        self._wanted, self._feed = np.zeros(self.model.nv), np.empty(self.model.nv)
         self._flange = self.model.site("flange").id
+        self._turn = self.mounting.matrix[:3, :3]
+        self._base = self.mounting.inverse().matrix
         self._braked = False
         self.reset(np.zeros(6) if q is None else q)
 
     def reset(self, q: Array) -> None:
-        """Stand at q [rad] at once."""
+        """Stand at q [rad] at once, with everything else where the scene puts it."""
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[:] = q
-        self.data.ctrl[:] = q
+        self._q[:] = q
+        self._ctrl[:] = q
         mujoco.mj_forward(self.model, self.data)
 
     def step(self, setpoint: SetPoint) -> None:
@@ -65,18 +97,19 @@ class World:
         data = self.data
         if self._braked:
             # The brakes carry the weight, as far as they reach: MuJoCo's friction would creep.
-            np.clip(data.qfrc_bias, -self._hold, self._hold, out=data.qfrc_applied)
+            np.clip(self._bias, -self._hold, self._hold, out=self._applied)
         else:
             # Mass matrix and forces are those of the last step's beginning: a millisecond old.
-            feed = self._feed
-            mujoco.mj_mulM(self.model, data, feed, setpoint.qdd)
-            feed += data.qfrc_bias
+            self._wanted[:6] = setpoint.qdd
+            mujoco.mj_mulM(self.model, data, self._feed, self._wanted)
+            feed = self._feed[:6]
+            feed += self._bias
             feed /= self._stiffness
             # MuJoCo pulls at the joint where the step begins, and damps the speed that the step
             # ends with, which is its mean speed: both are taken from the set-point of the end.
             feed += setpoint.q + (self._damping - self._timestep) * setpoint.qd
             feed -= (0.5 * self._timestep) * (self._damping - self._timestep) * setpoint.qdd
-            data.ctrl[:] = feed
+            self._ctrl[:] = feed
         # Releases the GIL for its few microseconds: what waits for it may come in between.
         mujoco.mj_step(self.model, data)
 
@@ -100,7 +133,8 @@ class World:
         Args:
             wrench: force [N], then torque [N m], in the base frame, at the flange; zeros to end.
         """
-        self.data.xfrc_applied[self.model.body("flange").id] = wrench
+        turned = np.reshape(wrench, (2, 3)) @ self._turn.T
+        self.data.xfrc_applied[self.model.body("flange").id] = turned.ravel()
 
     def brake(self, on: bool) -> None:
         """Let the joint brakes fall and cut the drives' power, or the reverse.
@@ -108,14 +142,19 @@ class World:
         The brakes hold by friction: a moving arm is slowed down by them, a standing one stays.
         """
         self._braked = on
-        self.model.opt.disableactuator = 1 if on else 0
-        self.model.dof_frictionloss[:] = self._hold if on else 0.0
-        self.data.qfrc_applied[:] = 0.0
+        self.model.opt.disableactuator = 1 << SERVOS if on else 0
+        self.model.dof_frictionloss[:6] = self._hold if on else 0.0
+        self._applied[:] = 0.0
 
     @property
     def braked(self) -> bool:
         """Whether the brakes hold and the drives have no power."""
         return self._braked
+
+    @property
+    def still(self) -> bool:
+        """Whether what is loose in the scene lies still."""
+        return self._others.size == 0 or float(np.abs(self._others).max()) < _STILL
 
     @property
     def time(self) -> float:
@@ -125,32 +164,32 @@ class World:
     @property
     def q(self) -> Array:
         """Joint angles [rad]. Shape (6,)."""
-        return np.array(self.data.qpos)
+        return self._q.copy()
 
     @property
     def qd(self) -> Array:
         """Joint speeds [rad/s]. Shape (6,)."""
-        return np.array(self.data.qvel)
+        return self._qd.copy()
 
     @property
     def qdd(self) -> Array:
         """Joint accelerations [rad/s²]. Shape (6,)."""
-        return np.array(self.data.qacc)
+        return self._qdd.copy()
 
     @property
     def torque(self) -> Array:
         """Torques of the drives in the last step [N m]. Shape (6,)."""
         # MuJoCo gives them for the speed that the step began with, but integrates them with the
         # damping at the speed that it ended with, unless the drive is at its limit.
-        torque = np.array(self.data.actuator_force)
+        torque = self._force.copy()
         if not self._braked:
-            torque -= self._change * self.data.qacc * (np.abs(torque) < self._effort)
+            torque -= self._change * self._qdd * (np.abs(torque) < self._effort)
         return torque
 
     @property
     def wrench(self) -> Array:
         """Force [N] and torque [N m] that the world applies to the flange, in its frame. (6,)"""
-        return -np.array(self.data.sensordata)
+        return -self._sensor
 
     def flange(self) -> Array:
         """Give the pose of the flange in the base frame. Shape (4, 4)."""
@@ -159,4 +198,4 @@ class World:
         pose = np.eye(4)
         pose[:3, :3] = self.data.site_xmat[self._flange].reshape(3, 3)
         pose[:3, 3] = self.data.site_xpos[self._flange]
-        return pose
+        return self._base @ pose

@@ -47,6 +47,8 @@ class Follower:
     def brake(self, on: bool) -> None:
         self.braked.append(on)
 
+    still = True
+
     def push(self, wrench: Sequence[float]) -> None:
         self.pushed = tuple(wrench)
 

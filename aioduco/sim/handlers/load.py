@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     Vector = NDArray[np.float64]
 
-_GRAVITY = np.array([0.0, 0.0, -9.81])
-
 
 class LoadHandlers(Section):
     """set_load_data, get_tcp_force, get_tcp_force_tool."""
@@ -61,7 +59,7 @@ class LoadHandlers(Section):
         """What acts on the flange besides the load's weight, about a point, in its frame."""
         snapshot = self._runtime.snapshot
         mass, centre = self._cabinet.load
-        weight = mass * (self._arm.fkine(snapshot.q)[:3, :3].T @ _GRAVITY)
+        weight = mass * (self._arm.fkine(snapshot.q)[:3, :3].T @ self._context.gravity)
         force = snapshot.wrench[:3] - weight
         torque = snapshot.wrench[3:] - np.cross(centre, weight)
         return force, torque - np.cross(tip, force)
