@@ -25,18 +25,16 @@ if TYPE_CHECKING:
     from aioduco.api.kinematics import Kinematics
     from aioduco.api.log import Log
     from aioduco.api.modbus import Modbus
-    from aioduco.api.motion import Motion
     from aioduco.api.optimization import Optimization
     from aioduco.api.program import Program
-    from aioduco.api.realtime import Realtime
     from aioduco.api.registers import Registers
     from aioduco.api.service import Service
     from aioduco.api.settings import Settings as SettingsSection
     from aioduco.api.state import State
     from aioduco.api.system import System
-    from aioduco.api.track import Track
     from aioduco.api.version import Version
     from aioduco.models.state import RobotStates
+    from aioduco.streaming.sections import Motion, Realtime, Servo, Speed, Track
     from aioduco.supervision.events import Events
     from aioduco.supervision.feed import Feed, Snapshot
     from aioduco.supervision.heartbeat import HeartbeatStatistics
@@ -136,12 +134,14 @@ class Robot:
         host: name or address of the controller.
         port: its TCP port.
         system: power, brakes, operation mode.
-        motion: motions, jogs, hand guiding.
+        motion: motions, jogs, hand guiding, joint trajectories.
+        servo: streams of positions to follow.
+        speed: streams of speeds.
         program: programs and files of the controller.
-        track: the track pool.
+        track: the track pool, and streams into it.
         compound: the weave laid over motions.
         external_axes: external axes.
-        realtime: the realtime queue, call by call.
+        realtime: streams through the realtime queue, and the queue call by call.
         state: state of the arm and of the controller.
         io: inputs and outputs.
         registers: registers and variables of the controller.
@@ -159,6 +159,8 @@ class Robot:
 
     system: System
     motion: Motion
+    servo: Servo
+    speed: Speed
     program: Program
     track: Track
     compound: Compound
@@ -193,29 +195,37 @@ class Robot:
         from aioduco.api.kinematics import Kinematics  # noqa: PLC0415
         from aioduco.api.log import Log  # noqa: PLC0415
         from aioduco.api.modbus import Modbus  # noqa: PLC0415
-        from aioduco.api.motion import Motion  # noqa: PLC0415
         from aioduco.api.optimization import Optimization  # noqa: PLC0415
         from aioduco.api.program import Program  # noqa: PLC0415
-        from aioduco.api.realtime import Realtime  # noqa: PLC0415
         from aioduco.api.registers import Registers  # noqa: PLC0415
         from aioduco.api.service import Service  # noqa: PLC0415
         from aioduco.api.settings import Settings as SettingsSection  # noqa: PLC0415
         from aioduco.api.state import State  # noqa: PLC0415
         from aioduco.api.system import System  # noqa: PLC0415
-        from aioduco.api.track import Track  # noqa: PLC0415
         from aioduco.api.version import Version  # noqa: PLC0415
+        from aioduco.streaming.sections import (  # noqa: PLC0415
+            Motion,
+            Realtime,
+            Servo,
+            Speed,
+            Track,
+            endpoint_of,
+        )
         from aioduco.supervision.supervisor import Supervisor  # noqa: PLC0415
 
         self.host = host
         self.port = port
         self._supervisor = Supervisor(host, port, settings)
         self.system = System(self._supervisor)
-        self.motion = Motion(self._supervisor)
+        endpoint = endpoint_of(self._supervisor)
+        self.motion = Motion(self._supervisor, endpoint)
+        self.servo = Servo(endpoint)
+        self.speed = Speed(endpoint)
         self.program = Program(self._supervisor)
-        self.track = Track(self._supervisor)
+        self.track = Track(self._supervisor, endpoint)
         self.compound = Compound(self._supervisor)
         self.external_axes = ExternalAxes(self._supervisor)
-        self.realtime = Realtime(self._supervisor)
+        self.realtime = Realtime(self._supervisor, endpoint)
         self.state = State(self._supervisor)
         self.io = IO(self._supervisor)
         self.registers = Registers(self._supervisor)
@@ -391,7 +401,7 @@ class Robot:
         Manual section 1.3.3.
         """
         self._supervisor.check_open("stop")
-        self._supervisor.control.stop_now(timeout)
+        self._supervisor.keeper.stop_now(timeout)
 
     async def pause(self) -> None:
         """Pause all tasks (暂停所有任务), and wait until the arm stands.

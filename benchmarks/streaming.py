@@ -38,7 +38,7 @@ from streaming_server import CYCLE
 from aioduco._wire.connection import Connection
 from aioduco._wire.lane import Lane
 from aioduco.streaming.pacing import Schedule
-from aioduco.streaming.realtime import Realtime
+from aioduco.streaming.realtime import RealtimeStreams
 from aioduco.streaming.servo import Servo
 from aioduco.streaming.settings import Endpoint, LaneOptions, Upsampling
 from aioduco.streaming.statistics import Histogram
@@ -273,7 +273,7 @@ async def pacing(port: int, busy: bool, quick: bool) -> dict[str, dict[str, Any]
 
 
 async def queue_by_lane(kind: str, port: int, seconds: float, stall: bool) -> StreamStatistics:
-    opened = Realtime(Endpoint(HOST, port)).stream(
+    opened = RealtimeStreams(Endpoint(HOST, port)).stream(
         "joint_position", v=3.0, a=50.0, depth=50, hold=20.0, options=LANES[kind]
     )
     with contextlib.suppress(TimeoutError):

@@ -2,8 +2,8 @@
 
 A stream has two ends. The *face* lives in the program (`servo`, `realtime`, `track`, `speed`,
 `trajectory`) and is asynchronous. The *lane* owns the connection to the controller and the
-schedule; it runs in a small process, or in a thread, and imports neither asyncio, anyio, numpy
-nor thriftpy2. Between them lies one block of shared memory.
+schedule; it runs in a small process, or in a thread, and imports neither asyncio nor anyio.
+Between them lies one block of shared memory.
 
 Nothing is imported here, so that the lane's process stays small.
 """

@@ -100,10 +100,17 @@ class Host:
 
         A command never takes back a stronger one.
         """
-        if self._outcome is not None:
-            return
-        words = self.block.control
-        words[Control.COMMAND] = max(command, words[Control.COMMAND])
+        # The block may be let go of at any moment, by another thread: then the lane is gone.
+        with contextlib.suppress(ValueError):
+            self.block.control[command] = 1
+
+    @property
+    def silent(self) -> bool:
+        """Whether the lane can send nothing any more; from any thread."""
+        try:
+            return self._gone or self.block.status[Status.STATE] == State.ENDED
+        except ValueError:
+            return True
 
     def start(self) -> None:
         """Start the lane.

@@ -76,7 +76,6 @@ class Lane:
         self._poll = select.poll()
         self._poll.register(link, select.POLLIN | select.POLLHUP)
         self._looked = self._reported = 0
-        self._obeyed = Command.RUN
         self._told: object = None
         self._driver: Driver | None = None
         self._terminated = False
@@ -198,16 +197,13 @@ class Lane:
 
     def _obey(self, driver: Driver, now: int) -> None:
         """Do what the program wants, and see whether it lives."""
-        command = self._block.control[Control.COMMAND]
-        if command != self._obeyed:
-            self._obeyed = Command(command)
-            match self._obeyed:
-                case Command.CLOSE:
-                    driver.close()
-                case Command.ABORT:
-                    driver.brake(Reason.ABORTED)
-                case Command.HALT:
-                    driver.end(Reason.STOPPED)
+        control = self._block.control
+        if control[Command.HALT]:
+            driver.end(Reason.STOPPED)
+        elif control[Command.ABORT]:
+            driver.brake(Reason.ABORTED)
+        elif control[Command.CLOSE]:
+            driver.close()
         if now - self._looked < _LOOK:
             return
         self._looked = now
@@ -215,7 +211,10 @@ class Lane:
             driver.brake(Reason.FAILED)
             self._block.text = "the lane's process was told to end by a signal"
         if self._gone():
-            driver.brake(Reason.PROGRAM_DIED)
+            dead = self._process and os.getppid() != self._parent
+            # Where others stop the robot at once, set-points would only set it moving again.
+            end = driver.end if dead and self._config["guarded"] else driver.brake
+            end(Reason.PROGRAM_DIED)
 
     def _gone(self) -> bool:
         """Whether the program is gone: its end of the socket is closed, or its process is.

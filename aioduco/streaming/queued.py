@@ -69,10 +69,14 @@ class Queue:
 
     def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - what is late is made up by the queue
         """Do the work of one tick; returns whether there is another one."""
-        if not self._running and not self._feed.begin():
-            self._feed.step()
-            return self._feed.source.state is not State.ENDED
-        return self._fill() if self._running else self._start()
+        if self._running:
+            return self._fill()
+        if self.state is State.ENDED:
+            return False
+        if self._feed.begin():
+            return self._start()
+        self._feed.step()
+        return self.state is not State.ENDED
 
     def _start(self) -> bool:
         """Fill the empty queue, and have the controller begin with it.

@@ -17,12 +17,11 @@ if TYPE_CHECKING:
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.space import Space
 
-__all__ = ["CYCLE", "Realtime"]
+__all__ = ["CYCLE", "RealtimeStreams"]
 
 #: time in which the controller takes one point from its queue [s] (manual 1.3.15, the example)
 CYCLE = 0.001
 _JERK = 10.0  # of the acceleration, per second
-_OPTIONS = LaneOptions()
 _Limit = float | tuple[float, float]
 
 #: by mode: field of the point, space, whether set-points are speeds, where the arm is read, check
@@ -54,7 +53,7 @@ _MODES: dict[
 }
 
 
-class Realtime:
+class RealtimeStreams:
     """Streams through the queue from which the controller takes a point every millisecond.
 
         async with robot.realtime.stream("joint_position", v=1.0, a=5.0) as stream:
@@ -88,7 +87,7 @@ class Realtime:
         ahead: int | None = None,
         max_step: _Limit | None = None,
         reach: _Limit | None = None,
-        options: LaneOptions = _OPTIONS,
+        options: LaneOptions | None = None,
     ) -> Stream:
         """Follow positions or speeds (start_realtime_mode, realtime_data_enqueue).
 
@@ -113,7 +112,7 @@ class Realtime:
             ahead: set-points queued before `send` waits.
             max_step: largest step between two set-points [rad], or [m, rad].
             reach: how far the arm may be from the first set-point [rad], or [m, rad].
-            options: how the lane runs.
+            options: how the lane runs; None: in a process of its own.
 
         Returns:
             The stream; its set-points are what the mode says.
@@ -157,6 +156,7 @@ class Realtime:
                 "offsets": False,
                 "read": read,
                 "leave": [],
+                "ending": "end_realtime_mode",
                 "limits": _limits(v, a, jerk, groups),
                 "period": period,
                 "point_period": CYCLE,

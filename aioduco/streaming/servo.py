@@ -49,10 +49,6 @@ class ServoGains:
         ]
 
 
-_GAINS = ServoGains()
-_OPTIONS = LaneOptions()
-
-
 class OffsetStream(Stream):
     """A stream of offsets in the tool's frame, each from where the one before led to."""
 
@@ -123,8 +119,8 @@ class Servo:
         ahead: int | None = None,
         max_step: float = 0.2,
         reach: float = 0.1,
-        gains: ServoGains = _GAINS,
-        options: LaneOptions = _OPTIONS,
+        gains: ServoGains | None = None,
+        options: LaneOptions | None = None,
     ) -> Stream:
         """Follow joint positions (servoj, 关节伺服).
 
@@ -140,8 +136,8 @@ class Servo:
             ahead: targets queued before `send` waits.
             max_step: largest step of a joint between two targets [rad].
             reach: how far each joint may be from the first target [rad].
-            gains: how closely the controller follows.
-            options: how the lane runs.
+            gains: how closely the controller follows; None: as the manual advises.
+            options: how the lane runs; None: in a process of its own.
 
         Returns:
             The stream; its set-points are six joint angles [rad], -2π to 2π.
@@ -171,7 +167,7 @@ class Servo:
             ],
             "read": ["get_actual_joints_position"],
             "function": "servoj",
-            "arguments": [None, v_, a_, False, *gains.wire()],
+            "arguments": [None, v_, a_, False, *(gains or ServoGains()).wire()],
         }
         return Stream(
             self._endpoint,
@@ -202,8 +198,8 @@ class Servo:
         ahead: int | None = None,
         max_step: tuple[float, float] = (0.05, 0.2),
         reach: tuple[float, float] = (0.05, 0.1),
-        gains: ServoGains = _GAINS,
-        options: LaneOptions = _OPTIONS,
+        gains: ServoGains | None = None,
+        options: LaneOptions | None = None,
     ) -> Stream:
         """Follow poses of the tool in the work object (servoj_pose, 位姿伺服).
 
@@ -225,8 +221,8 @@ class Servo:
             ahead: targets queued before `send` waits.
             max_step: largest step between two targets [m, rad].
             reach: how far the tool may be from the first target [m, rad].
-            gains: how closely the controller follows.
-            options: how the lane runs.
+            gains: how closely the controller follows; None: as the manual advises.
+            options: how the lane runs; None: in a process of its own.
 
         Returns:
             The stream; its set-points are poses (x, y, z [m], rx, ry, rz [rad]).
@@ -252,7 +248,7 @@ class Servo:
         config = {
             **_cartesian(velocity, acceleration, jerk, frames),
             "function": "servoj_pose",
-            "arguments": [None, v_, a_, near, *frames, False, *gains.wire()],
+            "arguments": [None, v_, a_, near, *frames, False, *(gains or ServoGains()).wire()],
         }
         return self._poses(feeding, options, config, rate, "servoj_pose")
 
@@ -275,8 +271,8 @@ class Servo:
         ahead: int | None = None,
         max_step: tuple[float, float] = (0.05, 0.2),
         reach: tuple[float, float] = (0.05, 0.1),
-        gains: ServoGains = _GAINS,
-        options: LaneOptions = _OPTIONS,
+        gains: ServoGains | None = None,
+        options: LaneOptions | None = None,
     ) -> Stream:
         """Follow poses with Cartesian interpolation in the controller (servol, 直线伺服).
 
@@ -301,8 +297,8 @@ class Servo:
             ahead: targets queued before `send` waits.
             max_step: largest step between two targets [m, rad].
             reach: how far the tool may be from the first target [m, rad].
-            gains: how closely the controller follows.
-            options: how the lane runs.
+            gains: how closely the controller follows; None: as the manual advises.
+            options: how the lane runs; None: in a process of its own.
 
         Returns:
             The stream; its set-points are poses (x, y, z [m], rx, ry, rz [rad]).
@@ -328,7 +324,7 @@ class Servo:
         config = {
             **_cartesian(velocity, acceleration, jerk, frames),
             "function": "servol",
-            "arguments": [None, v_, a_, near, *frames, False, *gains.wire()],
+            "arguments": [None, v_, a_, near, *frames, False, *(gains or ServoGains()).wire()],
         }
         return self._poses(feeding, options, config, rate, "servol")
 
@@ -348,8 +344,8 @@ class Servo:
         hold: float = 0.5,
         ahead: int | None = None,
         max_step: tuple[float, float] = (0.05, 0.2),
-        gains: ServoGains = _GAINS,
-        options: LaneOptions = _OPTIONS,
+        gains: ServoGains | None = None,
+        options: LaneOptions | None = None,
     ) -> OffsetStream:
         """Move by offsets in the tool's frame (servo_tcp, 工具增量伺服).
 
@@ -372,8 +368,8 @@ class Servo:
             hold: time without an offset after which the stream ends [s].
             ahead: offsets queued before `send` waits.
             max_step: largest offset, and largest turn of one [m, rad].
-            gains: how closely the controller follows.
-            options: how the lane runs.
+            gains: how closely the controller follows; None: as the manual advises.
+            options: how the lane runs; None: in a process of its own.
 
         Returns:
             The stream; its set-points are offsets (x, y, z [m], rx, ry, rz [rad]).
@@ -401,7 +397,7 @@ class Servo:
             "read": [],
             "offsets": True,
             "function": "servo_tcp",
-            "arguments": [None, v_, a_, frame, False, *gains.wire()],
+            "arguments": [None, v_, a_, frame, False, *(gains or ServoGains()).wire()],
         }
         return OffsetStream(
             self._endpoint,
@@ -414,7 +410,12 @@ class Servo:
         )
 
     def _poses(
-        self, feeding: Feeding, options: LaneOptions, config: dict[str, Any], rate: float, name: str
+        self,
+        feeding: Feeding,
+        options: LaneOptions | None,
+        config: dict[str, Any],
+        rate: float,
+        name: str,
     ) -> Stream:
         return Stream(
             self._endpoint,

@@ -7,73 +7,20 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
-from aioduco.errors import ParameterError, RobotStateError
+from aioduco.errors import ParameterError
 from aioduco.streaming.upsample import UPSAMPLING
+from aioduco.supervision.streams import Streams
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterator, Sequence
+    from collections.abc import Awaitable, Callable, Sequence
 
-    from aioduco.streaming.stream import Stream
-
-__all__ = ["Endpoint", "Feeding", "LaneOptions", "Streams", "Upsampling", "per_group"]
+__all__ = ["Endpoint", "Feeding", "LaneOptions", "Upsampling", "per_group"]
 
 Upsampling = Literal["none", "linear", "cubic", "ruckig"]
 
 _MOST_POINTS = 16384
 _LATEST = 8  # slots of a ring of which only the newest counts
 _FASTEST = 100_000.0
-
-
-class Streams:
-    """The open streams of one robot: at most one at a time, ended by any stop.
-
-    A stop of the robot first calls `halt`, which is synchronous and never waits, then sends the
-    controller's `stop`, then awaits `settled`, and sends `stop` once more if that says so: a
-    set-point may have been on its way when the first one came.
-    """
-
-    def __init__(self) -> None:
-        self._open: list[Stream] = []
-
-    def __len__(self) -> int:
-        return len(self._open)
-
-    def __iter__(self) -> Iterator[Stream]:
-        return iter(tuple(self._open))
-
-    def add(self, stream: Stream) -> None:
-        """Take a stream that is being opened.
-
-        Raises:
-            RobotStateError: another one is open; the arm can follow only one.
-        """
-        for other in self:
-            raise RobotStateError(
-                f"{other!r} is open on this robot; close it before you open another one. "
-                "Nothing was sent"
-            )
-        self._open.append(stream)
-
-    def remove(self, stream: Stream) -> None:
-        """Forget a stream that is over."""
-        if stream in self._open:
-            self._open.remove(stream)
-
-    def halt(self) -> bool:
-        """Have no stream send anything more; from any thread or signal handler.
-
-        Returns:
-            Whether there was a stream.
-        """
-        streams = tuple(self._open)
-        for stream in streams:
-            stream.halt()
-        return bool(streams)
-
-    async def settled(self) -> None:
-        """Wait until no lane can send anything more."""
-        for stream in self:
-            await stream.ended()
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,14 +30,19 @@ class Endpoint:
     Attributes:
         host: name or address of the controller.
         port: its TCP port.
-        stop: stops the robot on another connection; for a lane that cannot do it any more.
+        stop: stops the robot on another connection, for a lane that cannot do it any more; it is
+            given the function of the wire that ends the mode in which the lane was, or "".
         streams: the open streams of the robot.
+        admit: raises if the robot cannot take a stream now; it is given the stream's name.
+        guarded: whether the robot is stopped by others when the program dies.
     """
 
     host: str
     port: int
-    stop: Callable[[], Awaitable[object]] | None = None
+    stop: Callable[[str], Awaitable[object]] | None = None
     streams: Streams = field(default_factory=Streams)
+    admit: Callable[[str], Awaitable[object]] | None = None
+    guarded: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,7 +4,7 @@ It is a memory file without a name (memfd), handed to the lane's process as an o
 when both processes are gone, however they went, so is the block. A lane in a thread uses the
 same layout in anonymous memory.
 
-Each word has one writer: the program writes `Control`, the lane writes `Status`, the
+Each word has one writer: the program writes `Command` and `Control`, the lane writes `Status`, the
 histograms and `Report`. Words are 64 bits wide and aligned, so that a reader never sees half a
 word.
 """
@@ -36,23 +36,25 @@ HISTOGRAMS = ("lateness", "interval", "round_trip", "work", "age", "depth")
 
 
 class Command(IntEnum):
-    """What the program wants of the lane; a higher one overrides a lower one."""
+    """What the program wants of the lane; a higher one overrides a lower one.
 
-    RUN = 0
+    Each is a word of `Control`, set once and never taken back: so two threads that want
+    different things at the same moment cannot undo each other.
+    """
+
     #: follow what was sent to its end, then end
-    CLOSE = 1
+    CLOSE = 0
     #: come to rest at once, then end
-    ABORT = 2
+    ABORT = 1
     #: send nothing more, at once: the robot was stopped
-    HALT = 3
+    HALT = 2
 
 
 class Control(IntEnum):
-    """Words that the program writes."""
+    """Words that the program writes, after those of `Command`."""
 
-    COMMAND = 0
     #: wake the program when no more than this many set-points are in the ring; 0: do not
-    WAKE_BELOW = 1
+    WAKE_BELOW = 3
 
 
 class Status(IntEnum):
@@ -105,7 +107,7 @@ class Block:
         config: the lane's configuration, for the side that makes the block.
 
     Attributes:
-        control: words of `Control`.
+        control: words of `Command` and `Control`.
         status: words of `Status`.
         ring: the program's set-points.
         report: the set-points that the lane sent, the newest only.

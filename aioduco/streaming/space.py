@@ -3,7 +3,7 @@
 A stream interpolates and limits *displacements*, six numbers each, so that one code serves
 both: for joints a displacement is a difference of angles, for poses it is a translation and a
 rotation vector in the base frame. Rotations are never interpolated as roll, pitch and yaw.
-Plain Python, since a lane imports no numpy.
+Plain Python: for six numbers that is quicker than numpy.
 """
 
 from __future__ import annotations

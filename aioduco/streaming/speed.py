@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Speed"]
 
-_OPTIONS = LaneOptions()
-
 
 class Speed:
     """Streams of speeds (speedj, speedl, manual 1.3.5), as a joystick gives them.
@@ -45,7 +43,7 @@ class Speed:
         rate: float = 50.0,
         latest: bool = True,
         hold: float = 0.1,
-        options: LaneOptions = _OPTIONS,
+        options: LaneOptions | None = None,
     ) -> Stream:
         """Follow joint speeds (speedj, 关节速度).
 
@@ -56,7 +54,7 @@ class Speed:
             rate: calls per second [Hz].
             latest: only the newest speed counts, and `send` never waits.
             hold: time without a speed from the program after which the stream ends [s].
-            options: how the lane runs.
+            options: how the lane runs; None: in a process of its own.
 
         Returns:
             The stream; its set-points are six joint speeds [rad/s].
@@ -83,7 +81,7 @@ class Speed:
         rate: float = 50.0,
         latest: bool = True,
         hold: float = 0.1,
-        options: LaneOptions = _OPTIONS,
+        options: LaneOptions | None = None,
     ) -> Stream:
         """Follow a speed of the tool (speedl, 末端速度).
 
@@ -98,7 +96,7 @@ class Speed:
             rate: calls per second [Hz].
             latest: only the newest speed counts, and `send` never waits.
             hold: time without a speed from the program after which the stream ends [s].
-            options: how the lane runs.
+            options: how the lane runs; None: in a process of its own.
 
         Returns:
             The stream; its set-points are speeds (x, y, z [m/s], rx, ry, rz [rad/s]).
@@ -118,7 +116,7 @@ class Speed:
     def _stream(
         self,
         feeding: Feeding,
-        options: LaneOptions,
+        options: LaneOptions | None,
         config: dict[str, Any],
         a: float,
         dead_man: float,

@@ -14,6 +14,7 @@ from aioduco.streaming.ends import failure
 from aioduco.streaming.host import Host
 from aioduco.streaming.report import StreamStatistics
 from aioduco.streaming.sampling import sampled
+from aioduco.streaming.settings import LaneOptions
 from aioduco.streaming.shared import Command
 from aioduco.streaming.source import Reason, State
 from aioduco.streaming.ticks import Tick, ticks
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from anyio.abc import TaskGroup
 
     from aioduco.models.rules import VectorLike
-    from aioduco.streaming.settings import Endpoint, Feeding, LaneOptions
+    from aioduco.streaming.settings import Endpoint, Feeding
     from aioduco.streaming.space import Space
 
 __all__ = ["Stream", "Tick"]
@@ -54,7 +55,7 @@ class Stream:
         self,
         endpoint: Endpoint,
         feeding: Feeding,
-        options: LaneOptions,
+        options: LaneOptions | None,
         *,
         space: Space,
         check: Callable[[str, VectorLike], list[float]],
@@ -63,7 +64,7 @@ class Stream:
     ) -> None:
         self._endpoint = endpoint
         self._feeding = feeding
-        self._options = options
+        self._options = options = options or LaneOptions()
         self._space = space
         self._check = check
         self._name = name
@@ -71,6 +72,7 @@ class Stream:
             "host": endpoint.host,
             "port": endpoint.port,
             "extra": 0,
+            "guarded": endpoint.guarded,
             **options.config(),
             **feeding.config(),
             **config,
@@ -80,6 +82,7 @@ class Stream:
         self._last: tuple[float, ...] | None = None
         self._final: StreamStatistics | None = None
         self._begun = False
+        self._halted = False
         self._taken = 0
         self._commanded: tuple[float, ...] | None = None
         self._minding: anyio.CancelScope | None = None
@@ -134,6 +137,11 @@ class Stream:
             raise StreamClosed("the stream has not been opened, so it has no figures")
         return StreamStatistics.of(self._host)
 
+    @property
+    def quiet(self) -> bool:
+        """Whether the lane can send nothing any more; from any thread."""
+        return self._host is None or self._host.silent
+
     def __repr__(self) -> str:
         end = f" ({self.reason.name})" if self.reason else ""
         where = "process" if self._options.lane == "process" else "thread"
@@ -145,10 +153,14 @@ class Stream:
         """Start the lane and connect it.
 
         Raises:
-            RobotStateError: another stream is open on this robot.
+            RobotStateError: another stream is open on this robot, or something moves its arm.
+            HeartbeatLost: the robot's heartbeat does not beat.
             StreamLost: there is no controller, or it does not answer.
             LaneFailed: no lane could be started.
         """
+        if self._endpoint.admit is not None:
+            await self._endpoint.admit(self._name)
+        # Nothing may be awaited here, or a motion could be sent in between.
         self._endpoint.streams.add(self)
         try:
             await self._open()
@@ -165,6 +177,10 @@ class Stream:
         await self._tasks.__aenter__()
         self._tasks.start_soon(self._mind, host)
         await host.until_ready(self._options.connect_timeout)
+        if self._halted:
+            # The robot was stopped before there was a lane to be told of it.
+            host.command(Command.HALT)
+            await host.until_gone()
         if host.gone:
             self._raise(host)
         if not host.ready:
@@ -199,7 +215,7 @@ class Stream:
                 # `stop` says itself, to its own caller, when it cannot be confirmed; here is
                 # nobody to tell but the one who meets the lane's death.
                 with contextlib.suppress(DucoError):
-                    await self._endpoint.stop()
+                    await self._endpoint.stop(self._config.get("ending", ""))
 
     async def _end(self) -> None:
         """Have the lane end, whatever it takes, and keep its figures."""
@@ -242,8 +258,14 @@ class Stream:
 
         The arm is not decelerated by this: it is for those who stop the robot themselves.
         """
+        self._halted = True
         if self._host is not None:
             self._host.command(Command.HALT)
+
+    def kill(self) -> None:
+        """End a lane that does not end by itself; one in a thread cannot be ended so."""
+        if self._host is not None:
+            self._host.kill()
 
     def _raise(self, host: Host) -> None:
         """Raise what the end of the stream means, unless it was closed."""

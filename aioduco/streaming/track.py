@@ -17,13 +17,12 @@ if TYPE_CHECKING:
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.host import Host
 
-__all__ = ["Track", "TrackStream"]
+__all__ = ["TrackStream", "TrackStreams"]
 
 POOL = 1000  # points that fit (manual 1.3.12)
 LEAST = 10  # points to keep, for a motion without a halt (manual 1.3.12)
 _EXTRA = 512  # bytes for what is set at a point: 128 and three names of events
 _RATE = 100.0  # points per second by which the lane's ring is sized; the arm's pace is its own
-_OPTIONS = LaneOptions()
 
 
 class TrackStream(Stream):
@@ -77,7 +76,7 @@ class TrackStream(Stream):
         return tail
 
 
-class Track:
+class TrackStreams:
     """Streams of points of a path, which the controller plans a motion through.
 
         async with robot.track.stream("pose", speed=0.2, acc=0.5) as stream:
@@ -111,7 +110,7 @@ class Track:
         ahead: int = 200,
         max_step: float | tuple[float, float] | None = None,
         reach: float | tuple[float, float] | None = None,
-        options: LaneOptions = _OPTIONS,
+        options: LaneOptions | None = None,
     ) -> TrackStream:
         """Follow the points of a path (trackEnqueue, trackJointMotion, trackCartMotion).
 
@@ -133,7 +132,7 @@ class Track:
             max_step: largest step between two points [rad], or [m, rad]; None: not checked.
             reach: how far the arm may be from the first point; None: 0.1 rad, or 0.05 m and
                 0.1 rad.
-            options: how the lane runs.
+            options: how the lane runs; None: in a process of its own.
 
         Returns:
             The stream.

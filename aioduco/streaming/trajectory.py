@@ -11,7 +11,7 @@ import numpy as np
 
 from aioduco.api import ranges
 from aioduco.errors import GoalToleranceViolated, ParameterError, PathToleranceViolated
-from aioduco.streaming.realtime import CYCLE, Realtime
+from aioduco.streaming.realtime import CYCLE, RealtimeStreams
 from aioduco.streaming.sampling import Spline
 from aioduco.streaming.servo import Servo
 from aioduco.streaming.settings import Endpoint, LaneOptions, per_group
@@ -30,7 +30,6 @@ _LOOK = 0.02  # seconds between two looks at where the arm is
 _LAG = 0.25  # seconds by which the arm may lag behind its set-points without being off its path
 _WINDOW = 50  # places of the path in that time with which the arm is compared
 _DEPTH = 60  # points in the controller's queue
-_OPTIONS = LaneOptions()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,7 +155,7 @@ async def follow(
     feedback: Callable[[Feedback], object] | None = None,
     rate: float = 500.0,
     reach: float = 0.05,
-    options: LaneOptions = _OPTIONS,
+    options: LaneOptions | None = None,
 ) -> TrajectoryResult:
     """Follow a joint trajectory to its end, and see the arm arrive.
 
@@ -174,7 +173,7 @@ async def follow(
         feedback: called about 50 times a second.
         rate: set-points per second of servoj [Hz]; the queue has 1000.
         reach: how far the arm may be from the first point [rad].
-        options: how the lane runs.
+        options: how the lane runs; None: in a process of its own.
 
     Raises:
         ParameterError: the trajectory is too fast for `v`; nothing was sent.
@@ -193,7 +192,7 @@ async def follow(
     step = max(0.2, 2 * v * interval)
     stream: Stream
     if realtime:
-        stream = Realtime(endpoint).stream(
+        stream = RealtimeStreams(endpoint).stream(
             "joint_position", v=v, a=a, depth=_DEPTH, max_step=step, reach=reach, options=options
         )
     else:
@@ -210,7 +209,7 @@ async def follow(
     except BaseExceptionGroup as group:
         if watcher.strayed is not None and endpoint.stop is not None:
             with anyio.CancelScope(shield=True):
-                await endpoint.stop()
+                await endpoint.stop("")
         raise _first(group) from None
     await watcher.arrive()
     return TrajectoryResult(

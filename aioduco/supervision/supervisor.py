@@ -192,6 +192,19 @@ class Supervisor:
                 "use it inside `async with aioduco.connect(...) as robot`"
             )
 
+    async def admit_stream(self, name: str) -> None:
+        """See that a stream of set-points may begin.
+
+        Args:
+            name: what it is called.
+
+        Raises:
+            RobotStateError: the robot is not open, or something moves the arm.
+            HeartbeatLost: the heartbeat does not beat.
+        """
+        self.check_open(name)
+        await self.launcher.admit_stream(name)
+
     def statistics(self) -> SupervisorStatistics:
         """Figures since the robot was opened."""
         return SupervisorStatistics(

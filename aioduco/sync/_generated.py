@@ -50,6 +50,12 @@ if TYPE_CHECKING:
     from aioduco.models.state import Vector
     from aioduco.models.weave import WeavePlane
     from aioduco.models.weave import WeaveShape
+    from aioduco.streaming.sections import Through
+    from aioduco.streaming.settings import LaneOptions
+    from aioduco.streaming.trajectory import Feedback
+    from aioduco.streaming.trajectory import JointTrajectory
+    from aioduco.streaming.trajectory import Tolerances
+    from aioduco.streaming.trajectory import TrajectoryResult
     from aioduco.supervision import command as aio_command
     from aioduco.supervision.feed import Snapshot
     from aioduco.sync._runner import Runner
@@ -199,6 +205,65 @@ class Motion(_Section):
     """
 
     __slots__ = ()
+
+    def follow_joint_trajectory(
+        self,
+        trajectory: JointTrajectory,
+        *,
+        v: float,
+        a: float,
+        tolerances: Tolerances | None = None,
+        feedback: Callable[[Feedback], object] | None = None,
+        through: Through = 'auto',
+        rate: float = 500.0,
+        reach: float = 0.05,
+        options: LaneOptions | None = None,
+    ) -> TrajectoryResult:
+        """Follow joint positions at given times to the end, and see the arm arrive.
+
+        What ROS calls FollowJointTrajectory: tolerances on the way and at the goal, feedback on
+        the way. Cancelling this brings the arm to rest on the path before it goes on.
+
+        Args:
+            trajectory: the joint positions and their times.
+            v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; a trajectory that is faster
+                is refused.
+            a: largest acceleration of each joint, from 0.000175 [rad/s²]; the corners of a
+                trajectory that is sharper are rounded.
+            tolerances: how far the arm may be from it; None: the defaults of `Tolerances`.
+            feedback: called about 50 times a second with where the arm is on its way.
+            through: "realtime" for the controller's realtime queue, "servoj" for one call per
+                set-point, "auto" for the queue if this controller has one, else servoj.
+            rate: set-points per second through servoj [Hz]; the queue has 1000.
+            reach: how far each joint may be from the first point [rad].
+            options: how the lane runs; None: in a process of its own.
+
+        Returns:
+            How it was followed, the arm being at the goal.
+
+        Raises:
+            ParameterError: the trajectory is too fast for `v`; nothing was sent.
+            FirstPointTooFar: the arm is not where the trajectory begins; nothing was sent.
+            PathToleranceViolated: the arm strayed from the path; it was brought to rest.
+            GoalToleranceViolated: the arm did not come close enough to the last point in time.
+            RobotStateError: something else moves the arm; nothing was sent.
+            StreamError: the stream ended by something else; says why.
+
+        Manual sections 1.3.5 and 1.3.15.
+        """
+        work = self._section.follow_joint_trajectory(
+            trajectory,
+            v=v,
+            a=a,
+            tolerances=tolerances,
+            feedback=feedback,
+            through=through,
+            rate=rate,
+            reach=reach,
+            options=options,
+        )
+        answer: TrajectoryResult = self._runner.call(work)
+        return answer
 
     def set_blend_ahead(self, per: int, num: int = 1) -> None:
         """Set how early the controller reads the next motion, to blend into it (融合预读取).
@@ -1355,6 +1420,9 @@ class Program(_Section):
 class Track(_Section):
     """The track pool (轨迹池, manual 1.3.12): up to 1000 points, first in, first out.
 
+    `stream` keeps the pool filled while the arm follows it. The functions of the wire are there
+    as well:
+
         robot.track.trackClearQueue()
         robot.track.trackEnqueue([Joints(*q) for q in path])
         robot.track.trackJointMotion(1.0, 2.0)
@@ -1363,9 +1431,8 @@ class Track(_Section):
     that follows them. This program remembers which of the two it put into the pool, and refuses
     a motion that would take one for the other.
 
-    To keep the pool filled while the arm follows it, use a stream. The manual asks for at least
-    10 points: when there is none left, the arm slows down and stands. Points that come after
-    that may set it moving again.
+    The manual asks for at least 10 points: when there is none left, the arm slows down and
+    stands. Points that come after that may set it moving again.
     """
 
     __slots__ = ()
@@ -2040,10 +2107,13 @@ class ExternalAxes(_Section):
 class Realtime(_Section):
     """Realtime control (实时控制, manual 1.3.15): the arm follows a queue, point by point.
 
+    `stream` keeps the queue filled, at its rate, from a process of its own; that is what
+    programs use. The functions of the wire are there as well:
+
     The order that the manual asks for: empty the queue, put in the first points, the very first
     where the arm is, start the mode, and put in more before the queue runs dry. The controller
     takes a point each cycle, so that a program that calls function by function cannot keep up
-    for long: the realtime stream does all of this at the queue's rate.
+    for long.
 
     As long as the mode is on, leaving the robot stops the arm and ends the mode; so does a stop.
     """
@@ -4370,12 +4440,12 @@ class Sections:
 
     Attributes:
         system: power, brakes, operation mode.
-        motion: motions, jogs, hand guiding.
+        motion: motions, jogs, hand guiding, joint trajectories.
         program: programs and files of the controller.
-        track: the track pool.
+        track: the track pool, and streams into it.
         compound: the weave laid over motions.
         external_axes: external axes.
-        realtime: the realtime queue, call by call.
+        realtime: streams through the realtime queue, and the queue call by call.
         state: state of the arm and of the controller.
         io: inputs and outputs.
         registers: registers and variables of the controller.

@@ -31,6 +31,8 @@ ELSEWHERE = {
     "close": aioduco.Robot.aclose,
     "get_version": aioduco.__version__,
 }
+#: streams of set-points, which are no functions of the wire
+STREAMS = {"stream"}
 #: says that a function, or what is said of it, is not in manual 3.8
 BEYOND = re.compile(r"[Nn]ot in (the )?manual|only on the wire|on the wire alone|manual 4\.3")
 
@@ -47,7 +49,7 @@ def reachable() -> dict[str, Callable[..., Any]]:
             f"{attribute} is undocumented"
         )
         for name, method in inspect.getmembers(section, callable):
-            if not name.startswith("_"):
+            if not name.startswith("_") and name not in STREAMS:
                 assert name not in found, f"{name} is in two sections"
                 found[name] = method
     return found

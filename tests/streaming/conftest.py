@@ -29,8 +29,8 @@ class Controller:
 
     @property
     def endpoint(self) -> Endpoint:
-        async def stop() -> None:
-            self.stops.append("stop")
+        async def stop(ending: str) -> None:
+            self.stops.append(ending or "stop")
 
         return Endpoint(self.server.host, self.server.port, stop)
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
 
 NOBODY = cast("Connection", None)
-SIX = st.lists(st.floats(allow_nan=False), min_size=6, max_size=6)
+SIX = st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=6, max_size=6)
 
 #: functions that carry one set-point, with arguments as programs use them
 SINGLE: dict[str, tuple[Any, ...]] = {

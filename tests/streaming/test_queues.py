@@ -20,10 +20,10 @@ from aioduco.errors import (
     StreamStopped,
 )
 from aioduco.models.op import Op, output
-from aioduco.streaming.realtime import CYCLE, Realtime
+from aioduco.streaming.realtime import CYCLE, RealtimeStreams
 from aioduco.streaming.settings import LaneOptions
 from aioduco.streaming.source import Reason, State
-from aioduco.streaming.track import Track
+from aioduco.streaming.track import TrackStreams
 from aioduco.testing import eventually_async, no_leaks
 
 from .conftest import HERE, Controller, Cycles
@@ -62,7 +62,7 @@ async def test_an_array_goes_through_the_queue_from_rest_to_rest(
     controller: Controller, queue: Cycles, options: LaneOptions
 ) -> None:
     trajectory = np.array([near(0.0), near(0.1), near(0.0)])
-    opened = Realtime(controller.endpoint).stream(
+    opened = RealtimeStreams(controller.endpoint).stream(
         "joint_position", v=1.0, a=50.0, depth=60, options=options
     )
     async with no_leaks():
@@ -101,7 +101,7 @@ async def test_the_queue_is_never_filled_beyond_its_depth(
         return answer
 
     controller.server.answer("realtime_data_enqueue", enqueue)
-    opened = Realtime(controller.endpoint).stream(
+    opened = RealtimeStreams(controller.endpoint).stream(
         "joint_position", v=1.0, a=50.0, depth=30, options=THREAD
     )
     async with opened as stream:
@@ -114,7 +114,7 @@ async def test_a_stall_of_the_event_loop_does_not_reach_the_controller(
 ) -> None:
     count = 700
     trajectory = [near(0.02 * (1 - math.cos(math.pi * n / 350))) for n in range(count + 1)]
-    opened = Realtime(controller.endpoint).stream(
+    opened = RealtimeStreams(controller.endpoint).stream(
         "joint_position", v=1.0, a=50.0, depth=100, options=PROCESS
     )
     async with opened as stream, anyio.create_task_group() as tasks:
@@ -128,7 +128,7 @@ async def test_a_stall_of_the_event_loop_does_not_reach_the_controller(
 
 
 async def test_speeds_are_ramped_and_end_at_zero(controller: Controller, queue: Cycles) -> None:
-    opened = Realtime(controller.endpoint).stream(
+    opened = RealtimeStreams(controller.endpoint).stream(
         "joint_velocity", v=0.5, a=5.0, latest=True, options=THREAD
     )
     async with opened as stream:
@@ -145,7 +145,7 @@ async def test_speeds_are_ramped_and_end_at_zero(controller: Controller, queue: 
 async def test_starving_ends_in_rest_then_the_mode_then_a_stop(
     controller: Controller, queue: Cycles
 ) -> None:
-    opened = Realtime(controller.endpoint).stream(
+    opened = RealtimeStreams(controller.endpoint).stream(
         "joint_position", v=1.0, a=5.0, hold=0.05, options=THREAD
     )
 
@@ -166,7 +166,9 @@ async def test_starving_ends_in_rest_then_the_mode_then_a_stop(
 async def test_a_halt_leaves_realtime_mode_and_sends_no_stop(
     controller: Controller, queue: Cycles
 ) -> None:
-    opened = Realtime(controller.endpoint).stream("joint_position", v=1.0, a=5.0, options=THREAD)
+    opened = RealtimeStreams(controller.endpoint).stream(
+        "joint_position", v=1.0, a=5.0, options=THREAD
+    )
 
     async def program() -> None:
         async with opened as stream:
@@ -182,7 +184,7 @@ async def test_a_refused_mode_is_an_error_and_nothing_moves(
     controller: Controller, queue: Cycles
 ) -> None:
     controller.server.answer("start_realtime_mode", 7)
-    opened = Realtime(controller.endpoint).stream("pose", v=0.1, a=0.5, options=THREAD)
+    opened = RealtimeStreams(controller.endpoint).stream("pose", v=0.1, a=0.5, options=THREAD)
 
     async def program() -> None:
         async with opened as stream:
@@ -196,7 +198,7 @@ async def test_a_refused_mode_is_an_error_and_nothing_moves(
 @pytest.mark.parametrize("mode", ["joint_torque", 2, "nonsense"])
 def test_torques_and_unknown_modes_are_refused(mode: Any) -> None:
     with pytest.raises(ParameterError, match="joint_position, joint_velocity, pose, twist"):
-        Realtime(Controller.nowhere()).stream(mode, v=1.0, a=1.0)
+        RealtimeStreams(Controller.nowhere()).stream(mode, v=1.0, a=1.0)
 
 
 # -- track pool --------------------------------------------------------------------------------
@@ -254,7 +256,7 @@ async def test_the_pool_stays_between_its_marks_and_every_point_arrives(
 ) -> None:
     pool = TrackPool(controller, per_look=30)
     path = [near(1e-4 * n) for n in range(900)]
-    opened = Track(controller.endpoint).stream(
+    opened = TrackStreams(controller.endpoint).stream(
         "joints", speed=0.5, acc=1.0, low=50, high=200, options=options
     )
     async with opened as stream:
@@ -270,7 +272,7 @@ async def test_the_pool_stays_between_its_marks_and_every_point_arrives(
 async def test_a_path_of_poses_with_outputs(controller: Controller) -> None:
     pool = TrackPool(controller, per_look=5)
     start = [0.5, 0.1, 0.4, 3.0, 0.0, 1.0]
-    opened = Track(controller.endpoint).stream(
+    opened = TrackStreams(controller.endpoint).stream(
         "pose", speed=0.2, acc=0.5, tool="gun", wobj="part", operations=True, options=THREAD
     )
     on = Op.at_start(output(3))
@@ -285,7 +287,7 @@ async def test_a_path_of_poses_with_outputs(controller: Controller) -> None:
 
 async def test_a_pool_that_ran_dry_is_started_again(controller: Controller) -> None:
     pool = TrackPool(controller, per_look=1000)
-    opened = Track(controller.endpoint).stream(
+    opened = TrackStreams(controller.endpoint).stream(
         "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, options=THREAD
     )
     async with opened as stream:
@@ -301,7 +303,7 @@ async def test_a_pool_that_ran_dry_is_started_again(controller: Controller) -> N
 
 async def test_a_program_that_feeds_no_more_ends_the_track(controller: Controller) -> None:
     TrackPool(controller, per_look=1000)
-    opened = Track(controller.endpoint).stream(
+    opened = TrackStreams(controller.endpoint).stream(
         "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, hold=0.05, options=THREAD
     )
 
@@ -321,7 +323,7 @@ async def test_leaving_by_an_error_empties_the_pool(controller: Controller) -> N
     pool = TrackPool(controller, per_look=1)
 
     async def program() -> None:
-        opened = Track(controller.endpoint).stream(
+        opened = TrackStreams(controller.endpoint).stream(
             "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, options=THREAD
         )
         async with opened as stream:
@@ -342,7 +344,9 @@ async def test_a_full_pool_is_said(controller: Controller) -> None:
     controller.server.answer("trackClearQueue", 4)
 
     async def program() -> None:
-        opened = Track(controller.endpoint).stream("joints", speed=0.5, acc=1.0, options=THREAD)
+        opened = TrackStreams(controller.endpoint).stream(
+            "joints", speed=0.5, acc=1.0, options=THREAD
+        )
         async with opened as stream:
             await stream.play([near(1e-4 * n) for n in range(300)])
 
@@ -354,7 +358,9 @@ async def test_a_track_that_begins_elsewhere_is_refused(controller: Controller) 
     pool = TrackPool(controller, per_look=1)
 
     async def program() -> None:
-        opened = Track(controller.endpoint).stream("joints", speed=0.5, acc=1.0, options=THREAD)
+        opened = TrackStreams(controller.endpoint).stream(
+            "joints", speed=0.5, acc=1.0, options=THREAD
+        )
         async with opened as stream:
             await stream.send(near(0.2))
 

@@ -224,7 +224,7 @@ async def test_a_halt_ends_the_stream_at_once_and_sends_no_stop_of_its_own(
         async with stream:
             await stream.send(HERE)
             assert endpoint.streams.halt()
-            await endpoint.streams.settled()
+            await endpoint.streams.settled(5.0)
             counts.append(len(controller.points()))
             with pytest.raises(StreamStopped):
                 await stream.send(HERE)
