@@ -16,6 +16,8 @@ from aioduco.sim.values import SystemValues
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from aioduco.sim.planner.guiding import Giving
+
 __all__ = ["Cabinet"]
 
 
@@ -35,6 +37,7 @@ class Cabinet:
         pendant_enabled: whether the pendant's keys are.
         encoder_count: of the external encoder.
         dynamics: parameters of the dynamic calibration, as they were set.
+        hand_teaching: what gives way in hand guiding; None for everything.
         load: that is held: its mass [kg] and its centre of gravity in the flange's frame [m].
         lock: held while a bus is used: several programs share it, and peers know no threads.
     """
@@ -50,5 +53,6 @@ class Cabinet:
     pendant_enabled: bool = True
     encoder_count: int = 0
     dynamics: list[list[float]] = field(default_factory=list)
+    hand_teaching: Giving | None = None
     load: tuple[float, NDArray[np.float64]] = field(default_factory=lambda: (0.0, np.zeros(3)))
     lock: threading.Lock = field(default_factory=threading.Lock)

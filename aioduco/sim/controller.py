@@ -11,7 +11,6 @@ Invariants:
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from typing import TYPE_CHECKING
 
@@ -19,6 +18,7 @@ import numpy as np
 
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState, TaskState
 from aioduco.sim.cycle import Drive, Sensed, View
+from aioduco.sim.execution import Execution
 from aioduco.sim.frames import Frames
 from aioduco.sim.heartbeat import Heartbeat
 from aioduco.sim.motion import Motion, Phase
@@ -27,14 +27,18 @@ from aioduco.sim.planner.mover import SetPoint
 from aioduco.sim.planner.realtime import Commands
 from aioduco.sim.planner.track import Pool
 from aioduco.sim.power import Power
+from aioduco.sim.recording import Recorder
 from aioduco.sim.signals import Signals
+from aioduco.sim.standstill import Standstill
 from aioduco.sim.tasks import TaskTable
+from aioduco.sim.weaving import Weaving
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
+    from aioduco.sim.execution import Run
     from aioduco.sim.following import Following
     from aioduco.sim.motion import Plan
     from aioduco.sim.planner.mover import Mover
@@ -44,12 +48,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Controller", "Drive", "Sensed", "View"]
 
-#: joint speed above which an arm counts as moving [rad/s]
-_STANDSTILL = 2e-3
-#: time below it that counts as standing: a joint that swings is slow at its turning points [s]
-_REST = 0.02
-#: time after the set-points stand, after which an arm counts as standing in any case [s]
-_PATIENCE = 0.5
 #: distance of a joint from its set-point that trips the position deviation stop [rad]
 _DEVIATION = 0.2
 _POWERED = (RobotState.DISABLE, RobotState.ENABLE)
@@ -73,17 +71,19 @@ class Controller:
         self.commands: Commands = Commands()
         self.pool: Pool = Pool()
         self.optimization: Optimization = Optimization()
+        self.weaving: Weaving = Weaving()
+        self.recorder: Recorder = Recorder()
         self.mode: OperationMode = OperationMode.AUTO
         self.halted: bool = False
         self._power = Power(self.tasks)
         self._motion = Motion(self.tasks, mover, q)
+        self._execution = Execution(self.tasks)
         self._sensed = Sensed(0.0, 0.0, q, _ZEROS)
         self._fault: SafetyState | None = None
         self._emergency_stop = False
         self._collision_axis = 0
         self._at_rest = True
-        self._commanded_rest = 0.0
-        self._last_motion = -math.inf
+        self._standstill = Standstill()
         self._errors: deque[str] = deque(maxlen=20)
         self._speed = 100
         self._jog = 0  # the task of the latest step
@@ -97,30 +97,24 @@ class Controller:
             return self._fault
         if self._power.state in (RobotState.START, RobotState.INITIALIZE):
             return SafetyState.INIT
-        return (
-            SafetyState.POWER_OFF if self._power.state is RobotState.POWER_OFF else SafetyState.RUN
-        )
+        off = self._power.state is RobotState.POWER_OFF
+        return SafetyState.POWER_OFF if off else SafetyState.RUN
 
     @property
     def program(self) -> ProgramState:
-        """State of the program: of all motions together."""
-        match self._motion.phase:
-            case Phase.IDLE:
-                return ProgramState.STOPPED
-            case Phase.STOPPING:
-                return ProgramState.STOPPING
-            case Phase.PAUSING:
-                return ProgramState.PAUSING
-            case Phase.PAUSED:
-                return ProgramState.PAUSED
-            case Phase.RUNNING:
-                manual = self.mode is OperationMode.MANUAL
-                return ProgramState.TASK_RUNNING if manual else ProgramState.RUNNING
+        """State of the program, or of all motions together."""
+        manual = self.mode is OperationMode.MANUAL
+        return self._execution.state(self._motion.phase, manual=manual)
 
     @property
     def moving(self) -> bool:
         """Whether the arm moves, or is to move in the next cycle."""
         return self._motion.moving or not self._at_rest
+
+    @property
+    def idle(self) -> bool:
+        """Whether no motion runs or waits."""
+        return self._motion.phase is Phase.IDLE
 
     @property
     def setpoint(self) -> SetPoint:
@@ -135,9 +129,8 @@ class Controller:
     @property
     def busy(self) -> bool:
         """Whether something is under way that needs every cycle."""
-        return (
-            self._motion.phase not in (Phase.IDLE, Phase.PAUSED) or self._power.busy or self.moving
-        )
+        under_way = self._motion.phase not in (Phase.IDLE, Phase.PAUSED) or self._execution.running
+        return under_way or self._power.busy or self.moving or self.recorder.active
 
     def view(self) -> View:
         """The state, for readers."""
@@ -201,36 +194,52 @@ class Controller:
         self._motion.stop(TaskState.STOPPED, "the jog was ended", id_)
         return id_
 
+    def run_program(self, run: Run) -> int:
+        """Run a program, which needs the arm to itself."""
+        reason = self._cannot_take() or ("a program is running" if self._execution.active else "")
+        if not reason and self._motion.phase is not Phase.IDLE:
+            reason = "other motions are running"
+        if reason:
+            return self.reject("run_program", TaskState.ILLEGAL, reason)
+        id_ = self.tasks.new("run_program")
+        self._execution.begin(id_, run)
+        return id_
+
     def stop(self) -> int:
         """End every task; ends itself when the arm stands."""
         id_ = self.tasks.new("stop")
         self._power.drop_waiting(TaskState.STOPPED, "stopped")
-        self._motion.stop(TaskState.STOPPED, "stopped", id_)
+        self._halt(TaskState.STOPPED, "stopped", id_)
         return id_
 
     def abort(self) -> int:
         """End the running motion and those behind it; ends itself when the arm stands."""
         id_ = self.tasks.new("abort")
-        self._motion.stop(TaskState.INTERRUPT, "aborted", id_)
+        self._halt(TaskState.INTERRUPT, "aborted", id_)
         return id_
 
     def pause(self) -> int:
         """Pause every motion; ends when the arm stands."""
         id_ = self.tasks.new("pause")
+        self._execution.pause()
         self._motion.pause(id_)
+        self._execution.settle(self._motion.phase)
         return id_
 
     def resume(self) -> int:
         """Go on with the motions that were paused."""
-        if self._motion.phase in (Phase.PAUSED, Phase.PAUSING) and (reason := self._cannot_move()):
+        paused = self.program in (ProgramState.PAUSED, ProgramState.PAUSING)
+        if paused and (reason := self._cannot_move()):
             return self.reject("resume", TaskState.ILLEGAL, reason)
         self._motion.resume()
+        self._execution.resume()
         return self.finish("resume")
 
     def switch_mode(self, mode: OperationMode) -> int:
         """Manual or automatic; motions that run are paused."""
         if mode is not self.mode:
             self.mode = mode
+            self._execution.pause()
             if self._motion.phase is Phase.RUNNING:
                 self._motion.pause()
         return self.finish("switch_mode")
@@ -268,7 +277,7 @@ class Controller:
         if category is SafetyState.STOP0:
             self._cut(message)
         else:
-            self._motion.stop(TaskState.ERROR, message)
+            self._halt(TaskState.ERROR, message)
 
     def press_emergency_stop(self) -> None:
         """The emergency stop of the pendant is pressed, or its circuit is open."""
@@ -298,7 +307,10 @@ class Controller:
         self._sensed = sensed
         if self.heartbeat.lost(sensed.now):
             self._lose_heartbeat()
-        self._at_rest = self._is_at_rest(sensed)
+        self._at_rest = self._standstill.tick(sensed, commanded=self._motion.moving)
+        if self.recorder.tick(sensed.time, sensed.q):
+            self.note_error("the recorded track is full")
+            self.pause()
         before = self._power.state
         if self._fault is SafetyState.STOP1 and not self.moving and before in _POWERED:
             self._cut("power cut after the stop")
@@ -313,6 +325,9 @@ class Controller:
             return Drive(SetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
         setpoint = self._motion.tick(sensed.time, sensed.q, sensed.qd, at_rest=self._at_rest)
         self._collect_failures()
+        if reason := self._execution.tick(sensed.time, self._motion.phase):
+            self.note_error(reason)
+            self._halt(TaskState.ERROR, reason)
         deviation = np.abs(setpoint.q - sensed.q)
         if deviation.max() > _DEVIATION:
             joint = int(deviation.argmax()) + 1
@@ -320,19 +335,9 @@ class Controller:
             return Drive(SetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
         return Drive(setpoint, brake=False)
 
-    def _is_at_rest(self, sensed: Sensed) -> bool:
-        """Whether the arm stands, or will not stand more than it does, as one that trembles."""
-        if self._motion.moving:
-            self._commanded_rest = sensed.time
-        if float(np.abs(sensed.qd).max()) > _STANDSTILL:
-            self._last_motion = sensed.time
-        if sensed.time - self._last_motion >= _REST:
-            return True
-        return sensed.time - self._commanded_rest > _PATIENCE
-
     def _power_begun(self, name: str) -> None:
         if name in ("disable", "power_off", "shutdown", "restart"):
-            self._motion.stop(TaskState.STOPPED, f"stopped by {name}")
+            self._halt(TaskState.STOPPED, f"stopped by {name}")
 
     def _power_ended(self, name: str) -> None:
         if name in ("power_off", "shutdown", "restart"):
@@ -351,13 +356,21 @@ class Controller:
         self._collision_axis = 0
         self._fault = SafetyState.STOP0 if self._emergency_stop else None
 
+    def _halt(self, state: TaskState, message: str, control: int | None = None) -> None:
+        """End the program and every motion when the arm stands, and the control task then."""
+        self._execution.end(state, message)
+        self._motion.stop(state, message, control)
+        self._execution.settle(self._motion.phase)
+
     def _cut(self, message: str) -> None:
         self._motion.cut(message, self._sensed.q)
+        self._execution.end(TaskState.ERROR, message)
+        self._execution.settle(Phase.IDLE)
         self._power.cut(message)
 
     def _lose_heartbeat(self) -> None:
         """A lost program leaves a standing arm. It is no safety stop: the next one may move."""
-        if self._motion.phase is not Phase.IDLE or self._power.busy:
+        if self._motion.phase is not Phase.IDLE or self._power.busy or self._execution.active:
             self.note_error("heartbeat lost: all tasks were stopped")
             self.stop()
 
@@ -373,6 +386,8 @@ class Controller:
     def _cannot_take(self, following: Following | None = None) -> str:
         if reason := self._cannot_move():
             return reason
+        if self._execution.excludes:
+            return "a program is running"
         return "the queue of motions is full" if self._motion.full else self._taken(following)
 
     def _taken(self, following: Following | None) -> str:

@@ -1,8 +1,18 @@
-"""The project's folder on the controller, and its files (manual 1.3.4)."""
+"""The project's folder on the controller: files, programs and tracks (manual 1.3.4)."""
 
 from __future__ import annotations
 
 import posixpath
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from aioduco.sim.script import checked, read
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from aioduco.sim.recording import Track
+    from aioduco.sim.script import Script
 
 __all__ = ["NoSuchFolder", "Project"]
 
@@ -18,12 +28,32 @@ class Project:
 
     Attributes:
         path: of the project, with a slash at its end, as the manual's example needs it.
-        files: paths of the files in it, such as "program/pick.lua".
+        files: paths of further files in it, such as "notes.txt".
+        programs: by name; each is listed as "program/" and its name.
+        tracks: recorded ones, by name; each is listed as "track/" and its name.
     """
 
     def __init__(self) -> None:
-        self.path = "/project/"
+        self.path: str = "/project/"
         self.files: set[str] = set()
+        self.programs: dict[str, Script] = {}
+        self.tracks: dict[str, Track] = {}
+
+    def add(self, programs: Mapping[str, Script] | str | Path) -> None:
+        """Take programs in.
+
+        Args:
+            programs: by name; or a folder, of whose files each "<name>.json" is one.
+
+        Raises:
+            ValueError: One of them is no program.
+            OSError: The folder or a file cannot be read.
+        """
+        given = read(programs) if isinstance(programs, (str, Path)) else programs
+        for name, script in given.items():
+            if not name:
+                raise ValueError("the name of a program must not be empty")
+            self.programs[name] = checked(f"program {name!r}", script)
 
     def list(self, path: str) -> dict[str, int]:
         """The names in a folder, 0 for each folder and 1 for each file.
@@ -41,7 +71,8 @@ class Project:
         inside = whole[len(root) + 1 :]
         start = f"{inside}/" if inside else ""
         found: dict[str, int] = {}
-        for file in self.files:
+        paths = {*self.files, *(f"program/{name}" for name in self.programs)}
+        for file in paths | {f"track/{name}" for name in self.tracks}:
             if file.startswith(start):
                 name, slash, _ = file[len(start) :].partition("/")
                 found[name] = FOLDER if slash else FILE

@@ -1,4 +1,4 @@
-"""How a call is refused: by the state in which its task ends, or by an application error."""
+"""How a call does not end as hoped: refused by its task's end or by an error, or not ended yet."""
 
 from __future__ import annotations
 
@@ -18,3 +18,11 @@ class Rejected(Exception):
     def __init__(self, state: TaskState, message: str) -> None:
         super().__init__(message)
         self.state = state
+
+
+class Pending(Exception):
+    """A call of a program that the controller runs waits for a task, which a cycle must not."""
+
+    def __init__(self, id_: int) -> None:
+        super().__init__(f"task {id_} has not ended")
+        self.id = id_

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from aioduco.models.enums import TaskState
     from aioduco.sim.optimization import Optimization
+    from aioduco.sim.weaving import Weaving
 
     Vector = NDArray[np.float64]
 
@@ -186,6 +187,11 @@ class Runtime:
     def optimization(self) -> Optimization:
         """What of 1.3.11 is switched on; for handlers within a command."""
         return self._controller.optimization
+
+    @property
+    def weaving(self) -> Weaving:
+        """What is laid over the paths; for handlers within a command."""
+        return self._controller.weaving
 
     @contextlib.contextmanager
     def command(self) -> Iterator[Controller]:

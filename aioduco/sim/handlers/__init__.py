@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from aioduco._wire import rpc
 from aioduco.sim.handlers.cabinet import CabinetHandlers
+from aioduco.sim.handlers.compound import CompoundHandlers
 from aioduco.sim.handlers.curves import CurveHandlers
 from aioduco.sim.handlers.frames import FrameHandlers
 from aioduco.sim.handlers.log import LogHandlers
@@ -17,6 +18,7 @@ from aioduco.sim.handlers.motion import MotionHandlers
 from aioduco.sim.handlers.offsets import OffsetHandlers
 from aioduco.sim.handlers.optimization import OptimizationHandlers
 from aioduco.sim.handlers.realtime import RealtimeHandlers
+from aioduco.sim.handlers.recording import RecordingHandlers
 from aioduco.sim.handlers.service import NOT_PUBLIC
 from aioduco.sim.handlers.servo import ServoHandlers
 from aioduco.sim.handlers.settings import SettingHandlers
@@ -43,10 +45,12 @@ class Handlers(
     MotionHandlers,
     OffsetHandlers,
     CurveHandlers,
+    CompoundHandlers,
     OptimizationHandlers,
     ServoHandlers,
     RealtimeHandlers,
     TrackHandlers,
+    RecordingHandlers,
     VelocityHandlers,
     CabinetHandlers,
     FrameHandlers,

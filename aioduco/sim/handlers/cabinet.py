@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from aioduco.sim.handlers.buses import CanHandlers, ModbusHandlers
 from aioduco.sim.handlers.load import LoadHandlers
+from aioduco.sim.handlers.program import ProgramHandlers
 from aioduco.sim.handlers.registers import RegisterHandlers
 from aioduco.sim.handlers.signals import SignalHandlers
 from aioduco.sim.handlers.upkeep import SettingsHandlers
@@ -17,6 +18,7 @@ class CabinetHandlers(
     CanHandlers,
     ModbusHandlers,
     SettingsHandlers,
+    ProgramHandlers,
     LoadHandlers,
 ):
-    """Signals, registers, system values, buses, settings and files."""
+    """Signals, registers, system values, buses, settings, programs and files."""

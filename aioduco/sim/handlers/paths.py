@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from aioduco.sim.controller import Controller
     from aioduco.sim.motion import Plan
     from aioduco.sim.planner.segments import Segment
+    from aioduco.sim.planner.weaving import Weave
 
     Vector = NDArray[np.float64]
     Matrix = NDArray[np.float64]
@@ -34,7 +36,7 @@ _LINE_SPEED = (0.01, 5.0, "m/s")
 _LINE_ACCELERATION = (0.01, math.inf, "m/s²")
 #: what the controller takes when it is to choose the acceleration itself: an assumption
 DEFAULT_JOINT_ACCELERATION = 5.0
-_DEFAULT_LINE_ACCELERATION = 2.0
+DEFAULT_LINE_ACCELERATION = 2.0
 _STEEPEST = 1e3  # stands for an acceleration that only the joints limit [m/s²]
 _AROUND = (0.5, 2.0)  # pace of a joint motion in place of a line [rad/s, rad/s²]; an assumption
 
@@ -97,12 +99,25 @@ class PathSection(Section):
         fast = switches.speed and mode is OperationMode.AUTO
         return fast, fast or switches.acceleration
 
+    def _weave(self, wobj: str = "") -> Weave | None:
+        """What is laid over a path at a work object; None while that is switched off."""
+        active = self._runtime.weaving.active
+        if active is None:
+            return None
+        return replace(active, work_object=arguments.wobj(self._frames, wobj).matrix[:3, :3])
+
     def _line(
-        self, start: Vector, target: Matrix, pace: tuple[float, float], r: float, tool: Matrix
+        self,
+        start: Vector,
+        target: Matrix,
+        pace: tuple[float, float],
+        r: float,
+        tool: Matrix,
+        weave: Weave | None,
     ) -> Segment:
         """A line, or where it cannot be followed and shall be gone around, a joint motion."""
         try:
-            return line_move(self._arm, start, target, *pace, r, tool=tool)
+            return line_move(self._arm, start, target, *pace, r, tool=tool, weave=weave)
         except PlanError as exc:
             if exc.code != "singular" or not self._runtime.optimization.avoids:
                 raise
@@ -148,4 +163,4 @@ def joint_acceleration(a: float, chosen: bool) -> float:
 
 def line_acceleration(a: float, chosen: bool) -> float:
     """Acceleration of the tool [m/s²]; that of the controller if it is to choose."""
-    return _DEFAULT_LINE_ACCELERATION if chosen else arguments.number("a", a, *_LINE_ACCELERATION)
+    return DEFAULT_LINE_ACCELERATION if chosen else arguments.number("a", a, *_LINE_ACCELERATION)

@@ -1,4 +1,4 @@
-"""Files, settings of pendant and collisions, reach, and service (manual 1.3.4 and 1.3.7)."""
+"""Settings of pendant and collisions, reach, and service (manual 1.3.7)."""
 
 from __future__ import annotations
 
@@ -6,13 +6,11 @@ import math
 from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import ReachabilityParam
-from aioduco.errors import ParameterError, Unreachable
+from aioduco.errors import Unreachable
 from aioduco.models.enums import TaskState
-from aioduco.models.pose import Joints, Pose
-from aioduco.sim.handlers.arguments import number
+from aioduco.sim.handlers.arguments import joints, number, pose
 from aioduco.sim.handlers.base import Section, mismatch
-from aioduco.sim.project import NoSuchFolder
-from aioduco.sim.refusal import Refusal, Rejected
+from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -22,17 +20,6 @@ if TYPE_CHECKING:
 
 class SettingsHandlers(Section):
     """Settings that are kept, and what can be computed from the arm's dimensions."""
-
-    def get_current_project(self) -> str:
-        """当前工程的路径, with a slash at its end."""
-        return self._cabinet.project.path
-
-    def get_files_list(self, path: str) -> dict[str, int]:
-        """指定路径下的文件列表; 0: folder, 1: file."""
-        try:
-            return self._cabinet.project.list(path)
-        except NoSuchFolder as exc:
-            raise Refusal(f"get_files_list: {exc}") from None
 
     def set_teach_speed(self, v: int) -> int:
         """示教速度的百分比 [%]."""
@@ -64,10 +51,11 @@ class SettingsHandlers(Section):
 
     def simulation(self, sim: bool, block: bool) -> int:
         """The real arm, or none: only the first is simulated."""
-        if sim:
-            raise Refusal("simulation: an arm that stands while its motions run is not simulated")
 
         def command(controller: Controller) -> int:
+            if sim:
+                reason = "an arm that stands while its motions run is not simulated"
+                raise Rejected(TaskState.ILLEGAL, reason)
             if controller.moving:
                 raise Rejected(TaskState.ILLEGAL, "the robot moves")
             return controller.finish("simulation")
@@ -88,14 +76,12 @@ class SettingsHandlers(Section):
     ) -> ReachabilityParam:
         """Whether every pose can be reached, and if so by which joints."""
         try:
-            frame = Pose.of(list(base)).inverse() @ Pose.of(list(wobj))
-            flange = Pose.of(list(tool)).inverse()
-            near = Joints.of(list(ref_pos))
-            targets = [frame @ Pose.of(list(point)) @ flange for point in check_points]
-        except ParameterError as exc:
-            raise Refusal(
-                f"reach_check: {exc.parameter} is {exc.value!r}, but must be {exc.expected}"
-            ) from None
+            frame = pose("base", base).inverse() @ pose("wobj", wobj)
+            flange = pose("tool", tool).inverse()
+            near = joints("ref_pos", ref_pos)
+            targets = [frame @ pose("check_points", point) @ flange for point in check_points]
+        except Rejected as exc:
+            return self._senseless("reach_check", exc, ReachabilityParam(False, []))
         try:
             found = [self._arm.ikine(target.matrix, near).tolist() for target in targets]
         except Unreachable:

@@ -11,7 +11,7 @@ from aioduco.models.rotation import matrix_from_rotvec
 from aioduco.sim.following import Following
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import Section, mismatch
-from aioduco.sim.planner.guiding import Guiding
+from aioduco.sim.planner.guiding import Guiding, cartesian_giving, joint_giving
 from aioduco.sim.planner.segments import joint_move, line_move
 from aioduco.sim.planner.velocity import JointVelocity, ToolVelocity
 
@@ -41,7 +41,7 @@ _TOOL_FRAME, _WORK_OBJECT = 2, 3
 
 
 class VelocityHandlers(Section):
-    """speedj, speedl, speed_stop, move_jog, stop_manual_move, teach_mode, end_teach_mode."""
+    """speedj, speedl, speed_stop, move_jog, stop_manual_move, hand guiding."""
 
     def speedj(self, joints_list: Sequence[float], a: float, time: int, block: bool) -> int:
         """Turn each joint at a velocity."""
@@ -103,9 +103,12 @@ class VelocityHandlers(Section):
         """Begin hand guiding; done when it has begun."""
 
         def command(controller: Controller) -> int:
+            giving = self._cabinet.hand_teaching
             id_ = controller.follow(
                 "teach_mode",
-                Following.once("teach_mode", lambda q: Guiding(self._arm, q, self._runtime.cycle)),
+                Following.once(
+                    "teach_mode", lambda q: Guiding(self._arm, q, self._runtime.cycle, giving)
+                ),
             )
             return id_ if controller.tasks.state(id_).ended else controller.finish("teach_mode")
 
@@ -115,6 +118,36 @@ class VelocityHandlers(Section):
         """End hand guiding; the arm stays where it is."""
         name = "end_teach_mode"
         return self._task(name, block, lambda c: c.end_following(name, "teach_mode"))
+
+    def set_hand_teach_parameter(
+        self,
+        space: int,
+        joint_scale: Sequence[int],
+        cart_scale: Sequence[int],
+        coord_type: int,
+        direction: Sequence[bool],
+    ) -> int:
+        """牵引参数, from the next hand guiding on: a scale of 0 holds, all others are alike."""
+
+        def command(controller: Controller) -> int:
+            for name, value, allowed in (("space", space, 2), ("coord_type", coord_type, 4)):
+                if value not in range(allowed):
+                    raise mismatch(f"{name} is {value}, but must be from 0 to {allowed - 1}")
+            for name, values in (("joint_scale", joint_scale), ("cart_scale", cart_scale)):
+                if len(values) != 6 or min(values) < 0:
+                    raise mismatch(f"{name} must be six whole numbers from 0")
+            if len(direction) != 6:
+                raise mismatch("direction must be six flags")
+            if space == 0:
+                giving = joint_giving([scale > 0 for scale in joint_scale])
+            else:
+                active = [on and s > 0 for on, s in zip(direction, cart_scale, strict=True)]
+                tool, frame = self._frames.tool().matrix, self._axes(coord_type)
+                giving = cartesian_giving(self._arm, active, tool, frame)
+            self._cabinet.hand_teaching = giving
+            return controller.finish("set_hand_teach_parameter")
+
+        return self._task("set_hand_teach_parameter", True, command)
 
     # -- what they share -----------------------------------------------------------------------
 
@@ -134,7 +167,7 @@ class VelocityHandlers(Section):
 
             return Following.once("move_jog", begin)
         velocity[axis] = share * (_JOG_LINE if axis < 3 else _JOG_TURN)
-        tool, frame = self._frames.tool().matrix, self._jog_frame(param)
+        tool, frame = self._frames.tool().matrix, self._axes(param.jog_coordinate)
 
         def begin_tool(q: Vector) -> Follower:
             follower = ToolVelocity(
@@ -150,11 +183,11 @@ class VelocityHandlers(Section):
 
         return Following.once("move_jog", begin_tool)
 
-    def _jog_frame(self, param: MoveJogTaskParam) -> Vector | None:
-        """Axes of a Cartesian jog in the base; None for those of the tool."""
-        if param.jog_coordinate == _TOOL_FRAME:
+    def _axes(self, frame: int) -> Vector | None:
+        """Axes of a frame by its number, in the base; None for those of the tool."""
+        if frame == _TOOL_FRAME:
             return None
-        if param.jog_coordinate == _WORK_OBJECT:
+        if frame == _WORK_OBJECT:
             return self._frames.wobj().matrix[:3, :3]
         return np.eye(3)  # the world's, which are the base's
 
@@ -168,7 +201,7 @@ class VelocityHandlers(Section):
             )
         step = np.zeros(6)
         step[axis] = param.jog_direction * param.step_cartvalue
-        tool, frame = self._frames.tool().matrix, self._jog_frame(param)
+        tool, frame = self._frames.tool().matrix, self._axes(param.jog_coordinate)
         speed = share * (_JOG_LINE if axis < 3 else _JOG_TURN)
 
         def line(start: Vector) -> Segment:

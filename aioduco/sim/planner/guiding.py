@@ -6,29 +6,49 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from aioduco.kinematics.forward import fkine, jacobian
 from aioduco.sim.planner.follower import Follower
 from aioduco.sim.planner.mover import SetPoint
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["Guiding"]
+    #: for joints [rad], the matrix that leaves of a joint motion what gives way. Shape (6, 6)
+    Giving = Callable[[Array], Array]
+
+__all__ = ["Guiding", "cartesian_giving", "joint_giving"]
 
 _GIVING = 0.8  # share of a joint's speed that the drives do not resist; an assumption
 _STICKING = 0.01  # speed below which a joint that nobody pushes is held [rad/s]
 _LOOSE = 0.001  # distance by which a held joint has to be pushed to come loose [rad]
+_FLAT = 1e-3  # singular values below this share of the largest count as none
 
 
 class Guiding(Follower):
-    """Commands the joints to be where they are.
+    """Commands the joints to be where they are, as far as they give way.
 
     What the drives do against gravity they do anyway; of the speed they command a part, so that
     what is left damps the motion. A joint that hardly moves is held until it is pushed away.
+
+    Args:
+        arm: the arm.
+        q: joints at the start, where the arm stands [rad]. Shape (6,).
+        cycle: time between two ticks [s].
+        giving: what gives way; None for everything.
     """
 
-    _held: Array | None = None
+    def __init__(self, arm: Arm, q: Array, cycle: float, giving: Giving | None = None) -> None:
+        super().__init__(arm, q, cycle)
+        self._giving = giving
+        self._held: Array | None = None
 
     def _next(self, q: Array, qd: Array) -> SetPoint:
+        if self._giving is not None:
+            allowed, last = self._giving(q), self._setpoint.q
+            q, qd = last + allowed @ (q - last), allowed @ qd
         if self._held is None:
             if float(np.abs(qd).max()) < _STICKING:
                 self._held = q
@@ -37,3 +57,34 @@ class Guiding(Follower):
         if self._held is not None:
             return SetPoint.at_rest(self._held)
         return SetPoint(q + self._cycle * qd, _GIVING * qd, np.zeros(6))
+
+
+def joint_giving(joints: Sequence[bool]) -> Giving:
+    """Some of the joints give way."""
+    matrix = np.diag(np.array(joints, dtype=float))
+    return lambda _q: matrix
+
+
+def cartesian_giving(
+    arm: Arm, directions: Sequence[bool], tool: Array, frame: Array | None
+) -> Giving:
+    """The tool gives way along and about some axes.
+
+    Args:
+        arm: the arm.
+        directions: which of x, y, z and the turns about them.
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
+        frame: whose axes they are, in the base; None for the tool's own. Shape (3, 3).
+    """
+    mask = np.diag(np.array(directions, dtype=float))
+
+    def giving(q: Array) -> Array:
+        flange = fkine(arm.geometry, q)
+        at_tip = jacobian(arm.geometry, q).copy()
+        at_tip[:3] += np.cross(at_tip[3:], flange[:3, :3] @ tool[:3, 3], axis=0)
+        axes = ((flange @ tool)[:3, :3] if frame is None else frame).T
+        turned = np.concatenate([axes @ at_tip[:3], axes @ at_tip[3:]])
+        matrix: Array = np.linalg.pinv(turned, rcond=_FLAT) @ mask @ turned
+        return matrix
+
+    return giving

@@ -1,0 +1,339 @@
+"""Programs of the controller (manual 1.3.4): how they run, and what acts on them."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from aioduco.errors import ControllerError
+from aioduco.models.enums import ProgramState, TaskState
+from aioduco.sim.execution import ProgramError
+from aioduco.sim.script import Steps, read
+from aioduco.sim.simulator import READY, Simulator
+from aioduco.sim.tasks import TaskTable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Iterator
+    from concurrent.futures import Future
+    from pathlib import Path
+
+    from .conftest import Program
+
+LEFT, RIGHT = [0.3, *READY[1:]], [-0.3, *READY[1:]]
+FAR = [2.0, *READY[1:]]
+heard: list[Any] = []
+
+
+def ask() -> Generator[list[Any], Any, None]:
+    """A program that decides by what it reads."""
+    heard[:] = [(yield ["get_standard_digital_in", 3])]
+    while not (yield ["get_standard_digital_in", 3]):
+        yield ["sleep", 0.01]
+    heard.append((yield ["movej2", LEFT, 1.0, 5.0]))
+    heard.append((yield ["get_global_speed"]))
+
+
+def broken() -> Generator[list[Any], Any, None]:
+    yield ["sleep", 0.01]
+    raise KeyError("a bug")
+
+
+PROGRAMS: dict[str, Any] = {
+    "pick": [
+        ["movej2", LEFT, 1.0, 5.0],
+        ["set_standard_digital_out", 3, True],
+        ["movej2", RIGHT, 1.0, 5.0],
+    ],
+    "blend": [
+        ["movej2", LEFT, 1.0, 5.0, 0.05],
+        ["movej2", RIGHT, 1.0, 5.0, 0.05],
+        ["movej2", list(READY), 1.0, 5.0],
+        ["set_standard_digital_out", 4, True],
+    ],
+    "far": [["movej2", FAR, 0.2, 5.0], ["set_standard_digital_out", 5, True]],
+    "wait": [["sleep", 1000.0], ["set_standard_digital_out", 6, True]],
+    "behind": [["movej2", LEFT, 1.0, 5.0, 0.0, False]],
+    "unreachable": [["movel", [5.0, 0, 0, 0, 0, 0], 0.1, 1.0]],
+    "refused": [["set_servo_config", 1, 1, 1, 1, True]],
+    "wrong": [["movej2", [0.0], 1.0, 1.0]],
+    "itself": [["run_program", "itself"]],
+    "stops": [["stop"], ["set_standard_digital_out", 7, True]],
+    "trigger": [
+        ["movej2", LEFT, 1.0, 5.0, 0.0, True, {"time_or_dist_1": 1, "trig_io_1": 8,
+                                              "trig_value_1": True}],
+    ],
+    "ask": ask,
+    "broken": broken,
+    "parts/a": [],
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def cell() -> Iterator[Simulator]:
+    """One simulator for all: each test leaves it enabled, at rest and without a program."""
+    with Simulator(speed=math.inf, programs=PROGRAMS) as sim:
+        yield sim
+
+
+@pytest.fixture
+def program(cell: Simulator, connect: Callable[..., Program]) -> Program:
+    program = connect(cell)
+    program.power_off(True)
+    program.bring_up()
+    for num in range(1, 17):
+        cell.signals.standard_out[num] = False
+    return program
+
+
+def running(cell: Simulator) -> bool:
+    return cell.view.program is ProgramState.RUNNING
+
+
+def test_a_program_runs_to_its_end(cell: Simulator, program: Program) -> None:
+    assert program.run_program("pick", True) == TaskState.FINISHED
+    assert cell.joints.almost_equal(RIGHT, 2e-3)
+    assert cell.get_digital_output(3)
+    assert program.get_robot_state() == [6, 0, 5, 1]
+    assert program.get_last_error() == []
+
+
+def test_its_motions_blend(cell: Simulator, program: Program) -> None:
+    seen: list[str] = []
+    id_ = program.run_program("blend", False)
+    assert program.get_noneblock_taskstate(id_) in (TaskState.IDLE, TaskState.RUNNING)
+    cell.wait_until(lambda: program.get_noneblock_taskstate(id_) == TaskState.FINISHED)
+    for known in range(id_ + 1, id_ + 4):
+        task = cell._machine().tasks.get(known)
+        assert task is not None
+        seen.append(f"{task.name} {task.state.name}")
+    assert seen == ["movej2 INTERRUPT", "movej2 INTERRUPT", "movej2 FINISHED"]
+    assert cell.get_digital_output(4)
+
+
+def test_a_motion_that_it_does_not_wait_for_is_a_part_of_it(
+    cell: Simulator, program: Program
+) -> None:
+    program.to(*RIGHT)
+    assert program.run_program("behind", True) == TaskState.FINISHED
+    assert cell.joints.almost_equal(LEFT, 2e-3)
+
+
+def test_a_program_gets_answers(cell: Simulator, program: Program) -> None:
+    program.to(*READY)
+    cell.set_digital_input(3, False)
+    id_ = program.run_program("ask", False)
+    cell.wait_until(lambda: heard == [False])
+    cell.set_digital_input(3, True)
+    cell.wait_until(lambda: program.get_noneblock_taskstate(id_) == TaskState.FINISHED)
+    assert heard == [False, TaskState.FINISHED, 100]
+
+
+def test_triggers_are_mappings(cell: Simulator, program: Program) -> None:
+    program.to(*READY)
+    assert program.run_program("trigger", True) == TaskState.FINISHED
+    assert cell.get_digital_output(8)
+
+
+@pytest.mark.parametrize("name", ["far", "wait"])
+def test_pause_and_resume_act_on_it(cell: Simulator, program: Program, name: str) -> None:
+    program.to(*READY)
+    id_ = program.run_program(name, False)
+    cell.wait_until(lambda: running(cell))
+    assert program.pause(True) == TaskState.FINISHED
+    assert program.get_robot_state()[1] == ProgramState.PAUSED
+    assert program.get_noneblock_taskstate(id_) == TaskState.PAUSED
+    here = cell.time
+    cell.wait_until(lambda: cell.time > here + 1.0)
+    assert not cell.moving
+    assert program.resume(True) == TaskState.FINISHED
+    assert program.get_noneblock_taskstate(id_) == TaskState.RUNNING
+    assert running(cell)
+    program.stop(True)
+    assert program.get_noneblock_taskstate(id_) == TaskState.STOPPED
+
+
+ENDS: list[tuple[str, Callable[[Simulator, Program], Any], TaskState]] = [
+    ("stop", lambda _, p: p.stop(True), TaskState.STOPPED),
+    ("abort", lambda _, p: p.abort(True), TaskState.INTERRUPT),
+    ("disable", lambda _, p: p.disable(True), TaskState.STOPPED),
+    ("emergency stop", lambda s, _: s.emergency_stop(), TaskState.ERROR),
+    ("collision", lambda s, _: s.collide(2), TaskState.ERROR),
+]
+
+
+@pytest.mark.parametrize("name", ["far", "wait"])
+@pytest.mark.parametrize(("end", "state"), [row[1:] for row in ENDS], ids=[r[0] for r in ENDS])
+def test_what_ends_motions_ends_it(
+    cell: Simulator,
+    program: Program,
+    aside: Callable[..., Future[Any]],
+    name: str,
+    end: Callable[[Simulator, Program], Any],
+    state: TaskState,
+) -> None:
+    program.to(*READY)
+    run = aside(cell, lambda p: p.run_program(name, True))
+    cell.wait_until(lambda: running(cell))
+    end(cell, program)
+    assert run.result(20) == state
+    cell.release_emergency_stop()
+    assert not cell.moving
+    assert cell.view.program is ProgramState.STOPPED
+    assert not cell.get_digital_output(5)
+    assert not cell.get_digital_output(6)
+
+
+def test_a_change_of_mode_pauses_it(cell: Simulator, program: Program) -> None:
+    program.run_program("wait", False)
+    assert program.switch_mode(0) == TaskState.FINISHED
+    assert program.get_robot_state() == [6, 3, 5, 0]
+    assert program.stop(True) == TaskState.FINISHED
+    assert program.get_robot_state() == [6, 0, 5, 0]
+    assert program.switch_mode(1) == TaskState.FINISHED
+
+
+def test_a_popup_pauses_it(cell: Simulator, program: Program) -> None:
+    id_ = program.run_program("far", False)
+    cell.wait_until(lambda: cell.moving)
+    program.log_error("look here")
+    cell.wait_until(lambda: program.get_noneblock_taskstate(id_) == TaskState.PAUSED)
+    program.stop(True)
+
+
+def test_a_lost_heartbeat_ends_it(cell: Simulator, connect: Callable[..., Program]) -> None:
+    program = connect(cell)
+    program.power_off(True)
+    program.bring_up()
+    id_ = program.run_program("wait", False)
+    program.rpc_heartbeat(200)
+    cell.wait_until(lambda: cell._machine().tasks.state(id_) is TaskState.STOPPED, timeout=math.inf)
+    assert "heartbeat lost" in program.get_last_error()[-1]
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("unreachable", "'unreachable': movel ended with ERROR"),
+        ("refused", "set_servo_config is not simulated"),
+        ("wrong", "'wrong': movej2 ended with ILLEGAL"),
+        ("itself", "'itself': run_program ended with ILLEGAL"),
+        ("broken", "'broken': KeyError('a bug')"),
+    ],
+)
+def test_what_goes_wrong_in_it_is_its_end(program: Program, name: str, message: str) -> None:
+    assert program.run_program(name, True) == TaskState.ERROR
+    assert any(message in error for error in program.get_last_error())
+    assert program.get_robot_state() == [6, 0, 5, 1]
+
+
+def test_a_program_can_stop_itself(cell: Simulator, program: Program) -> None:
+    assert program.run_program("stops", True) == TaskState.STOPPED
+    assert not cell.get_digital_output(7)
+
+
+def test_an_unknown_program_is_a_wrong_parameter(program: Program) -> None:
+    for name in ("", "nothing", "../pick", "/project/program/pick", "program/pick"):
+        assert program.run_program(name, True) == TaskState.PARAMETER_MISMATCH
+
+
+def test_it_has_the_arm_to_itself(cell: Simulator, program: Program) -> None:
+    program.run_program("wait", False)
+    assert program.run_program("pick", True) == TaskState.ILLEGAL
+    assert program.to(*READY) == TaskState.ILLEGAL
+    assert program.set_standard_digital_out(9, True, True) == TaskState.FINISHED
+    program.stop(True)
+    id_ = program.to(*FAR, v=0.2, block=False)
+    cell.wait_until(lambda: program.get_noneblock_taskstate(id_) == TaskState.RUNNING)
+    assert program.run_program("pick", True) == TaskState.ILLEGAL
+    assert program.get_noneblock_taskstate(id_) == TaskState.RUNNING
+    program.disable(True)
+    assert program.run_program("pick", True) == TaskState.ILLEGAL
+
+
+def test_programs_are_files_of_the_project(program: Program) -> None:
+    names = program.get_files_list(program.get_current_project() + "program")
+    flat = [name for name in PROGRAMS if "/" not in name]
+    assert names == {**dict.fromkeys(flat, 1), "parts": 0}
+    assert program.get_files_list("program/parts") == {"a": 1}
+
+
+# -- where programs come from ----------------------------------------------------------------------
+
+
+def test_a_folder_of_programs(tmp_path: Path, connect: Callable[..., Program]) -> None:
+    (tmp_path / "out.json").write_text(json.dumps([["set_standard_digital_out", 1, True]]))
+    (tmp_path / "notes.txt").write_text("no program")
+    with Simulator(speed=math.inf, programs=tmp_path) as sim:
+        program = connect(sim)
+        program.bring_up()
+        assert program.get_files_list("program") == {"out": 1}
+        assert program.run_program("out", True) == TaskState.FINISHED
+        assert sim.get_digital_output(1)
+        for path in ("..", str(tmp_path), "program/../..", "/"):
+            with pytest.raises(ControllerError, match="not in the project"):
+                program.get_files_list(path)
+
+
+def test_links_out_of_the_folder_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "secret.json").write_text("[]")
+    folder = tmp_path / "programs"
+    folder.mkdir()
+    (folder / "link.json").symlink_to(tmp_path / "secret.json")
+    with pytest.raises(ValueError, match="leads out of"):
+        read(folder)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("{", "is no JSON"),
+        ('{"a": 1}', "must be a list of calls"),
+        ("[3]", "call 1: 3 is no call"),
+        ('[["stop"], ["jump"]]', "call 2: there is no function 'jump'"),
+        ('[["stop", true, 3]]', "stop takes 1 arguments, not 2"),
+        ('[["sleep", -1]]', "sleep takes a time"),
+        ('[["movej2", [], 1, 1, 0, true, {"jump": 1}]]', "Op has no 'jump'"),
+    ],
+)
+def test_a_file_that_is_no_program(tmp_path: Path, content: str, message: str) -> None:
+    (tmp_path / "wrong.json").write_text(content)
+    with pytest.raises(ValueError, match=message):
+        Simulator(programs=tmp_path)
+
+
+def test_a_program_needs_a_name() -> None:
+    with pytest.raises(ValueError, match="empty"):
+        Simulator(programs={"": []})
+
+
+# -- one call in a cycle ---------------------------------------------------------------------------
+
+
+def test_one_call_in_a_cycle_and_sleeping_keeps_time() -> None:
+    calls: list[str] = []
+
+    def make(name: str, _values: tuple[Any, ...]) -> int:
+        calls.append(name)
+        return 0
+
+    script: list[list[Any]] = [["getQueueSize"], ["sleep", 0.005], ["robotmoving"]]
+    steps = Steps("timed", script, make, TaskTable())
+    made = []
+    for _ in range(12):
+        over = steps.go_on(0.001)
+        made.append(len(calls))
+        if over:
+            break
+    assert made == [1, 1, 1, 1, 1, 1, 2, 2]
+
+
+def test_a_generator_that_yields_nonsense() -> None:
+    def nonsense() -> Generator[list[Any], Any, None]:
+        yield []
+
+    steps = Steps("nonsense", nonsense, lambda _name, _values: 0, TaskTable())
+    with pytest.raises(ProgramError, match="is no call"):
+        steps.go_on(0.001)
