@@ -16,10 +16,12 @@ ROOT = Path(__file__).parents[2]
 
 #: what has another name, or no use, in a program that waits
 RENAMED = {"aclose": "close"}
+#: streams of set-points are for programs that await
+STREAMS = {"servo", "speed", "stream"}
 
 
 def public(thing: object) -> set[str]:
-    return {name for name in dir(thing) if not name.startswith("_")}
+    return {name for name in dir(thing) if not name.startswith("_")} - STREAMS
 
 
 def test_it_is_up_to_date() -> None:

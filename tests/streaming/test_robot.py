@@ -1,0 +1,297 @@
+"""Streams of a robot, on a simulated arm: where they lead, and who may end them."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Awaitable
+from typing import TYPE_CHECKING
+
+import anyio
+import numpy as np
+import pytest
+
+import aioduco
+from aioduco.errors import (
+    ParameterError,
+    RobotStateError,
+    StreamStarved,
+    StreamStopped,
+)
+from aioduco.models.pose import Pose
+from aioduco.sim import Simulator
+from aioduco.streaming.settings import LaneOptions
+from aioduco.streaming.source import State
+from aioduco.streaming.trajectory import Feedback, JointTrajectory
+from aioduco.testing import ApplicationError, FaultProxy, eventually_async, no_leaks
+
+from .robot_motions import KINDS, START, WAY
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable, Iterator
+
+    from aioduco.streaming.stream import Stream
+
+PROCESS, THREAD = LaneOptions(), LaneOptions(lane="thread")
+#: one of each way to bring set-points to the controller
+FOLLOWED = ["servoj", "speedj", "joint_position", "track joints"]
+
+
+@pytest.fixture(scope="module")
+def sim() -> Iterator[Simulator]:
+    with Simulator() as sim:
+        yield sim
+
+
+@pytest.fixture
+async def robot(sim: Simulator) -> AsyncIterator[aioduco.Robot]:
+    async with aioduco.connect(sim.host, sim.port) as robot:
+        await robot.bring_up()
+        await robot.motion.movej2(START, v=3.0, a=20.0)
+        yield robot
+
+
+async def place(robot: aioduco.Robot, space: str) -> np.ndarray:
+    state = robot.state
+    found = await (
+        state.get_actual_joints_position() if space == "joints" else state.get_tcp_pose()
+    )
+    return np.array(found)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+async def test_each_leads_the_arm_to_where_its_set_points_lead(
+    robot: aioduco.Robot, sim: Simulator, kind: str
+) -> None:
+    opened, feed, space, _ = KINDS[kind]
+    options = PROCESS if kind in FOLLOWED else THREAD
+    start = await place(robot, space)
+    async with opened(robot, options) as stream:
+        await feed(robot, stream, space)
+    # When it has been left, the arm stands.
+    assert not await robot.state.robotmoving()
+    end = await place(robot, space)
+    if kind == "servo_tcp":
+        wanted = np.array(list(Pose.of(start) @ Pose(WAY, 0, 0, 0, 0, 0)))
+        np.testing.assert_allclose(end[:3], wanted[:3], atol=1e-3)
+    elif feed is KINDS["speedj"].feed:
+        # a speed of the tool is in the tool's own frame
+        assert np.abs(end - start)[:3].max() > 0.01
+    else:
+        np.testing.assert_allclose(end - start, [WAY, 0, 0, 0, 0, 0], atol=1e-3)
+    assert stream.statistics().reason.name == "CLOSED"
+    # The robot can be moved by others again.
+    await robot.motion.movej2(START, v=3.0, a=20.0)
+
+
+# -- who may end it ----------------------------------------------------------------------------
+
+
+async def ended_by(
+    robot: aioduco.Robot,
+    sim: Simulator,
+    kind: str,
+    end: Callable[[], object],
+    options: LaneOptions = THREAD,
+) -> None:
+    """A stream in full course is ended by something else than its program."""
+    opened = KINDS[kind].open(robot, options)
+
+    async def program(stream: Stream) -> None:
+        async with stream:
+            start = await place(robot, "joints")
+            speed = KINDS[kind].feed is KINDS["speedj"].feed
+            for n in range(2000):
+                point = np.zeros(6) if speed else start.copy()
+                point[0] += 0.1 if speed else 1e-3 * n
+                await stream.send(point)
+                if speed:
+                    await anyio.sleep(0.005)
+
+    async with anyio.create_task_group() as tasks:
+
+        async def feeding() -> None:
+            with pytest.raises(StreamStopped):
+                await program(opened)
+
+        tasks.start_soon(feeding)
+        await eventually_async(lambda: np.abs(sim.joints.array - START.array).max() > 5e-3)
+        assert opened.state is State.FOLLOWING
+        if isinstance(ending := end(), Awaitable):
+            await ending
+        assert opened.quiet
+
+
+@pytest.mark.parametrize("options", [PROCESS, THREAD], ids=["process", "thread"])
+@pytest.mark.parametrize("kind", FOLLOWED)
+async def test_a_stop_ends_it_and_the_arm_stands(
+    robot: aioduco.Robot, sim: Simulator, kind: str, options: LaneOptions
+) -> None:
+    async with no_leaks():
+        await ended_by(robot, sim, kind, robot.stop, options)
+    assert not sim.moving
+    assert not sim.tasks
+
+
+@pytest.mark.parametrize("way", ["stop_now", "pause", "abort"])
+async def test_so_do_the_others(robot: aioduco.Robot, sim: Simulator, way: str) -> None:
+    end = getattr(robot, way)
+    if way == "stop_now":
+
+        async def end() -> None:
+            thread = threading.Thread(target=robot.stop_now)
+            thread.start()
+            await eventually_async(lambda: not thread.is_alive())
+
+    async with no_leaks():
+        await ended_by(robot, sim, "servoj", end)
+    await eventually_async(lambda: not sim.moving)
+    assert not robot._supervisor.keeper.streams
+    await robot.stop()
+
+
+async def test_stop_now_from_the_thread_of_the_event_loop(
+    robot: aioduco.Robot, sim: Simulator
+) -> None:
+    """As a signal handler does it: nothing of the event loop goes on meanwhile."""
+    await ended_by(robot, sim, "servoj", robot.stop_now, PROCESS)
+    await eventually_async(lambda: not sim.moving)
+
+
+async def test_a_stop_while_it_is_being_opened(robot: aioduco.Robot) -> None:
+    stream = robot.servo.joints(v=1.0, a=8.0)
+    async with no_leaks(), anyio.create_task_group() as tasks:
+
+        async def opening() -> None:
+            with pytest.raises(StreamStopped):
+                async with stream:
+                    raise AssertionError("entered")
+
+        tasks.start_soon(opening)
+        await eventually_async(lambda: len(robot._supervisor.keeper.streams) == 1)
+        await robot.stop()
+    assert stream.state is State.ENDED
+
+
+async def test_leaving_the_robot_ends_it(sim: Simulator) -> None:
+    async with no_leaks():
+        async with aioduco.connect(sim.host, sim.port) as robot:
+            await robot.bring_up()
+            stream = robot.servo.joints(v=1.0, a=8.0, options=THREAD)
+            await stream.__aenter__()
+            await stream.send(await robot.state.get_actual_joints_position())
+        with pytest.raises(StreamStopped):
+            await stream.__aexit__(None, None, None)
+    assert not sim.moving
+
+
+# -- one at a time -----------------------------------------------------------------------------
+
+
+async def test_no_motion_while_a_stream_is_open(robot: aioduco.Robot) -> None:
+    async with robot.servo.joints(v=1.0, a=8.0, options=THREAD) as stream:
+        with pytest.raises(RobotStateError, match=r"movej2 was not sent: the arm follows <Stream"):
+            await robot.motion.movej2(START, v=1.0, a=1.0)
+        with pytest.raises(RobotStateError, match=r"the arm follows <Stream"):
+            async with robot.track.stream("joints", speed=0.1, acc=0.1):
+                raise AssertionError("entered")
+        # What moves nothing goes on.
+        await robot.io.set_standard_digital_out(1, value=True)
+        await stream.send(START)
+
+
+async def test_no_stream_while_a_motion_is_under_way(robot: aioduco.Robot) -> None:
+    target = [START[0] + 0.5, *START[1:]]
+    motion = await robot.motion.movej2(target, v=0.5, a=5.0).start()
+    with pytest.raises(RobotStateError, match=r"servoj was not opened: <Task .* movej2"):
+        async with robot.servo.joints(v=1.0, a=8.0):
+            raise AssertionError("entered")
+    await robot.stop()
+    with pytest.raises(aioduco.TaskStopped):
+        await motion
+
+
+async def test_no_stream_of_a_robot_that_is_not_open(sim: Simulator) -> None:
+    robot = aioduco.connect(sim.host, sim.port)
+    with pytest.raises(RobotStateError, match="the robot is not open"):
+        async with robot.servo.joints(v=1.0, a=8.0):
+            raise AssertionError("entered")
+
+
+async def test_a_loop_that_is_held_up_starves_the_stream_and_the_arm_stands(
+    robot: aioduco.Robot, sim: Simulator
+) -> None:
+    async def program() -> None:
+        async with robot.servo.joints(v=1.0, a=8.0, hold=0.1) as stream:
+            for n in range(60):
+                await stream.send([START[0] + 2e-5 * n * n, *START[1:]])
+            time.sleep(0.6)  # noqa: ASYNC251 - the stall is what is tested
+            assert not sim.moving
+            await stream.send(START)
+
+    with pytest.raises(StreamStarved):
+        await program()
+
+
+# -- trajectories ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("through", ["auto", "servoj"])
+async def test_a_trajectory_through_the_queue_or_servoj(
+    robot: aioduco.Robot, sim: Simulator, through: str
+) -> None:
+    seen: list[Feedback] = []
+    start = START.array
+    result = await robot.motion.follow_joint_trajectory(
+        JointTrajectory([start, start + 0.1, start], [0.0, 0.4, 0.8]),
+        v=1.5,
+        a=20.0,
+        feedback=seen.append,
+        through=through,  # type: ignore[arg-type]
+    )
+    assert np.abs(result.goal_error).max() <= 0.01
+    assert np.abs(result.path_error).max() <= 0.02
+    assert max(each.actual[0] for each in seen) == pytest.approx(0.1, abs=0.01)
+    queue = "realtime" if through == "auto" else "servoj"
+    assert (result.statistics.queue.samples > 0) == (queue == "realtime")
+
+
+async def test_a_controller_without_a_queue_is_led_by_servoj(sim: Simulator) -> None:
+    with FaultProxy(sim.host, sim.port) as proxy:
+        proxy.on("get_realtime_data_queue_size", ApplicationError(code=1), times=None)
+        async with aioduco.connect(proxy.host, proxy.port) as robot:
+            await robot.bring_up()
+            start = np.array(await robot.state.get_actual_joints_position())
+            await robot.motion.follow_joint_trajectory(
+                JointTrajectory([start, start + 0.05], [0.0, 0.3]), v=1.5, a=20.0, options=THREAD
+            )
+        assert proxy.calls("servoj")
+        assert not proxy.calls("realtime_data_enqueue")
+
+
+async def test_a_cancelled_trajectory_leaves_a_standing_arm(
+    robot: aioduco.Robot, sim: Simulator
+) -> None:
+    start = START.array
+    with anyio.CancelScope() as scope:
+
+        def half_way(feedback: Feedback) -> None:
+            if feedback.time > 0.3:
+                scope.cancel()
+
+        await robot.motion.follow_joint_trajectory(
+            JointTrajectory([start, start + 0.2], [0.0, 0.6]), v=1.5, a=20.0, feedback=half_way
+        )
+    assert scope.cancelled_caught
+    assert not sim.moving
+    assert 0.02 < sim.joints[0] < 0.19
+
+
+async def test_what_it_goes_through_is_one_of_three(robot: aioduco.Robot) -> None:
+    with pytest.raises(ParameterError, match="auto, realtime, servoj"):
+        await robot.motion.follow_joint_trajectory(
+            JointTrajectory([START], [0.0]),
+            v=1.0,
+            a=1.0,
+            through="air",  # type: ignore[arg-type]
+        )
