@@ -53,8 +53,8 @@ class Connection:
 
     Guarantees: a value is returned only if it is the answer to this very call, by function and
     sequence id. After any other end of a call the connection is POISONED: its socket is
-    closed, and no later call can meet a late answer. Only `abandon` may be called from other
-    threads, and from signal handlers.
+    closed, and no later call can meet a late answer. Only `abandon` and `send_ahead` may be called
+    from other threads, and from signal handlers.
 
     Args:
         host: name or address of the controller.
@@ -77,6 +77,8 @@ class Connection:
         # Begun anywhere: a stray or forged answer must not fit by chance, as one with a low
         # number would on most connections.
         self._sequence = random.randrange(codec.LAST_SEQUENCE)
+        #: the answer to a call that was sent before its owner came to it
+        self._ahead: codec.ReplyReader | None = None
         self._calls = 0
         self._answered = 0
         self._bytes_sent = 0
@@ -86,6 +88,13 @@ class Connection:
     def state(self) -> ConnectionState:
         """State of the connection."""
         return self._life.state
+
+    @property
+    def usable(self) -> bool:
+        """Whether the owner can exchange a call: the next one, or the one that was sent ahead."""
+        return self.state is ConnectionState.IDLE or (
+            self._ahead is not None and self.state is ConnectionState.ACTIVE
+        )
 
     @property
     def progress(self) -> Progress:
@@ -221,19 +230,19 @@ class Connection:
         """
         if threading.get_ident() != self._owner:
             raise RuntimeError(f"{self!r} belongs to the thread that opened it")
-        if deadline is not None and deadline <= time.monotonic():
+        reply, self._ahead = self._ahead, None
+        if reply is None and deadline is not None and deadline <= time.monotonic():
             raise NotSent(f"{function.name} was not sent: there was no time left for it")
         with self._guard:
-            if not self._life.begin():
+            if reply is None and not self._life.begin():
                 raise ConnectionLost(f"{function.name} cannot use {self!r}; nothing was sent")
             stream = self._stream
         assert stream is not None
-        self._calls += 1
-        self._sequence = self._sequence % codec.LAST_SEQUENCE + 1
-        reply = codec.ReplyReader(function, self._sequence)
         try:
-            _check_silent(stream)
-            self._send(stream, codec.message(function, self._sequence, arguments), deadline)
+            if reply is None:
+                reply, message = self._next(function, arguments)
+                _check_silent(stream)
+                self._send(stream, message, deadline)
             if meanwhile is not None:
                 meanwhile()
             data = self._receive(stream, reply, deadline)
@@ -254,6 +263,42 @@ class Connection:
         if isinstance(value, ControllerError):
             raise value
         return value
+
+    def send_ahead(self, function: idl.Function, arguments: bytes, deadline: float | None) -> bool:
+        """Send a call before its owner's thread gets to run, from any thread; never waits.
+
+        For calls that may be sent twice, by whoever has the right to the next one. The owner's
+        `exchange` of this call then waits for its answer alone. A connection that does not take
+        the whole of it at once is poisoned.
+
+        Returns:
+            Whether it was sent.
+        """
+        if deadline is not None and deadline <= time.monotonic():
+            return False
+        if not self._guard.acquire(blocking=False):
+            return False
+        try:
+            stream = self._stream
+            if stream is None or not self._life.begin():
+                return False
+            reply, message = self._next(function, arguments)
+            if stream.send_at_once(message) != len(message):
+                self._life.poison("it did not take a whole call at once")
+                return False
+            self._life.sent()
+            self._bytes_sent += len(message)
+            self._ahead = reply
+            return True
+        finally:
+            self._guard.release()
+
+    def _next(self, function: idl.Function, arguments: bytes) -> tuple[codec.ReplyReader, bytes]:
+        """The next call: what reads its answer, and what is sent."""
+        self._calls += 1
+        self._sequence = self._sequence % codec.LAST_SEQUENCE + 1
+        message = codec.message(function, self._sequence, arguments)
+        return codec.ReplyReader(function, self._sequence), message
 
     @staticmethod
     def _decode(reply: codec.ReplyReader, data: bytes | bytearray) -> Any:

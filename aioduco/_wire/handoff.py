@@ -13,6 +13,8 @@ import time
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Final
 
+from aioduco._wire.semantics import Kind, kind
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
@@ -27,7 +29,8 @@ class Call:
     """One call on its way: what is sent, by when, and what came of it.
 
     Its parts have one writer each: the thread writes `value`, `error` and `handed_over`, then
-    calls `notify`; whoever waits writes `abandoned`.
+    calls `notify`; whoever waits writes `abandoned`. Only of an urgent one, whoever hands it over
+    writes `handed_over`, before the thread has it.
 
     Args:
         function: the function of the wire; None only opens the connection.
@@ -56,6 +59,11 @@ class Call:
         #: whether a connection was asked to send it
         self.handed_over = False
         self.worker: Worker | None = None
+
+    @property
+    def urgent(self) -> bool:
+        """Whether it is to be on its way before its thread gets to run."""
+        return self.function is not None and kind(self.function.name) is Kind.STOP
 
     @property
     def name(self) -> str:

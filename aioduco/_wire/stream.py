@@ -11,6 +11,8 @@ import struct
 import time
 from typing import Any, Final
 
+from aioduco._wire.prompt import send_at_once
+
 #: A peer that vanished without a word is given up after about eight seconds, whether the
 #: connection idles (probes from the fifth second on) or bytes are on their way.
 _KEEP_ALIVE: Final = (("TCP_KEEPIDLE", 5), ("TCP_KEEPINTVL", 1), ("TCP_KEEPCNT", 3))
@@ -115,6 +117,10 @@ class Stream:
             except BlockingIOError:
                 # the system's limit, which may be a little before or after the deadline
                 continue
+
+    def send_at_once(self, data: bytes) -> int:
+        """As `prompt.send_at_once`: how many bytes the system took, negative for none."""
+        return send_at_once(self._socket.fileno(), data)
 
     def receive(self, deadline: float | None) -> bytes:
         """The next bytes, at least one.

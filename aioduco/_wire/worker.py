@@ -102,6 +102,11 @@ class Worker:
             self._started = True
         call.worker = self
         self._current = call
+        if call.urgent and (connection := self._connection) is not None:
+            # The thread may have to wait for the interpreter's lock; the bytes need not.
+            assert call.function is not None
+            call.handed_over = True  # before: an abandon in the middle of it must see it
+            call.handed_over = connection.send_ahead(call.function, call.arguments, call.deadline)
         self._inbox.put(call)
 
     def abandon(self, call: Call | None, reason: str) -> Dropped:
@@ -185,14 +190,18 @@ class Worker:
         self, item: Call | Callable[[], None], farewells: list[Callable[[], None]]
     ) -> None:
         if isinstance(item, Call):
-            item.error = ConnectionLost(f"{item.name} was not sent, since its lane was closed")
+            item.error = (
+                OutcomeUnknown(item.name, "its lane was closed")
+                if item.handed_over
+                else ConnectionLost(f"{item.name} was not sent, since its lane was closed")
+            )
             self._let_go(item)
         else:
             farewells.append(item)
 
     def _carry_out(self, call: Call) -> Any:
         connection = self._connection
-        used = connection is not None and connection.state is ConnectionState.IDLE
+        used = connection is not None and connection.usable
         if not used:
             connection = self._open(call)
         assert connection is not None

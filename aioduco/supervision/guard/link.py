@@ -20,6 +20,7 @@ import threading
 import weakref
 from typing import TYPE_CHECKING, Final
 
+from aioduco._wire.prompt import send_at_once
 from aioduco.errors import GuardLost
 from aioduco.supervision.guard.messages import LARGEST, Beat, Done, pack, unpack
 
@@ -100,6 +101,10 @@ class GuardLink:
         state = "alive" if self.alive else "gone"
         return f"<GuardLink to process {self._process.pid}, {state}, {self.users} robots>"
 
+    def __del__(self) -> None:
+        if (ours := getattr(self, "_socket", None)) is not None:
+            ours.close()
+
     @property
     def pid(self) -> int:
         """The guard's process id."""
@@ -117,13 +122,8 @@ class GuardLink:
 
     def tell(self, message: Message) -> bool:
         """Send a message. Returns whether the guard will read it, as far as can be known."""
-        if not self.alive:
-            return False
-        try:
-            self._socket.send(pack(message), socket.MSG_DONTWAIT)
-        except OSError:
-            return False
-        return True
+        packet = pack(message)
+        return self.alive and send_at_once(self._socket.fileno(), packet) == len(packet)
 
     def ask(self, request: Callable[[int], Message], answer: Answer) -> bool:
         """Send a request that is answered by `Done`.
@@ -146,7 +146,7 @@ class GuardLink:
         try:
             self._socket.shutdown(socket.SHUT_RDWR)
         except OSError:
-            # it was closed by the thread meanwhile
+            # the guard's end is gone
             return
 
     def join(self, timeout: float) -> bool:
@@ -181,7 +181,8 @@ class GuardLink:
 
     def _over(self) -> None:
         self.alive = False
-        self._socket.close()
+        # Not closed: whoever is sending must not find another file under its number.
+        self.end()
         for token in list(self._answers):
             answer = self._answers.pop(token, None)
             if answer is not None:
