@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aioduco.sim.controller import Controller, Drive, Sensed
+from aioduco.sim.execution import ProgramError
 from aioduco.sim.planner.errors import PlanError
 from aioduco.sim.planner.mover import SetPoint
 
@@ -125,6 +126,38 @@ class FakeMover:
     def _brake(self, then: str) -> None:
         self._then = then
         self._braking = self.BRAKING
+
+
+class FakeRun:
+    """A program of so many cycles, which queues a motion in the first, and may break in the last.
+
+    Args:
+        controller: which is asked for the motion.
+        cycles: how many it takes.
+        breaks: whether it cannot go on in its last.
+    """
+
+    def __init__(self, controller: Controller, cycles: int, *, breaks: bool = False) -> None:
+        self.controller = controller
+        self.left = cycles
+        self.breaks = breaks
+        self.closed = 0
+        self.motion: int | None = None
+
+    def go_on(self, passed: float) -> bool:
+        assert passed >= 0.0
+        assert not self.closed
+        if self.motion is None:
+            self.motion = self.controller.move("movej2", leg(0.5, 5))
+        self.left -= 1
+        if self.left > 0:
+            return False
+        if self.breaks:
+            raise ProgramError("broken")
+        return True
+
+    def close(self) -> None:
+        self.closed += 1
 
 
 @dataclass(frozen=True)

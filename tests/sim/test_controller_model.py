@@ -8,7 +8,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from aioduco.models.enums import OperationMode, RobotState, SafetyState, TaskState
 
-from .fakes import Bench, impossible, leg
+from .fakes import Bench, FakeRun, impossible, leg
 
 POWER = ["power_on", "enable", "disable", "power_off", "restart"]
 
@@ -19,6 +19,7 @@ class Commands(RuleBasedStateMachine):
         self.bench = Bench()
         self.controller = self.bench.controller
         self.last: dict[int, TaskState] = {}
+        self.runs: dict[int, FakeRun] = {}
 
     @rule(name=st.sampled_from(POWER), wait=st.booleans())
     def power(self, name: str, wait: bool) -> None:
@@ -57,6 +58,17 @@ class Commands(RuleBasedStateMachine):
     @rule(code=st.sampled_from(["unreachable", "parameter"]))
     def move_nowhere(self, code: str) -> None:
         self.controller.move("movel", impossible(code))
+
+    @rule(cycles=st.integers(1, 100), breaks=st.booleans())
+    def run_program(self, cycles: int, breaks: bool) -> None:
+        run = FakeRun(self.controller, cycles, breaks=breaks)
+        id_ = self.controller.run_program(run)
+        if not self.controller.tasks.state(id_).ended:
+            self.runs[id_] = run
+            assert (
+                self.controller.tasks.state(self.controller.move("movej2", leg(0.1)))
+                is TaskState.ILLEGAL
+            )
 
     @rule(wait=st.booleans())
     def stop(self, wait: bool) -> None:
@@ -125,6 +137,11 @@ class Commands(RuleBasedStateMachine):
         for id_ in self.controller.tasks.take_ended():
             assert id_ not in self.last
             self.last[id_] = self.controller.tasks.state(id_)
+
+    @invariant()
+    def a_run_is_closed_once_when_its_task_ends(self) -> None:
+        for id_, run in self.runs.items():
+            assert run.closed == self.controller.tasks.state(id_).ended
 
     @invariant()
     def the_program_stands_when_no_task_is_left(self) -> None:
