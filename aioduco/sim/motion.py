@@ -283,6 +283,8 @@ class Motion:
         failure = follower.failure
         if failure is not None and failure is not failed and self._phase is not Phase.STOPPING:
             self._give_up(failure)
+            if self._follower is not follower:  # the arm stood, so it has ended at once
+                return setpoint
         if follower.ended and self._phase is not Phase.STOPPING:
             assert self._following is not None
             id_, _ = self._following

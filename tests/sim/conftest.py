@@ -6,21 +6,49 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from thriftpy2.thrift import TApplicationException
+from thriftpy2.transport import TTransportException
 
-from aioduco._wire.connection import Connection
 from aioduco._wire.rpc import Op, RpcClient
+from aioduco.errors import ConnectionLost, ControllerError
 from aioduco.sim.simulator import Simulator
+
+from .cycles import Cycles
+from .raw import RawClient
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from concurrent.futures import Future
 
 
+#: what a function of 1.3.7 answers to an argument out of its range (manual 1.3.7)
+OUT_OF_RANGE = 0
+
+
+class Wire:
+    """A connection that sends anything: what makes no sense, too, which the SDK's own refuses."""
+
+    def __init__(self, sim: Any) -> None:
+        self._client = RawClient(sim.port, timeout=30.0)
+
+    def call(self, name: str, args: tuple[Any, ...]) -> Any:
+        """Call a function; errors are those of the SDK."""
+        try:
+            return self._client.call(name, *args)
+        except TApplicationException as exc:
+            raise ControllerError(name, str(exc.message), exc.type) from exc
+        except (OSError, EOFError, TTransportException) as exc:
+            raise ConnectionLost(f"{name}: {exc!r}") from exc
+
+    def close(self) -> None:
+        self._client.close()
+
+
 class Program(RpcClient):
     """A client that blocks, as the vendor's: every function, on one connection."""
 
-    def __init__(self, connection: Connection) -> None:
-        super().__init__(lambda name, args: connection.call(name, args, 30.0))
+    def __init__(self, connection: Wire) -> None:
+        super().__init__(connection.call)
         self.connection = connection
 
     def to(self, *joints: float, v: float = 1.0, r: float = 0.0, block: bool = True) -> int:
@@ -49,8 +77,7 @@ def connect() -> Iterator[Callable[..., Program]]:
     with contextlib.ExitStack() as stack:
 
         def connect(sim: Any) -> Program:
-            connection = Connection(sim.host, sim.port)
-            connection.open()
+            connection = Wire(sim)
             stack.callback(connection.close)
             return Program(connection)
 
@@ -63,14 +90,19 @@ def aside() -> Iterator[Callable[..., Future[Any]]]:
     with ThreadPoolExecutor() as pool:
 
         def run(sim: Simulator, call: Callable[[Program], Any]) -> Any:
-            connection = Connection(sim.host, sim.port)
-            connection.open()
+            connection = Wire(sim)
             try:
                 return call(Program(connection))
             finally:
                 connection.close()
 
         yield lambda sim, call: pool.submit(run, sim, call)
+
+
+@pytest.fixture
+def cycles(monkeypatch: pytest.MonkeyPatch) -> Cycles:
+    """What the drives are told and what the arm does from now on, cycle by cycle."""
+    return Cycles(monkeypatch)
 
 
 @pytest.fixture

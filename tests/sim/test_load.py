@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from aioduco.errors import ControllerError
 from aioduco.models.enums import TaskState
+
+from .conftest import OUT_OF_RANGE
 
 if TYPE_CHECKING:
     from aioduco.sim.simulator import Simulator
@@ -34,7 +35,7 @@ def test_a_load_is_carried_and_its_weight_is_not_felt(sim: Simulator, robot: Pro
     assert abs(after[1] - before[1]) > 0.5 * 3.0 * 9.81 * reach
     assert robot.get_tcp_force() == pytest.approx(NOTHING, abs=0.05)
     for wrong in ([36.0, 0.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [1.0], [math.nan] * 4):
-        assert robot.set_load_data(wrong) == TaskState.PARAMETER_MISMATCH
+        assert robot.set_load_data(wrong) == OUT_OF_RANGE
     assert robot.set_load_data([0.0] * 4) == TaskState.FINISHED
     settle(sim)
     assert robot.get_actual_joints_torque() == pytest.approx(before, abs=0.05)
@@ -51,5 +52,5 @@ def test_a_push_is_felt_at_the_tip(sim: Simulator, robot: Program) -> None:
     assert robot.get_tcp_force_tool("default")[2] == pytest.approx(10.0, abs=0.1)
     assert robot.get_tcp_force_tool("")[:3] != pytest.approx(force[:3], abs=1.0)
     sim.push(NOTHING)
-    with pytest.raises(ControllerError, match="no tool 'saw'"):
-        robot.get_tcp_force_tool("saw")
+    assert robot.get_tcp_force_tool("saw") == []
+    assert "no tool 'saw'" in robot.get_last_error()[-1]

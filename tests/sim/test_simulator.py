@@ -15,6 +15,8 @@ from aioduco.models.enums import TaskState
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim.simulator import READY, Simulator
 
+from .conftest import OUT_OF_RANGE
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from concurrent.futures import Future
@@ -222,7 +224,7 @@ def test_global_speed_scales_time(sim: Simulator, robot: Program) -> None:
     assert robot.get_global_speed() == 50
     assert duration(0.0) > 1.5 * whole
     for wrong in (0.0, 101.0, math.nan, -5.0):
-        assert robot.speed(wrong) == TaskState.PARAMETER_MISMATCH
+        assert robot.speed(wrong) == OUT_OF_RANGE
     assert robot.get_global_speed() == 50
 
 
@@ -253,7 +255,7 @@ def test_wrong_parameters_of_a_joint_motion(
 ) -> None:
     args: dict[str, object] = {"joints_list": list(READY), "v": 1.0, "a": 1.0, "r": 0.0}
     args.update(change)
-    assert robot.connection.call("movej2", (*args.values(), True, Op(), False), 30.0) == ends
+    assert robot.connection.call("movej2", (*args.values(), True, Op(), False)) == ends
     assert not sim.moving
     assert robot.get_last_error()[-1].startswith("movej2: ")
 
@@ -282,7 +284,7 @@ def test_wrong_parameters_of_a_line(
         "wobj": "",
     }
     args.update(change)
-    assert robot.connection.call("movel", (*args.values(), True, Op(), False), 30.0) == ends
+    assert robot.connection.call("movel", (*args.values(), True, Op(), False)) == ends
     assert not sim.moving
 
 
@@ -301,7 +303,7 @@ def test_what_is_not_simulated_says_so(sim: Simulator, robot: Program) -> None:
 def test_modes_are_manual_and_automatic(robot: Program) -> None:
     assert robot.switch_mode(0) == TaskState.FINISHED
     assert robot.get_robot_state() == [6, 0, 5, 0]
-    assert robot.switch_mode(2) == TaskState.PARAMETER_MISMATCH
+    assert robot.switch_mode(2) == OUT_OF_RANGE
     assert robot.switch_mode(1) == TaskState.FINISHED
     assert robot.get_robot_state() == [6, 0, 5, 1]
 

@@ -12,6 +12,8 @@ from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.simulator import READY
 
+from .conftest import OUT_OF_RANGE
+
 if TYPE_CHECKING:
     from aioduco.sim.simulator import Simulator
 
@@ -57,7 +59,7 @@ def test_settings_keep_to_their_range(sim: Simulator, robot: Program) -> None:
     assert robot.set_teach_speed(30) == TaskState.FINISHED
     wrong = [robot.set_teach_speed(0), robot.set_teach_speed(101)]
     wrong += [robot.collision_detect(-1), robot.collision_detect(6)]
-    assert wrong == [TaskState.PARAMETER_MISMATCH] * 4
+    assert wrong == [OUT_OF_RANGE] * 4
     assert robot.get_teach_speed() == 30
     assert robot.set_teach_pendant(False) == TaskState.FINISHED
     assert not sim.cabinet.pendant_enabled
@@ -76,8 +78,8 @@ def test_collisions_are_not_detected_at_level_0(sim: Simulator, robot: Program) 
 
 def test_the_real_arm_is_in_use(sim: Simulator, robot: Program) -> None:
     assert robot.simulation(False, True) == TaskState.FINISHED
-    with pytest.raises(ControllerError, match="stands while its motions run"):
-        robot.simulation(True, True)
+    assert robot.simulation(True, True) == TaskState.ILLEGAL
+    assert "stands while its motions run" in robot.get_last_error()[-1]
     robot.to(1.0, *READY[1:], v=0.2, block=False)
     sim.wait_until(lambda: sim.moving)
     assert robot.simulation(False, True) == TaskState.ILLEGAL
@@ -95,8 +97,8 @@ def test_reach_is_checked_from_any_mounting(sim: Simulator, robot: Program) -> N
     far = [5.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     answer = robot.reach_check(list(base), list(wobj), list(tool), q, [list(point), far])
     assert (answer.result, answer.joints_pos) == (False, [])
-    with pytest.raises(ControllerError, match="reach_check"):
-        robot.reach_check(list(base), list(wobj), list(tool), q[:5], [])
+    assert not robot.reach_check(list(base), list(wobj), list(tool), q[:5], []).result
+    assert robot.get_last_error()[-1].startswith("reach_check: ref_pos has 5 numbers")
 
 
 def test_dynamic_calibration_is_kept(robot: Program) -> None:

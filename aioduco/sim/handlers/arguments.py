@@ -18,6 +18,12 @@ if TYPE_CHECKING:
     from aioduco.sim.frames import Frames, Tool, WorkObject
 
 
+#: the largest distance in a pose: far beyond every arm, and still a number to compute with [m]
+_FARTHEST = 1000.0
+#: the largest angle in a pose (manual 1.3.5), and what rounding adds to it [rad]
+_TURNS = 2.0 * math.pi + 1e-9
+
+
 def number(name: str, value: float, low: float, high: float, unit: str) -> float:
     """A number within a range; NaN is in none."""
     if not low <= value <= high:
@@ -40,11 +46,15 @@ def numbers(name: str, values: Sequence[float], length: int) -> tuple[float, ...
 
 
 def pose(name: str, values: Sequence[float]) -> Pose:
-    """A pose [m, rad]."""
+    """A pose [m, rad]: positions within a kilometre, angles from -2π to 2π."""
     try:
-        return Pose.of(list(values))
+        given = Pose.of(list(values))
     except ParameterError as exc:
         raise mismatch(f"{name} must be {exc.expected}") from None
+    for position, angle in zip(given[:3], given[3:], strict=True):
+        number(name, position, -_FARTHEST, _FARTHEST, "m")
+        number(name, angle, -_TURNS, _TURNS, "rad")
+    return given
 
 
 def joints(name: str, values: Sequence[float]) -> tuple[float, ...]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from aioduco.models.enums import TaskState
 from aioduco.sim.cabinet import Cabinet
+from aioduco.sim.handlers.answers import ZERO_OUT_OF_RANGE
 from aioduco.sim.mounting import GRAVITY
 from aioduco.sim.refusal import Rejected
 
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
     from aioduco.sim.signals import Signals
 
     Vector = NDArray[np.float64]
+
+
+T = TypeVar("T")
 
 
 def mismatch(message: str) -> Rejected:
@@ -71,11 +75,23 @@ class Section:
         """Give a command that makes a task.
 
         Returns:
-            The state in which the task ended, or the task's id when the call does not block.
+            The state in which the task ended, or the task's id when the call does not block; 0
+            for an argument out of its range where the manual says so.
         """
         with self._runtime.command() as controller:
             try:
                 id_ = command(controller)
             except Rejected as exc:
                 id_ = controller.reject(name, exc.state, str(exc))
+                if exc.state is TaskState.PARAMETER_MISMATCH and name in ZERO_OUT_OF_RANGE:
+                    return 0
         return int(self._runtime.wait(id_)) if block else id_
+
+    def _senseless(self, name: str, reason: Exception, answer: T) -> T:
+        """The answer to arguments that make no sense, where it is no state of a task.
+
+        The reason is put on the error list, as that of a task is.
+        """
+        with self._runtime.command() as controller:
+            controller.note_error(f"{name}: {reason}")
+        return answer

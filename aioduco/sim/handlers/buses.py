@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from aioduco.models.enums import TaskState
 from aioduco.sim.handlers.base import Section, mismatch
 from aioduco.sim.modbus import Kind, NoAnswer, Signal
-from aioduco.sim.refusal import Refusal, Rejected
+from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from aioduco.sim.controller import Controller
 
 Octets = list[int]
+#: no register and no coil has this value: it stands for "nothing was read"
+_NOT_READ = -1
 
 
 class SerialHandlers(Section):
@@ -176,7 +178,7 @@ class ModbusHandlers(Section):
             with self._cabinet.lock:
                 return self._cabinet.modbus.read(signal_name, self._runtime.snapshot.time)
         except NoAnswer as exc:
-            raise Refusal(f"modbus_read: {exc}") from None
+            return self._senseless("modbus_read", exc, _NOT_READ)
 
     def modbus_write(self, signal_name: str, value: int) -> int:
         """对 modbus 节点进行写操作."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.errors import ParameterError, Unreachable
-from aioduco.models.pose import Joints, Pose
+from aioduco.errors import Unreachable
+from aioduco.models.pose import Pose
 from aioduco.sim.frames import MAX_NAME, Tool
-from aioduco.sim.handlers.arguments import name_of, numbers, pose
+from aioduco.sim.handlers.arguments import joints, name_of, numbers, pose
 from aioduco.sim.handlers.base import Section
-from aioduco.sim.refusal import Refusal
+from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -84,12 +84,12 @@ class FrameHandlers(Section):
     ) -> list[float]:
         """Pose of a tool in a work object; empty lists mean the ones in use."""
         try:
-            joints = Joints.of(list(joints_position))
+            q = joints("joints_position", joints_position)
             tip, _ = self._tool(tool)
             _, base = self._wobj(wobj)
-        except ParameterError as exc:
-            raise _refusal("cal_fkine", exc) from None
-        return list(Pose.from_matrix(base @ self._arm.fkine(joints) @ tip))
+        except Rejected as exc:
+            return self._senseless("cal_fkine", exc, [])
+        return list(Pose.from_matrix(base @ self._arm.fkine(q) @ tip))
 
     def cal_ikine(
         self,
@@ -100,12 +100,12 @@ class FrameHandlers(Section):
     ) -> list[float]:
         """Joints for a pose of a tool in a work object; `q_near` itself when there are none."""
         try:
-            target = Pose.of(list(p))
-            near = Joints.of(list(q_near) if q_near else self._runtime.snapshot.q)
+            target = pose("p", p)
+            near = joints("q_near", q_near) if q_near else tuple(self._runtime.snapshot.q.tolist())
             _, flange = self._tool(tool)
             base, _ = self._wobj(wobj)
-        except ParameterError as exc:
-            raise _refusal("cal_ikine", exc) from None
+        except Rejected as exc:
+            return self._senseless("cal_ikine", exc, [])
         try:
             found: list[float] = self._arm.ikine(base @ target.matrix @ flange, near).tolist()
         except Unreachable:
@@ -114,17 +114,13 @@ class FrameHandlers(Section):
 
     def _tool(self, offset: Sequence[float]) -> tuple[Matrix, Matrix]:
         """A tool's tip in the flange's frame, and the flange in the tip's."""
-        tool = Tool.at(Pose.of(list(offset))) if offset else self._runtime.snapshot.view.tool
+        tool = Tool.at(pose("tool", offset)) if offset else self._runtime.snapshot.view.tool
         return tool.matrix, tool.inverse
 
     def _wobj(self, frame: Sequence[float]) -> tuple[Matrix, Matrix]:
         """A work object in the base frame, and the base in the work object's."""
         if frame:
-            given = Pose.of(list(frame))
+            given = pose("wobj", frame)
             return given.matrix, given.inverse().matrix
         used = self._runtime.snapshot.view.wobj
         return used.matrix, used.inverse
-
-
-def _refusal(function: str, exc: ParameterError) -> Refusal:
-    return Refusal(f"{function}: {exc.parameter} is {exc.value!r}, but must be {exc.expected}")

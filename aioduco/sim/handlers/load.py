@@ -9,7 +9,6 @@ import numpy as np
 from aioduco.sim.frames import UnknownName
 from aioduco.sim.handlers.arguments import number, numbers
 from aioduco.sim.handlers.base import Section
-from aioduco.sim.refusal import Refusal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -50,7 +49,7 @@ class LoadHandlers(Section):
         try:
             matrix = self._frames.tool(tool).matrix
         except UnknownName as exc:
-            raise Refusal(f"get_tcp_force_tool: {exc}") from None
+            return self._senseless("get_tcp_force_tool", exc, [])
         force, torque = self._contact(matrix[:3, 3])
         turn = matrix[:3, :3].T
         return [*(turn @ force).tolist(), *(turn @ torque).tolist()]

@@ -11,7 +11,6 @@ from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import Section, mismatch
 from aioduco.sim.planner.realtime import Command, Follow, Realtime
 from aioduco.sim.planner.realtime import mismatch as differs
-from aioduco.sim.refusal import Refusal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,10 +34,10 @@ class RealtimeHandlers(Section):
 
     def start_realtime_mode(self, mode: int, fileter_bandwidth: float, com_lost_time: float) -> int:
         """Follow the queue, a point in each cycle; done as soon as it has begun."""
-        if mode == _TORQUE:
-            raise Refusal("start_realtime_mode: mode 2, joint torques, is not simulated")
 
         def command(controller: Controller) -> int:
+            if mode == _TORQUE:
+                raise mismatch("mode is 2, joint torques, which the manual calls reserved")
             if mode not in list(Follow):
                 raise mismatch(f"mode is {mode}, but must be 0, 1, 3 or 4")
             what = Follow(mode)

@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING, TypeVar
 
 from aioduco.sim.handlers.base import Section, mismatch
-from aioduco.sim.refusal import Refusal
 from aioduco.sim.values import UndefinedValue
 
 if TYPE_CHECKING:
@@ -81,23 +80,31 @@ class RegisterHandlers(Section):
 
     def get_system_value_bool(self, name: str) -> bool:
         """系统变量."""
-        return _defined(lambda: self._cabinet.values.get(name, bool))
+        return self._defined(
+            "get_system_value_bool", False, lambda: self._cabinet.values.get(name, bool)
+        )
 
     def get_system_value_double(self, name: str) -> float:
         """系统变量."""
-        return _defined(lambda: self._cabinet.values.get(name, float))
+        return self._defined(
+            "get_system_value_double", 0.0, lambda: self._cabinet.values.get(name, float)
+        )
 
     def get_system_value_str(self, name: str) -> str:
         """系统变量."""
-        return _defined(lambda: self._cabinet.values.get(name, str))
+        return self._defined(
+            "get_system_value_str", "", lambda: self._cabinet.values.get(name, str)
+        )
 
     def get_system_value_list(self, name: str) -> list[float]:
         """系统变量."""
-        return _defined(lambda: self._cabinet.values.numbers(name))
+        return self._defined(
+            "get_system_value_list", [], lambda: self._cabinet.values.numbers(name)
+        )
 
     def get_system_value_lists(self, name: str) -> list[list[float]]:
         """A list of poses; on the wire, in manual 4.3."""
-        return _defined(lambda: self._cabinet.values.lists(name))
+        return self._defined("get_system_value_lists", [], lambda: self._cabinet.values.lists(name))
 
     def _set_value(self, function: str, name: str, value: bool | float | str | list[float]) -> int:
         with self._runtime.command() as controller:
@@ -119,9 +126,8 @@ class RegisterHandlers(Section):
 
         return self._task(name, True, command)
 
-
-def _defined(read: Callable[[], T]) -> T:
-    try:
-        return read()
-    except UndefinedValue as exc:
-        raise Refusal(str(exc)) from None
+    def _defined(self, function: str, nothing: T, read: Callable[[], T]) -> T:
+        try:
+            return read()
+        except UndefinedValue as exc:
+            return self._senseless(function, exc, nothing)

@@ -11,7 +11,6 @@ from aioduco.models.enums import RobotState
 from aioduco.models.pose import Pose
 from aioduco.sim.frames import UnknownName
 from aioduco.sim.handlers.base import Context, Section
-from aioduco.sim.refusal import Refusal
 from aioduco.sim.tip import Tip, tip
 
 if TYPE_CHECKING:
@@ -80,7 +79,7 @@ class StateHandlers(Section):
         try:
             offset, base = self._frames.tool(tool), self._frames.wobj(wobj)
         except UnknownName as exc:
-            raise Refusal(f"get_tcp_pose_coord: {exc}") from None
+            return self._senseless("get_tcp_pose_coord", exc, [])
         flange = self._arm.fkine(self._runtime.snapshot.q)
         return list(Pose.from_matrix(base.inverse @ flange @ offset.matrix))
 
