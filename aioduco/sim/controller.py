@@ -19,6 +19,7 @@ import numpy as np
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState, TaskState
 from aioduco.sim.cycle import Drive, Sensed, View
 from aioduco.sim.execution import Execution
+from aioduco.sim.force.tasks import ForceTasks
 from aioduco.sim.frames import Frames
 from aioduco.sim.heartbeat import Heartbeat
 from aioduco.sim.motion import Motion, Phase
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 
     from aioduco.sim.execution import Run
     from aioduco.sim.following import Following
+    from aioduco.sim.force.control import ForceControl
     from aioduco.sim.motion import Plan
     from aioduco.sim.planner.mover import Mover
     from aioduco.sim.triggers import Along
@@ -61,9 +63,10 @@ class Controller:
     Args:
         mover: makes a mover that stands at the given joints [rad].
         q: the arm's joints at the start [rad]. Shape (6,).
+        force: what the arm does about forces.
     """
 
-    def __init__(self, mover: Callable[[Vector], Mover], q: Vector) -> None:
+    def __init__(self, mover: Callable[[Vector], Mover], q: Vector, force: ForceControl) -> None:
         self.tasks: TaskTable = TaskTable()
         self.signals: Signals = Signals()
         self.frames: Frames = Frames()
@@ -78,7 +81,8 @@ class Controller:
         self._power = Power(self.tasks)
         self._motion = Motion(self.tasks, mover, q)
         self._execution = Execution(self.tasks)
-        self._sensed = Sensed(0.0, 0.0, q, _ZEROS)
+        self._sensed = Sensed(0.0, 0.0, q, _ZEROS, _ZEROS)
+        self.force: ForceTasks = ForceTasks(self.tasks, self._motion, force, self._sensed)
         self._fault: SafetyState | None = None
         self._emergency_stop = False
         self._collision_axis = 0
@@ -109,7 +113,7 @@ class Controller:
     @property
     def moving(self) -> bool:
         """Whether the arm moves, or is to move in the next cycle."""
-        return self._motion.moving or not self._at_rest
+        return self._motion.moving or self.force.moving or not self._at_rest
 
     @property
     def idle(self) -> bool:
@@ -147,6 +151,8 @@ class Controller:
             self._speed,
             self.frames.tool(),
             self.frames.wobj(),
+            self.force.active,
+            self.force.sensor,
         )
 
     # -- commands: each is a task, and returns its id ----------------------------------------
@@ -159,6 +165,8 @@ class Controller:
         """Queue a motion, with what it triggers on its way."""
         if reason := self._cannot_take():
             return self.reject(name, TaskState.ILLEGAL, reason)
+        if (skipped := self.force.admit(name)) is not None:
+            return skipped
         id_ = self.tasks.new(name)
         self._motion.append(id_, plan, triggers)
         self._collect_failures()
@@ -168,6 +176,8 @@ class Controller:
         """Queue a motion whose targets come while it runs."""
         if reason := self._cannot_take(following):
             return self.reject(name, TaskState.ILLEGAL, reason)
+        if (skipped := self.force.admit(name)) is not None:
+            return skipped
         id_ = self.tasks.new(name)
         self._motion.follow(id_, following)
         self._collect_failures()
@@ -307,7 +317,8 @@ class Controller:
         self._sensed = sensed
         if self.heartbeat.lost(sensed.now):
             self._lose_heartbeat()
-        self._at_rest = self._standstill.tick(sensed, commanded=self._motion.moving)
+        commanded = self._motion.moving or self.force.moving
+        self._at_rest = self._standstill.tick(sensed, commanded=commanded)
         if self.recorder.tick(sensed.time, sensed.q):
             self.note_error("the recorded track is full")
             self.pause()
@@ -322,16 +333,16 @@ class Controller:
                 self._power_ended(name)
         self._power_went(before, self._power.state)
         if self._power.state is not RobotState.ENABLE:
+            self.force.cut()
             return Drive(SetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
         setpoint = self._motion.tick(sensed.time, sensed.q, sensed.qd, at_rest=self._at_rest)
+        setpoint = self.force.tick(setpoint, sensed)
         self._collect_failures()
         if reason := self._execution.tick(sensed.time, self._motion.phase):
             self.note_error(reason)
             self._halt(TaskState.ERROR, reason)
-        deviation = np.abs(setpoint.q - sensed.q)
-        if deviation.max() > _DEVIATION:
-            joint = int(deviation.argmax()) + 1
-            self.fault(SafetyState.STOP0, f"joint {joint}: position deviation")
+        if alarm := self.force.take_alarm() or _deviation(setpoint.q, sensed.q):
+            self.fault(SafetyState.STOP0, alarm)
             return Drive(SetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
         return Drive(setpoint, brake=False)
 
@@ -349,6 +360,8 @@ class Controller:
     def _power_went(self, before: RobotState, now: RobotState) -> None:
         if now is RobotState.ENABLE and before is not RobotState.ENABLE:
             self._motion.reset(self._sensed.q)
+        if (now is RobotState.ENABLE) is not (before is RobotState.ENABLE):
+            self.force.powered(self._sensed)
         if now in _POWERED and before not in _POWERED:
             self._errors.clear()
 
@@ -407,3 +420,11 @@ class Controller:
         faults, self._motion.faults = self._motion.faults, []
         for message in faults:
             self.fault(SafetyState.STOP2, message)
+
+
+def _deviation(wanted: Vector, q: Vector) -> str:
+    """Tell which joint is too far from its set-point; empty if none."""
+    deviation = np.abs(wanted - q)
+    if deviation.max() <= _DEVIATION:
+        return ""
+    return f"joint {int(deviation.argmax()) + 1}: position deviation"

@@ -362,7 +362,7 @@ class Runtime:
         wrench = plant.wrench
         at = self._count * self.cycle
         with self._lock:
-            self._drive = self._controller.tick(Sensed(at, time.monotonic(), q, qd))
+            self._drive = self._controller.tick(Sensed(at, time.monotonic(), q, qd, wrench))
             view = self._controller.view()
             self._snapshot = Snapshot(at, q, qd, qdd, torque, self._drive.setpoint, view, wrench)
             released = self._take_ended()

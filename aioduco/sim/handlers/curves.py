@@ -54,9 +54,9 @@ class CurveHandlers(PathSection):
             near(q_near)
             if mode not in (1, 2):
                 raise mismatch(f"mode is {mode}, but must be 1 or 2")
-            (speed, acceleration), radius = self._line_pace(v, a, def_acc), blend(r)
+            pace, radius, weave = self._line_pace(v, a, def_acc), blend(r), self._weave(wobj)
             return lambda start: circle_move(
-                self._arm, start, first, second, speed, acceleration, radius, mode=mode, tool=tip
+                self._arm, start, first, second, *pace, radius, mode=mode, tool=tip, weave=weave
             )
 
         return self._motion("move_circle", plan, op, block)
@@ -91,18 +91,18 @@ class CurveHandlers(PathSection):
             turns = arguments.number("rev", rev, -1000.0, 1000.0, "turns")
             axial = arguments.number("len", len, -10.0, 10.0, "m") if target is None else 0.0
             end = arguments.number("r", r, 0.0, 10.0, "m") if target is None else 0.0
-            speed, acceleration = self._line_pace(v, a, def_acc)
+            pace, weave = self._line_pace(v, a, def_acc), self._weave(wobj)
             return lambda start: spiral_move(
                 self._arm,
                 start,
                 centre,
                 turns,
-                speed,
-                acceleration,
+                *pace,
                 axial=axial,
                 radius=end,
                 target=target,
                 tool=tip,
+                weave=weave,
             )
 
         return self._motion("move_spiral", plan, op, block)
@@ -170,5 +170,7 @@ class CurveHandlers(PathSection):
             raise mismatch(f"pose_list has {len(poses)} poses, but must have 1 to {_MOST_POINTS}")
         tip = arguments.tool(self._frames, tool).matrix
         targets = [self._target("pose_list", p, tool, wobj)[0] for p in poses]
-        radius = blend(r)
-        return lambda start: spline_move(self._arm, start, targets, *pace, radius, tool=tip)
+        radius, weave = blend(r), self._weave(wobj)
+        return lambda start: spline_move(
+            self._arm, start, targets, *pace, radius, tool=tip, weave=weave
+        )

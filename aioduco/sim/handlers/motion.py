@@ -127,8 +127,8 @@ class MotionHandlers(PathSection):
         def plan() -> Plan:
             target, tip = self._target("p", p, tool, wobj)
             near(q_near)
-            (speed, acceleration), radius = self._line_pace(v, a, def_acc), blend(r)
-            return lambda start: self._line(start, target, (speed, acceleration), radius, tip)
+            pace, radius, weave = self._line_pace(v, a, def_acc), blend(r), self._weave(wobj)
+            return lambda start: self._line(start, target, pace, radius, tip, weave)
 
         return self._motion("movel", plan, op, block)
 
@@ -155,9 +155,9 @@ class MotionHandlers(PathSection):
             near(q_near)
             if mode not in (0, 1, 2):
                 raise mismatch(f"mode is {mode}, but must be 0, 1 or 2")
-            (speed, acceleration), radius = self._line_pace(v, a, def_acc), blend(r)
+            pace, radius, weave = self._line_pace(v, a, def_acc), blend(r), self._weave(wobj)
             return lambda start: arc_move(
-                self._arm, start, via, target, speed, acceleration, radius, mode=mode, tool=tip
+                self._arm, start, via, target, *pace, radius, mode=mode, tool=tip, weave=weave
             )
 
         return self._motion("movec", plan, op, block)

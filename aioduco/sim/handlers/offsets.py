@@ -68,7 +68,7 @@ class OffsetHandlers(PathSection):
             arguments.wobj(self._frames, wobj)  # it cancels out, but must exist
             first, second = arguments.pose("p1", p1), arguments.pose("p2", p2)
             step = first.inverse().matrix @ second.matrix
-            return self._by(lambda tip: tip @ step, used, v, a, r, def_acc)
+            return self._by(lambda tip: tip @ step, used, v, a, r, def_acc, wobj)
 
         return self._motion("tcp_move_2p", plan, op, block)
 
@@ -89,7 +89,7 @@ class OffsetHandlers(PathSection):
             step = arguments.pose("pose_offset", pose_offset).matrix
             axes = arguments.wobj(self._frames, wobj).matrix[:3, :3]
             used = self._frames.tool()
-            return self._by(lambda tip: _along(tip, axes, step), used, v, a, r, def_acc)
+            return self._by(lambda tip: _along(tip, axes, step), used, v, a, r, def_acc, wobj)
 
         return self._motion("wobj_move", plan, op, block)
 
@@ -115,7 +115,7 @@ class OffsetHandlers(PathSection):
             step = np.eye(4)
             step[:3, 3] = second[:3, 3] - first[:3, 3]
             step[:3, :3] = second[:3, :3] @ first[:3, :3].T
-            return self._by(lambda tip: _along(tip, axes, step), used, v, a, r, def_acc)
+            return self._by(lambda tip: _along(tip, axes, step), used, v, a, r, def_acc, wobj)
 
         return self._motion("wobj_move_2p", plan, op, block)
 
@@ -140,12 +140,13 @@ class OffsetHandlers(PathSection):
         a: float,
         r: float,
         def_acc: bool,
+        wobj: str = "",
     ) -> Plan:
-        (speed, acceleration), radius = self._line_pace(v, a, def_acc), blend(r)
+        pace, radius, weave = self._line_pace(v, a, def_acc), blend(r), self._weave(wobj)
 
         def from_there(start: Vector) -> Segment:
             target = moved(self._arm.fkine(start) @ tool.matrix) @ tool.inverse
-            return self._line(start, target, (speed, acceleration), radius, tool.matrix)
+            return self._line(start, target, pace, radius, tool.matrix, weave)
 
         return from_there
 

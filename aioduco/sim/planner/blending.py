@@ -99,6 +99,7 @@ class _Corner:
         enter: distance on the second motion where it ends.
         length: of the blend, in the unit of the second motion.
         turning: angle that the orientation may turn by [rad].
+        detail: distance between samples that show each of its bends.
     """
 
     def __init__(self, first: Segment, second: Segment, leave: float, enter: float) -> None:
@@ -107,6 +108,11 @@ class _Corner:
         self.length = 2.0 * enter
         self.turning = sum(
             segment.curve.turning if segment.curve is not None else 0.0
+            for segment in (first, second)
+        )
+        # At its ends it goes twice as fast along one of the two as at its middle.
+        self.detail = 0.5 * min(
+            segment.curve.detail if segment.curve is not None else math.inf
             for segment in (first, second)
         )
 

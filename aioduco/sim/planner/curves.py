@@ -36,6 +36,11 @@ class Curve(Protocol):
         """Angle that the orientation turns by from the first pose to the last [rad]."""
         raise NotImplementedError
 
+    @property
+    def detail(self) -> float:
+        """Distance between samples that show each of its bends; infinite if `turning` says it."""
+        raise NotImplementedError
+
     def poses(self, s: Array) -> Array:
         """Give the poses at distances s, from zero to `length`. Shape (n,) to (n, 4, 4)."""
         raise NotImplementedError
@@ -79,6 +84,11 @@ class Line:
         """Angle between the first and the last orientation [rad]."""
         return float(np.linalg.norm(self.turn))
 
+    @property
+    def detail(self) -> float:
+        """Infinite: it has no bends."""
+        return math.inf
+
     def poses(self, s: Array) -> Array:
         """Give the poses at distances s. Shape (n,) to (n, 4, 4)."""
         part = (s / self.length)[:, None]
@@ -115,6 +125,11 @@ class Arc:
     def turning(self) -> float:
         """Angle that the orientation turns by [rad]."""
         return float(np.linalg.norm(self.turn))
+
+    @property
+    def detail(self) -> float:
+        """Infinite: its length and `turning` say how it bends."""
+        return math.inf
 
     def poses(self, s: Array) -> Array:
         """Give the poses at distances s. Shape (n,) to (n, 4, 4)."""

@@ -35,7 +35,10 @@ class ByLength:
     Attributes:
         length: of the curve of the positions [m].
         turning: angle that the orientation turns by, along the way [rad].
+        detail: infinite, as `turning` and the length say how it bends.
     """
+
+    detail: float = math.inf
 
     def __init__(self, poses: Callable[[Array], Array]) -> None:
         self._poses = poses

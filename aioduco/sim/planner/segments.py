@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.curves import Curve
     from aioduco.sim.planner.timing import Limits
+    from aioduco.sim.planner.weaving import Weave
 
 __all__ = [
     "PlanError",
@@ -134,6 +135,7 @@ def line_move(
     r: float = 0.0,
     *,
     tool: Array | None = None,
+    weave: Weave | None = None,
 ) -> Segment:
     """Move the tool centre point along a straight line (manual 1.3.5, movel).
 
@@ -148,13 +150,14 @@ def line_move(
         a: its acceleration [m/s²].
         r: blend radius [m].
         tool: tool centre point in the frame of the flange. Shape (4, 4).
+        weave: to lay over the path.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     frame = np.eye(4) if tool is None else tool
     start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
-    return _cartesian(arm, q0, Line.between(start, target @ frame), v, a, r, frame)
+    return _cartesian(arm, q0, Line.between(start, target @ frame), v, a, r, frame, weave)
 
 
 def arc_move(
@@ -168,6 +171,7 @@ def arc_move(
     *,
     mode: int = 0,
     tool: Array | None = None,
+    weave: Weave | None = None,
 ) -> Segment:
     """Move the tool centre point along an arc through a point (manual 1.3.5, movec).
 
@@ -182,6 +186,7 @@ def arc_move(
         mode: orientation: 0 turns to that of the target, 1 keeps that of the start, 2 keeps it
             relative to the tangent.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
+        weave: to lay over the path.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -189,7 +194,7 @@ def arc_move(
     frame = np.eye(4) if tool is None else tool
     start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
     curve = arc_through(start, via @ frame, target @ frame, mode)
-    return _cartesian(arm, q0, curve, v, a, r, frame)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave)
 
 
 def circle_move(
@@ -203,6 +208,7 @@ def circle_move(
     *,
     mode: int = 1,
     tool: Array | None = None,
+    weave: Weave | None = None,
 ) -> Segment:
     """Move the tool centre point once round a circle through two points (1.3.5, move_circle).
 
@@ -216,6 +222,7 @@ def circle_move(
         r: blend radius [m].
         mode: orientation: 1 keeps that of the start, 2 keeps it relative to the tangent.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
+        weave: to lay over the path.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -225,7 +232,7 @@ def circle_move(
     frame = np.eye(4) if tool is None else tool
     start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
     curve = arc_through(start, first @ frame, second @ frame, mode, full=True)
-    return _cartesian(arm, q0, curve, v, a, r, frame)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave)
 
 
 def spiral_move(
@@ -241,6 +248,7 @@ def spiral_move(
     radius: float = 0.0,
     target: Array | None = None,
     tool: Array | None = None,
+    weave: Weave | None = None,
 ) -> Segment:
     """Move the tool centre point along a spiral (manual 1.3.5, move_spiral).
 
@@ -256,6 +264,7 @@ def spiral_move(
         radius: at the end [m]; the target's, if there is one.
         target: pose of the flange at the end, in the base frame. Shape (4, 4).
         tool: tool centre point in the frame of the flange. Shape (4, 4).
+        weave: to lay over the path.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -263,7 +272,9 @@ def spiral_move(
     frame = np.eye(4) if tool is None else tool
     start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
     end = None if target is None else target @ frame
-    return _cartesian(arm, q0, spiral(start, centre, turns, axial, radius, end), v, a, r, frame)
+    return _cartesian(
+        arm, q0, spiral(start, centre, turns, axial, radius, end), v, a, r, frame, weave
+    )
 
 
 def spline_move(
@@ -275,6 +286,7 @@ def spline_move(
     r: float = 0.0,
     *,
     tool: Array | None = None,
+    weave: Weave | None = None,
 ) -> Segment:
     """Move the tool centre point along a smooth curve through poses (manual 1.3.5, spline).
 
@@ -286,6 +298,7 @@ def spline_move(
         a: its acceleration [m/s²].
         r: blend radius [m].
         tool: tool centre point in the frame of the flange. Shape (4, 4).
+        weave: to lay over the path.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -293,24 +306,37 @@ def spline_move(
     frame = np.eye(4) if tool is None else tool
     start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
     curve = spline(start, [target @ frame for target in targets])
-    return _cartesian(arm, q0, curve, v, a, r, frame)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave)
 
 
 def _cartesian(
-    arm: Arm, q0: Array, curve: Curve, v: float, a: float, r: float, tool: Array
+    arm: Arm,
+    q0: Array,
+    curve: Curve,
+    v: float,
+    a: float,
+    r: float,
+    tool: Array,
+    weave: Weave | None,
 ) -> Segment:
     q0 = np.array(q0, dtype=float)
     _check(v, a, r)
     if curve.length < _STILL:
         return Segment(arm, None, None, q0, q0, r, v, a, tool)
-    path = trace(arm, q0, curve, tool)
+    woven = None if weave is None else weave.over(curve, v)
+    path = trace(arm, q0, curve if woven is None else woven, tool)
     nodes = path.nodes()
+    # Speed and acceleration are those along the path; a weave has only the joints' limits.
     points = curve.poses(nodes)[:, :3, 3]
     limits = tool_limits(arm, nodes, path.sample(nodes), points, v, a)
     slowest = math.sqrt(min(limits.ceiling))
     if slowest < _SLOWEST * v:
-        raise PlanError("singular", "the joints cannot follow near a singularity of the path")
-    return Segment(arm, path, limits, q0, path.sample(nodes[-1:])[0, 0], r, v, a, tool, curve)
+        place = "near a singularity of the path" if woven is None else "the weave"
+        raise PlanError("singular", f"the joints cannot follow {place}")
+    q_end = path.sample(nodes[-1:])[0, 0]
+    if woven is None:
+        return Segment(arm, path, limits, q0, q_end, r, v, a, tool, curve)
+    return Segment(arm, path, limits.waiting(woven.stops), q0, q_end, r, v, a, tool, woven)
 
 
 def _check(v: float, a: float, r: float) -> None:

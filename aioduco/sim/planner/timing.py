@@ -33,6 +33,7 @@ class Limits(NamedTuple):
         curvature: of the path of the tool centre point between nodes.
         brake: acceleration along the path between nodes that the arm's drives can do; a stop
             uses it.
+        waits: nodes at which the motion stands for a time, and how long [s].
     """
 
     nodes: list[float]
@@ -41,6 +42,19 @@ class Limits(NamedTuple):
     total: list[float]
     curvature: list[float]
     brake: list[float]
+    waits: tuple[tuple[float, float], ...] = ()
+
+    def waiting(self, stops: Sequence[tuple[float, float]]) -> Limits:
+        """Give these limits with stops, each at the node nearest to a distance, for a time [s]."""
+        nodes, ceiling = self.nodes, list(self.ceiling)
+        waits = []
+        for at, time in stops:
+            i = bisect_left(nodes, at)
+            if i == len(nodes) or (i > 0 and at - nodes[i - 1] < nodes[i] - at):
+                i -= 1
+            ceiling[i] = 0.0
+            waits.append((nodes[i], time))
+        return self._replace(ceiling=ceiling, waits=tuple(waits))
 
     def along(self, piece: int, x: float) -> float:
         """Give the acceleration that is left along the path at (ds/dt)² = x."""
@@ -71,6 +85,7 @@ class Limits(NamedTuple):
             self.total[part],
             self.curvature[part],
             self.brake[part],
+            tuple(wait for wait in self.waits if start < wait[0] < end),
         )
 
     def _ceiling_at(self, piece: int, s: float) -> float:
@@ -89,6 +104,7 @@ class Limits(NamedTuple):
             self.total + other.total,
             self.curvature + other.curvature,
             self.brake + other.brake,
+            self.waits + tuple((at + shift, time) for at, time in other.waits),
         )
 
 
@@ -131,12 +147,18 @@ class Law:
         self._t.append(self.duration)
         self.end, self.end_speed = end, speed
 
+    def wait(self, time: float) -> None:
+        """Stand for a time [s] where it has come to a stand."""
+        self._v[-1] = self.end_speed = 0.0  # but for rounding it is
+        self.duration += time
+        self._rate.append(0.0)
+        self._s.append(self.end)
+        self._v.append(0.0)
+        self._t.append(self.duration)
+
     def piece(self, s: float, hint: int = 0) -> int:
         """Give the index of the piece at distance s, looking forward from `hint`."""
-        last = len(self._rate) - 1
-        while hint < last and s >= self._s[hint + 1]:
-            hint += 1
-        return hint
+        return max(min(bisect_right(self._s, s, hint) - 1, len(self._rate) - 1), hint)
 
     def at(self, t: float, hint: int = 0) -> tuple[int, float, float, float]:
         """Give the piece, s, ds/dt and d²s/dt² at time t [s], looking forward from `hint`."""
@@ -203,6 +225,7 @@ def fastest(limits: Limits, back: Sequence[float], start: float, speed: float) -
     """
     nodes, ceiling = limits.nodes, limits.ceiling
     law = Law(start, speed)
+    waits = dict(limits.waits)
     x = speed * speed
     first = max(bisect_right(nodes, start) - 1, 0)
     for i in range(first, len(nodes) - 1):
@@ -220,6 +243,8 @@ def fastest(limits: Limits, back: Sequence[float], start: float, speed: float) -
         for end, value in _least(lines, length):
             law.extend(a + end, value)
         x = min(x + 2.0 * rate * length, ceiling[i + 1])
+        if b in waits:
+            law.wait(waits[b])
     return law
 
 

@@ -27,7 +27,7 @@ SINGULAR = 1e-3
 _EXACT = 1e-5  # largest deviation of the path from the curve [rad of a joint]
 _SPACING = 0.01  # distance of samples to begin with [m]
 _TURNING = 0.05  # angle between samples to begin with [rad]
-_FEWEST, _MOST = 24, 3072
+_FEWEST, _MOST = 24, 3072  # samples, if no bend needs more
 _STRIDE = 0.35  # largest step of a joint between samples [rad]: more is a jump to another branch
 _NAMES = ("shoulder", "elbow", "wrist")
 
@@ -102,9 +102,9 @@ def trace(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
     def joints(s: Array) -> Array:
         return follow(arm, q0, curve.poses(s) @ back)
 
-    path, samples = fit(
-        joints, curve.length, max(curve.length / _SPACING, curve.turning / _TURNING)
-    )
+    length = curve.length
+    count = min(max(length / _SPACING, curve.turning / _TURNING), _MOST)
+    path, samples = fit(joints, length, max(count, length / curve.detail))
     _check_singular(arm, samples)
     check_limits(arm, samples)
     return path
@@ -125,7 +125,8 @@ def fit(joints: Callable[[Array], Array], length: float, count: float) -> tuple[
     Raises:
         PlanError: the function jumps; or what it raises.
     """
-    pieces = math.ceil(min(max(count, _FEWEST), _MOST))
+    pieces = math.ceil(max(count, _FEWEST))
+    most = max(2 * pieces, _MOST)
     while True:
         # Every second sample only checks the path through the others.
         s = np.linspace(0.0, length, 2 * pieces + 1)
@@ -135,6 +136,6 @@ def fit(joints: Callable[[Array], Array], length: float, count: float) -> tuple[
             path = Path.through(q, *differentiate(q, length / pieces), length)
             if np.abs(path.sample(s[1::2])[:, 0] - every[1::2]).max() < _EXACT:
                 return path, every
-        if 2 * pieces > _MOST:
+        if 2 * pieces > most:
             raise PlanError("singular", "the path passes through a singularity")
         pieces *= 2

@@ -123,8 +123,8 @@ def halved(limits: Limits) -> Limits:
     between = (nodes[1:] + nodes[:-1]) / 2
     every = np.sort(np.concatenate([nodes, between])).tolist()
     heights = np.interp(every, nodes, ceiling).tolist()
-    rest = [np.repeat(part, 2).tolist() for part in limits[2:]]
-    return Limits(every, heights, *rest)
+    push, total, curvature, brake = (np.repeat(part, 2).tolist() for part in limits[2:6])
+    return Limits(every, heights, push, total, curvature, brake)
 
 
 @given(limits_along_a_path(), st.floats(0.01, 0.99))
@@ -179,3 +179,19 @@ def test_a_bend_leaves_less_acceleration_along_the_path() -> None:
     gentle, hard = limits.at(0.5, 1.0)
     assert gentle == pytest.approx(math.sqrt(0.75))
     assert hard == 9.0
+
+
+def test_a_wait_lengthens_the_law_and_nothing_else() -> None:
+    plain = Limits([0.0, 1.0, 2.0], [1.0] * 3, [2.0] * 2, [math.inf] * 2, [0.0] * 2, [4.0] * 2)
+    waiting = plain.waiting([(1.1, 0.5)])
+    assert waiting.waits == ((1.0, 0.5),)
+    assert waiting.slice(0.5, 1.5).then(plain).waits == ((1.0, 0.5),)
+    assert plain.then(waiting).waits == ((3.0, 0.5),)
+    law = law_of(waiting)
+    standing = law_of(plain._replace(ceiling=[1.0, 0.0, 1.0]))
+    assert law.duration == pytest.approx(standing.duration + 0.5)
+    begun = law.time(1.0 - 1e-12)
+    for after in (0.01, 0.25, 0.49):
+        _, s, v, a = law.at(begun + after)
+        assert (s, v, a) == pytest.approx((1.0, 0.0, 0.0), abs=1e-9)
+    assert law.at(begun + 0.6)[1] > 1.0

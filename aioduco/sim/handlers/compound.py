@@ -1,0 +1,101 @@
+"""Combined motion: a weave over the paths that come (复合运动, manual 1.3.13)."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from aioduco.models.enums import TaskState
+from aioduco.models.weave import WeavePlane, WeaveShape
+from aioduco.sim.handlers import arguments
+from aioduco.sim.handlers.base import Section, mismatch
+from aioduco.sim.planner.weaving import Weave
+from aioduco.sim.refusal import Rejected
+from aioduco.sim.triggers import at_point
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco._wire.rpc import Op
+    from aioduco.sim.controller import Controller
+
+_HIGHEST = 1e6  # stands for a frequency without a limit [Hz]
+_WIDEST = 10.0  # stands for an amplitude without a limit [m]
+
+
+class CompoundHandlers(Section):
+    """combine_motion_config, enable_combine_motion, disable_combine_motion."""
+
+    def combine_motion_config(
+        self,
+        type: int,  # noqa: A002 - the name on the wire
+        ref_plane: int,
+        fq: float,
+        amp: float,
+        el_offset: float,
+        az_offset: float,
+        up_height: float,
+        time: Sequence[int],
+        path_dwell: bool,
+        op_list: Sequence[Op],
+    ) -> int:
+        """Set the weave for the next time that it is switched on."""
+
+        def command(controller: Controller) -> int:
+            if type not in tuple(WeaveShape):
+                raise mismatch(f"type is {type}, but must be from 1 to 5")
+            if ref_plane not in tuple(WeavePlane):
+                raise mismatch(f"ref_plane is {ref_plane}, but must be from 0 to 5")
+            if not all(map(math.isfinite, (el_offset, az_offset, up_height))):
+                raise mismatch("el_offset, az_offset and up_height must be finite")
+            left, right = _dwells(time)
+            for op in op_list:
+                at_point(op, self._signals)  # when they are due, no source says: only checked
+            controller.weaving.chosen = Weave(
+                WeaveShape(type),
+                WeavePlane(ref_plane),
+                arguments.positive("fq", fq, _HIGHEST, "Hz"),
+                arguments.number("amp", amp, 0.0, _WIDEST, "m"),
+                left,
+                right,
+                path_dwell,
+            )
+            return controller.finish("combine_motion_config")
+
+        return self._task("combine_motion_config", True, command)
+
+    def enable_combine_motion(self) -> int:
+        """Lay the weave that was set last over the paths that come."""
+
+        def command(controller: Controller) -> int:
+            _check_idle(controller)
+            if controller.weaving.chosen is None:
+                raise Rejected(TaskState.ILLEGAL, "no combined motion has been set")
+            controller.weaving.active = controller.weaving.chosen
+            return controller.finish("enable_combine_motion")
+
+        return self._task("enable_combine_motion", True, command)
+
+    def disable_combine_motion(self) -> int:
+        """Paths that come are without a weave."""
+
+        def command(controller: Controller) -> int:
+            _check_idle(controller)
+            controller.weaving.active = None
+            return controller.finish("disable_combine_motion")
+
+        return self._task("disable_combine_motion", True, command)
+
+
+def _check_idle(controller: Controller) -> None:
+    """The manual: it is switched only while the robot is stopped."""
+    if not controller.idle:
+        raise Rejected(TaskState.ILLEGAL, "motions are running")
+
+
+def _dwells(milliseconds: Sequence[int]) -> tuple[float, float]:
+    """On the left and on the right [s]; none when the list is left out."""
+    if len(milliseconds) not in (0, 2) or any(each < 0 for each in milliseconds):
+        raise mismatch(f"time is {list(milliseconds)}, but must be two numbers from 0 ms")
+    left, right = milliseconds or (0, 0)
+    return left / 1000.0, right / 1000.0
