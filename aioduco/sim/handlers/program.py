@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 from aioduco.sim.handlers.base import Section, mismatch
 from aioduco.sim.project import NoSuchFolder
-from aioduco.sim.refusal import Refusal
 from aioduco.sim.script import Steps
 
 if TYPE_CHECKING:
@@ -39,4 +38,4 @@ class ProgramHandlers(Section):
         try:
             return self._cabinet.project.list(path)
         except NoSuchFolder as exc:
-            raise Refusal(f"get_files_list: {exc}") from None
+            return self._senseless("get_files_list", exc, {})
