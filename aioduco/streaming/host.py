@@ -153,7 +153,10 @@ class Host:
                 tasks.cancel_scope.cancel()
             await self._reap()
         finally:
+            # A lane that lives on sees by this that nobody hears it, and ends.
             self._link.close()
+            self._gone = True
+            self._wake()
 
     @staticmethod
     async def _hear(link: socket.socket) -> bool:
@@ -186,8 +189,6 @@ class Host:
                 self._thread.join()
             if self._process is not None:
                 await _exited(self._process)
-        self._gone = True
-        self._wake()
 
     def release(self) -> None:
         """Let go of the shared block, once the lane is gone; what it said last stays."""

@@ -71,12 +71,11 @@ class Queue:
         """Do the work of one tick; returns whether there is another one."""
         if self._running:
             return self._fill()
-        if self.state is State.ENDED:
-            return False
-        if self._feed.begin():
+        source = self._feed.source
+        if source.state is not State.ENDED and self._feed.begin():
             return self._start()
         self._feed.step()
-        return self.state is not State.ENDED
+        return source.state < State.ENDED
 
     def _start(self) -> bool:
         """Fill the empty queue, and have the controller begin with it.

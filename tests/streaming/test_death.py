@@ -14,8 +14,8 @@ import pytest
 
 from aioduco.errors import LaneFailed
 from aioduco.streaming.servo import Servo
+from aioduco.streaming.session import Session
 from aioduco.streaming.settings import LaneOptions
-from aioduco.streaming.stream import Stream
 from aioduco.testing import eventually, eventually_async, no_leaks
 
 from .conftest import HERE, Controller
@@ -146,7 +146,7 @@ async def test_a_lane_killed_in_mid_stream_is_an_error_and_the_robot_is_stopped(
 async def test_a_lane_that_stands_still_is_ended_and_the_robot_is_stopped(
     controller: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Stream, "_patience", lambda _: 0.5)
+    monkeypatch.setattr(Session, "_patience", 0.5)
     stream = Servo(controller.endpoint).joints(v=1.0, a=5.0, rate=RATE)
 
     async def program() -> None:
@@ -216,7 +216,7 @@ async def test_a_thread_lane_ends_with_its_face_gone(controller: Controller) -> 
             for n in range(150):
                 way = 5e-6 * n**2 if n < 80 else 0.032 + 8e-4 * (n - 80)
                 await stream.send([angle + way for angle in HERE])
-            host = stream._host
+            host = stream._session.host
             assert host is not None
             assert host._link is not None
             host._link.shutdown(2)

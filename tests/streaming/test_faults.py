@@ -1,0 +1,254 @@
+"""What networks, cancellations and deaths do to a robot's stream: a typed error, a standing arm."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import anyio
+import numpy as np
+import pytest
+
+import aioduco
+from aioduco.errors import DucoError, LaneFailed, StreamError, StreamLost, StreamRefused
+from aioduco.sim import Simulator
+from aioduco.streaming.settings import LaneOptions
+from aioduco.testing import (
+    ApplicationError,
+    Cut,
+    DropReply,
+    Ending,
+    FaultProxy,
+    Garbage,
+    HalfOpen,
+    Place,
+    Resources,
+    WrongMethod,
+    WrongSeqid,
+    cancel_at,
+    eventually,
+    eventually_async,
+    no_leaks,
+)
+
+from .robot_motions import KINDS, START
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+
+    from aioduco.testing import Cancelled, Fault
+    from aioduco.testing.cancel import How
+
+PROCESS = LaneOptions(timeout=0.2)
+THREAD = LaneOptions(lane="thread", timeout=0.2)
+lanes = pytest.mark.parametrize("options", [PROCESS, THREAD], ids=["process", "thread"])
+
+
+@pytest.fixture(scope="module")
+def sim() -> Iterator[Simulator]:
+    with Simulator() as sim:
+        yield sim
+
+
+@pytest.fixture
+def proxy(sim: Simulator) -> Iterator[FaultProxy]:
+    with FaultProxy(sim.host, sim.port) as proxy:
+        yield proxy
+
+
+@pytest.fixture
+async def robot(proxy: FaultProxy) -> AsyncIterator[aioduco.Robot]:
+    async with aioduco.connect(proxy.host, proxy.port) as robot:
+        await robot.recover()
+        await robot.motion.movej2(START, v=3.0, a=20.0)
+        yield robot
+
+
+async def run(robot: aioduco.Robot, kind: str, options: LaneOptions, count: int = 2000) -> None:
+    """Go on along the first joint, evenly, until something happens."""
+    speeds = KINDS[kind].feed is KINDS["speedj"].feed
+    async with KINDS[kind].open(robot, options) as stream:
+        for n in range(count):
+            await stream.send([0.1, 0, 0, 0, 0, 0] if speeds else [2e-4 * n, *START[1:]])
+            if speeds:
+                await anyio.sleep(0.005)
+
+
+async def see_it_stand(sim: Simulator) -> None:
+    await eventually_async(lambda: not sim.moving)
+    before = sim.joints.array
+    await sim.wait_until_async(lambda: not sim.moving and sim.time > 0, timeout=0.2)
+    assert np.abs(sim.joints.array - before).max() < 1e-4
+    assert not [task for task in sim.tasks if task.name.startswith(("servo", "speed", "track"))]
+
+
+# -- the network -------------------------------------------------------------------------------
+
+FAULTS: list[tuple[Fault, type[StreamError]]] = [
+    (Cut(Place.BEFORE_REPLY), StreamLost),
+    (Cut(Place.IN_REQUEST), StreamLost),
+    (Cut(Place.IN_REPLY, Ending.CLOSE), StreamLost),
+    (Cut(Place.AFTER_REPLY, Ending.CLOSE), StreamLost),
+    (HalfOpen(1.0), StreamLost),
+    (DropReply(), StreamLost),
+    (Garbage(), StreamLost),
+    (WrongSeqid(), StreamLost),
+    (WrongMethod(), StreamLost),
+    (ApplicationError(6, "no"), StreamRefused),
+]
+
+
+@pytest.mark.parametrize(("fault", "error"), FAULTS, ids=lambda f: str(f)[:24])
+async def test_a_fault_on_the_wire_in_mid_stream(
+    robot: aioduco.Robot, sim: Simulator, proxy: FaultProxy, fault: Fault, error: type[StreamError]
+) -> None:
+    proxy.on("servoj", fault, skip=100)
+    async with no_leaks():
+        with pytest.raises(error) as caught:
+            await run(robot, "servoj", THREAD)
+    assert caught.value.statistics is not None
+    await see_it_stand(sim)
+    assert proxy.calls("stop")
+
+
+@pytest.mark.parametrize("kind", ["servoj", "speedj", "joint_position", "track joints"])
+@pytest.mark.parametrize("fault", [Cut(Place.BEFORE_REPLY), HalfOpen()], ids=["reset", "half-open"])
+async def test_a_lost_connection_of_each_kind(
+    robot: aioduco.Robot, sim: Simulator, proxy: FaultProxy, kind: str, fault: Fault
+) -> None:
+    proxy.on(KINDS[kind].calls, fault, skip=5)
+    with pytest.raises(StreamLost):
+        await run(robot, kind, PROCESS)
+    await see_it_stand(sim)
+
+
+async def test_no_network_at_all(robot: aioduco.Robot, sim: Simulator, proxy: FaultProxy) -> None:
+    """Nobody can stop the arm then, but the heartbeat's end does."""
+    error: list[DucoError] = []
+
+    async def program() -> None:
+        try:
+            await run(robot, "servoj", PROCESS)
+        except StreamError as exc:
+            error.append(exc)
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(program)
+        await eventually_async(lambda: sim.joints[0] > 5e-3)
+        proxy.refuse()
+        proxy.cut()
+        await eventually_async(lambda: bool(error), timeout=15)
+        await eventually_async(lambda: not sim.moving)
+        proxy.clear()
+    assert isinstance(error[0], StreamLost)
+    assert "it is not known that the arm stands" in str(error[0])
+
+
+# -- deaths ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["servoj", "speedj", "joint_position", "track joints"])
+async def test_a_lane_that_is_killed(robot: aioduco.Robot, sim: Simulator, kind: str) -> None:
+    async def program() -> None:
+        speeds = KINDS[kind].feed is KINDS["speedj"].feed
+        async with KINDS[kind].open(robot, PROCESS) as stream:
+            for n in range(2000):
+                await stream.send([0.1, 0, 0, 0, 0, 0] if speeds else [2e-4 * n, *START[1:]])
+                if speeds:
+                    await anyio.sleep(0.005)
+                if sim.joints[0] > 5e-3:
+                    assert stream.pid is not None
+                    os.kill(stream.pid, signal.SIGKILL)
+                    await stream.ended()
+
+    async with no_leaks():
+        with pytest.raises(LaneFailed, match="killed by SIGKILL"):
+            await program()
+    await see_it_stand(sim)
+
+
+PROGRAM = """
+import sys
+import anyio
+import aioduco
+
+async def main(host, port, guard):
+    async with aioduco.connect(host, int(port), guard=guard or None) as robot:
+        await robot.recover()
+        start = await robot.state.get_actual_joints_position()
+        async with robot.servo.joints(v=1.0, a=8.0) as stream:
+            for n in range(100_000):
+                await stream.send([start[0] + 2e-4 * n, *start[1:]])
+                if n == 150:
+                    print(stream.pid, flush=True)
+
+anyio.run(main, *sys.argv[1:])
+"""
+
+
+@pytest.mark.parametrize("guard", ["", "process"], ids=["alone", "guarded"])
+def test_a_program_that_is_killed(sim: Simulator, guard: str) -> None:
+    shared = set(os.listdir("/dev/shm"))  # noqa: PTH208 - names only
+    with no_leaks():
+        program = subprocess.Popen(
+            [sys.executable, "-c", PROGRAM, sim.host, str(sim.port), guard],
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert program.stdout is not None
+        lane = int(program.stdout.readline())
+        program.kill()
+        program.communicate()
+        eventually(lambda: not _runs(lane), timeout=10)
+        eventually(lambda: not sim.connections)
+        assert not sim.moving
+        assert not sim.tasks
+    assert set(os.listdir("/dev/shm")) <= shared  # noqa: PTH208
+
+
+def _runs(pid: int) -> bool:
+    with suppress(FileNotFoundError, ProcessLookupError):
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+        return state != "Z"
+    return False
+
+
+# -- cancellation ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("how", ["scope", "task"])
+@lanes
+async def test_cancelled_at_any_await(
+    robot: aioduco.Robot, sim: Simulator, options: LaneOptions, how: How
+) -> None:
+    """Entering, sending one by one, playing an array, leaving."""
+
+    async def program() -> None:
+        async with robot.servo.joints(v=1.0, a=8.0, ahead=4, options=options) as stream:
+            for n in range(12):
+                await stream.send([start + 1e-5 * n * n, *START[1:]])
+            await stream.play([[start + 1e-5 * n * n, *START[1:]] for n in range(12, 40)])
+
+    start = 0.0
+    at, step = 1, 1 if options is THREAD else 9
+    run: Cancelled | None = None
+    while run is None or run.struck:
+        await robot.motion.movej2(START, v=3.0, a=20.0)
+        await eventually_async(lambda: not sim.moving)
+        start = sim.joints[0]
+        before = Resources.now()
+        run = await cancel_at(program, at, how=how)
+        assert not sim.moving, run
+        assert run.error is None
+        assert not robot._supervisor.keeper.streams
+        await eventually_async(
+            lambda before=before: not Resources.now().beyond(before),  # type: ignore[misc]
+            what=lambda before=before: str(Resources.now().beyond(before)),  # type: ignore[misc]
+        )
+        at += step
+    assert at > 15
