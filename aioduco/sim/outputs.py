@@ -8,6 +8,8 @@ from aioduco.sim.bank import Bank
 
 __all__ = ["LEVEL", "Outputs", "Pulses"]
 
+_SHORTEST = 1e-3  # shorter pulses switch the output off [s]
+
 
 @dataclass(frozen=True, slots=True)
 class Pulses:
@@ -25,6 +27,8 @@ class Pulses:
         """Whether the output is high at a time [s], while it is set."""
         if not self.frequency:
             return True
+        if self.duty < _SHORTEST * 100.0 * self.frequency:
+            return False
         # A nanosecond for the rounding of a sum of cycles.
         return (time + 1e-9) * self.frequency % 1.0 < self.duty / 100.0
 

@@ -12,15 +12,18 @@ from __future__ import annotations
 import contextlib
 import functools
 import logging
+import math
 import threading
 import time
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
+from aioduco.models.enums import RobotState
 from aioduco.sim.clock import LoopStatistics, LoopTimes, Pace
 from aioduco.sim.controller import Controller, Drive, Sensed, View
 from aioduco.sim.planner.mover import SetPoint
 from aioduco.sim.refusal import Pending, Refusal
+from aioduco.sim.warmth import Warmth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -30,6 +33,7 @@ if TYPE_CHECKING:
 
     from aioduco.models.enums import TaskState
     from aioduco.sim.optimization import Optimization
+    from aioduco.sim.plant import Plant
     from aioduco.sim.weaving import Weaving
 
     Vector = NDArray[np.float64]
@@ -38,57 +42,14 @@ _log = logging.getLogger(__name__)
 
 #: while nothing happens, the controller ticks this often [s of real time]
 _STRIDE = 0.02
+#: temperatures go on in steps of this [s]
+_WARMING = 0.1
 #: simulated time of standing after which the physics need no further steps [s]
 _SETTLING = 0.3
 
 
 _NO_PUSH: tuple[float, ...] = (0.0,) * 6
-
-
-class Plant(Protocol):
-    """The physics, as far as the runtime needs them. Each array is a new one."""
-
-    @property
-    def q(self) -> Vector:
-        """Joints [rad]. Shape (6,)."""
-        ...
-
-    @property
-    def qd(self) -> Vector:
-        """Joint speeds [rad/s]. Shape (6,)."""
-        ...
-
-    @property
-    def qdd(self) -> Vector:
-        """Joint accelerations [rad/s²]. Shape (6,)."""
-        ...
-
-    @property
-    def torque(self) -> Vector:
-        """Joint torques [N m]. Shape (6,)."""
-        ...
-
-    def step(self, setpoint: SetPoint) -> None:
-        """Go on by one cycle."""
-
-    @property
-    def wrench(self) -> Vector:
-        """What acts on the flange, in its frame [N, N m]. Shape (6,)."""
-        ...
-
-    @property
-    def still(self) -> bool:
-        """Whether nothing else in the scene moves."""
-        ...
-
-    def load(self, mass: float, centre: Sequence[float]) -> None:
-        """Mount a load at the flange [kg, m]."""
-
-    def brake(self, on: bool) -> None:
-        """Put the brakes on, or release them."""
-
-    def push(self, wrench: Sequence[float]) -> None:
-        """Push at the flange from now on [N, N m], in the base frame."""
+_STRONG: tuple[float, ...] = (math.inf,) * 6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,6 +63,7 @@ class Snapshot:
         setpoint: what the drives follow.
         view: the controller's state.
         wrench: what acts on the flange, in its frame, the load's weight included [N, N m].
+        joint_temperature, board_temperature: of joints and drive boards [°C]. Shape (6,) each.
     """
 
     time: float
@@ -112,6 +74,8 @@ class Snapshot:
     setpoint: SetPoint
     view: View
     wrench: Vector
+    joint_temperature: Vector
+    board_temperature: Vector
 
 
 class Runtime:
@@ -121,6 +85,7 @@ class Runtime:
         controller: the state machine.
         plant: the physics; touched by the thread only, once it runs.
         cycle: time of one controller cycle [s].
+        effort: largest torques of the joints, for what warms them [N m].
         speed: simulated seconds in a real one; inf for as fast as possible.
         on_network: told from the thread when the controller's network goes away (False: it is
             starting again, None: it was shut down) and comes back (True).
@@ -132,6 +97,7 @@ class Runtime:
         plant: Plant,
         *,
         cycle: float = 0.001,
+        effort: Sequence[float] = _STRONG,
         speed: float = 1.0,
         on_network: Callable[[bool | None], None] = lambda _up: None,
     ) -> None:
@@ -150,6 +116,8 @@ class Runtime:
         self._failure: BaseException | None = None
         self._thread = threading.Thread(target=self._run, name="sim-loop", daemon=True)
         self._network: bool | None = True
+        self._warmth = Warmth(effort)
+        self._warm_at = 0.0
         self._count = 0
         self._quiet = 0
         self._braked: bool | None = None
@@ -168,6 +136,8 @@ class Runtime:
             self._drive.setpoint,
             controller.view(),
             plant.wrench,
+            self._warmth.joints,
+            self._warmth.boards,
         )
 
     # -- for handlers and tests, from any thread -----------------------------------------------
@@ -361,10 +331,25 @@ class Runtime:
         q, qd, qdd, torque = plant.q, plant.qd, plant.qdd, plant.torque
         wrench = plant.wrench
         at = self._count * self.cycle
+        if at - self._warm_at >= _WARMING:
+            powered = self._snapshot.view.robot in (RobotState.DISABLE, RobotState.ENABLE)
+            self._warmth.tick(at - self._warm_at, torque, powered=powered)
+            self._warm_at = at
         with self._lock:
             self._drive = self._controller.tick(Sensed(at, time.monotonic(), q, qd, wrench))
             view = self._controller.view()
-            self._snapshot = Snapshot(at, q, qd, qdd, torque, self._drive.setpoint, view, wrench)
+            self._snapshot = Snapshot(
+                at,
+                q,
+                qd,
+                qdd,
+                torque,
+                self._drive.setpoint,
+                view,
+                wrench,
+                self._warmth.joints,
+                self._warmth.boards,
+            )
             released = self._take_ended()
             network = None if self._controller.halted else not self._controller.starting
         for event in released:

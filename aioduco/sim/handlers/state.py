@@ -18,9 +18,6 @@ if TYPE_CHECKING:
 
     from aioduco.sim.runtime import Snapshot
 
-#: The simulated drives do not warm up: joints and boards have this temperature [°C].
-_AMBIENT = 25.0
-
 
 class StateHandlers(Section):
     """Joints, tool and flange, actual and commanded; the robot's states."""
@@ -116,8 +113,8 @@ class StateHandlers(Section):
             jointActualAccelera=_list(snapshot.qdd),
             # Of the motors no data are public: the joint's largest torque stands for the rated.
             jointActualCurrent=_list(1000.0 * snapshot.torque / self._effort),
-            jointTemperature=[_AMBIENT] * 6,
-            driverTemperature=[_AMBIENT] * 6,
+            jointTemperature=_list(snapshot.joint_temperature),
+            driverTemperature=_list(snapshot.board_temperature),
             cartExpectPosition=expected.pose,
             cartExpectVelocity=expected.speed,
             cartExpectAccelera=expected.acceleration,

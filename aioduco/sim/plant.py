@@ -1,0 +1,63 @@
+"""The physics, as far as the thread that runs them needs to know them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from aioduco.sim.planner.mover import SetPoint
+
+    Vector = NDArray[np.float64]
+
+__all__ = ["Plant"]
+
+
+class Plant(Protocol):
+    """The physics, as far as the runtime needs them. Each array is a new one."""
+
+    @property
+    def q(self) -> Vector:
+        """Joints [rad]. Shape (6,)."""
+        ...
+
+    @property
+    def qd(self) -> Vector:
+        """Joint speeds [rad/s]. Shape (6,)."""
+        ...
+
+    @property
+    def qdd(self) -> Vector:
+        """Joint accelerations [rad/s²]. Shape (6,)."""
+        ...
+
+    @property
+    def torque(self) -> Vector:
+        """Joint torques [N m]. Shape (6,)."""
+        ...
+
+    def step(self, setpoint: SetPoint) -> None:
+        """Go on by one cycle."""
+
+    @property
+    def wrench(self) -> Vector:
+        """What acts on the flange, in its frame [N, N m]. Shape (6,)."""
+        ...
+
+    @property
+    def still(self) -> bool:
+        """Whether nothing else in the scene moves."""
+        ...
+
+    def load(self, mass: float, centre: Sequence[float]) -> None:
+        """Mount a load at the flange [kg, m]."""
+
+    def brake(self, on: bool) -> None:
+        """Put the brakes on, or release them."""
+
+    def push(self, wrench: Sequence[float]) -> None:
+        """Push at the flange from now on [N, N m], in the base frame."""

@@ -1,0 +1,216 @@
+"""Both status structs field by field: each is live, and agrees with the functions that read it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from aioduco._wire.rpc import IOStatus, Op, RobotStatus
+from aioduco.models.enums import RobotState
+from aioduco.sim.simulator import READY, Simulator
+from aioduco.sim.warmth import AMBIENT, Warmth
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from .conftest import Program
+
+TOOL = [0.02, 0.0, 0.15, 0.0, 0.3, 0.0]
+
+
+@pytest.fixture(scope="module")
+def cell() -> Iterator[Simulator]:
+    """One simulator for all."""
+    with Simulator(speed=math.inf) as sim:
+        yield sim
+
+
+@pytest.fixture
+def program(cell: Simulator, connect: Callable[..., Program]) -> Program:
+    program = connect(cell)
+    program.power_off(True)
+    program.bring_up()
+    return program
+
+
+def after(cell: Simulator, time: float) -> None:
+    end = cell.time + time
+    cell.wait_until(lambda: cell.time > end)
+
+
+# -- the arm -------------------------------------------------------------------------------------
+
+
+def test_each_field_of_the_robots_status_is_live(cell: Simulator, program: Program) -> None:
+    program.set_tool_data("gripper", TOOL, [0.0] * 4, [])
+    seen = [program.getRobotStatus()]
+    program.movej2([1.0, 0.3, 1.2, 0.3, -1.2, 0.3], 0.5, 0.5, 0.0, False, Op(), False)
+    cell.wait_until(lambda: cell.joints[0] > 0.1)
+    seen.append(program.getRobotStatus())
+    cell.collide(4)
+    seen.append(program.getRobotStatus())
+    cell.wait_until(lambda: not cell.moving)
+    cell.emergency_stop()
+    seen.append(program.getRobotStatus())
+    cell.release_emergency_stop()
+    for field in fields(RobotStatus):
+        values = [getattr(status, field.name) for status in seen]
+        assert any(value != values[0] for value in values), field.name
+        if isinstance(values[0], list):
+            assert {len(value) for value in values} == {6}
+            # Each of the six numbers, not one of them.
+            assert all(len(set(column)) > 1 for column in zip(*values, strict=True)), field.name
+    assert [(s.collision, s.collisionAxis) for s in seen[1:3]] == [(False, 0), (True, 4)]
+    assert [s.emcStopSignal for s in seen] == [False, False, False, True]
+    assert [s.robotError for s in seen] == [0, 0, 1, 1]
+    assert [s.robotState for s in seen] == [RobotState.ENABLE] * 3 + [RobotState.POWER_OFF]
+    assert [s.slaveReady for s in seen] == [[True] * 6] * 3 + [[False] * 6]
+
+
+#: field of the status, the function that reads the same
+READERS = [
+    ("jointExpectPosition", "get_target_joints_position"),
+    ("jointExpectVelocity", "get_target_joints_speed"),
+    ("jointExpectAccelera", "get_target_joints_acceleration"),
+    ("jointActualPosition", "get_actual_joints_position"),
+    ("jointActualVelocity", "get_actual_joints_speed"),
+    ("jointActualAccelera", "get_actual_joints_acceleration"),
+    ("cartActualPosition", "get_tcp_pose"),
+    ("cartActualVelocity", "get_tcp_speed"),
+    ("cartActualAccelera", "get_tcp_acceleration"),
+]
+
+
+def test_the_status_agrees_with_the_functions(cell: Simulator, program: Program) -> None:
+    program.movej2([0.5, *READY[1:]], 1.0, 2.0, 0.0, True, Op(), False)
+    after(cell, 2.0)  # until the simulation has nothing left to do, and all reads are of one time
+    status = program.getRobotStatus()
+    for field, function in READERS:
+        assert getattr(status, field) == pytest.approx(getattr(program, function)(), abs=1e-9)
+    assert status.robotState == program.get_robot_state()[0]
+    share = np.array(program.get_actual_joints_torque()) / cell.arm.effort
+    assert status.jointActualCurrent == pytest.approx((1000.0 * share).tolist(), abs=1e-6)
+
+
+# -- temperatures --------------------------------------------------------------------------------
+
+
+def test_temperatures_follow_the_load_slowly() -> None:
+    effort = [100.0, 100.0, 50.0, 10.0, 10.0, 10.0]
+    warmth = Warmth(effort)
+    torque = np.array([100.0, 50.0, 0.0, 0.0, 0.0, -10.0])
+    warmth.tick(600.0, torque, powered=True)
+    rise = 1.0 - math.exp(-1.0)
+    expected = [40.0 * rise, 10.0 * rise, 0.0, 0.0, 0.0, 40.0 * rise]
+    assert warmth.joints - AMBIENT == pytest.approx(expected)
+    assert warmth.boards[0] - AMBIENT == pytest.approx(25.0, abs=0.5)
+    assert warmth.boards[2] - AMBIENT == pytest.approx(5.0, abs=0.1)
+    # Steps make no difference, and it cools down as it warmed up.
+    steps = Warmth(effort)
+    for _ in range(600):
+        steps.tick(1.0, torque, powered=True)
+    assert steps.joints == pytest.approx(warmth.joints)
+    warmth.tick(6000.0, np.zeros(6), powered=False)
+    assert warmth.joints == pytest.approx([AMBIENT] * 6, abs=0.01)
+    assert warmth.boards == pytest.approx([AMBIENT] * 6, abs=0.01)
+
+
+def test_a_loaded_arm_becomes_warm(cell: Simulator, program: Program) -> None:
+    before = program.getRobotStatus()
+    program.movej2([0.0, 1.2, 1.0, 0.0, -1.5, 0.0], 1.0, 2.0, 0.0, True, Op(), False)
+    after(cell, 5.0)
+    now = program.getRobotStatus()
+    # Joint 2 carries the arm that is stretched out; joint 6 carries nothing.
+    warmer = np.array(now.jointTemperature) - before.jointTemperature
+    assert warmer[1] > 0.0
+    assert warmer[1] > 10.0 * abs(warmer[5])
+    assert all(board > AMBIENT for board in now.driverTemperature)
+    program.movej2(list(READY), 1.0, 2.0, 0.0, True, Op(), False)
+
+
+# -- signals and registers -----------------------------------------------------------------------
+
+#: field, how one signal of it comes to be, its number, what the status has then; the function that
+#: reads the same, if there is one
+SIGNALS: list[tuple[str, Callable[[Simulator, Program], Any], int, Any, str]] = [
+    (
+        "analogCurrentOutputs",
+        lambda _, p: p.set_standard_analog_current_out(2, 12.0, True),
+        2, 12.0, "",
+    ),
+    (
+        "analogVoltageOutputs",
+        lambda _, p: p.set_standard_analog_voltage_out(3, 7.5, True),
+        3, 7.5, "",
+    ),
+    (
+        "analogCurrentInputs",
+        lambda s, _: s.signals.current_in.__setitem__(4, 20.0),
+        4, 20.0, "get_standard_analog_current_in",
+    ),
+    (
+        "analogVoltageInputs",
+        lambda s, _: s.signals.voltage_in.__setitem__(1, 9.5),
+        1, 9.5, "get_standard_analog_voltage_in",
+    ),
+    (
+        "digitalInputs",
+        lambda s, _: s.set_digital_input(16, True),
+        16, True, "get_standard_digital_in",
+    ),
+    (
+        "digitalOutputs",
+        lambda _, p: p.set_standard_digital_out(5, True, True),
+        5, True, "get_standard_digital_out",
+    ),
+    (
+        "toolIOIn",
+        lambda s, _: s.set_tool_digital_input(2, True),
+        2, True, "get_tool_digital_in",
+    ),
+    (
+        "toolIOOut",
+        lambda _, p: p.set_tool_digital_out(1, True, True),
+        1, True, "get_tool_digital_out",
+    ),
+    ("toolButton", lambda s, _: s.signals.tool_buttons.__setitem__(1, True), 1, True, ""),
+    (
+        "funRegisterInputs",
+        lambda s, _: s.signals.function_reg_in.__setitem__(16, True),
+        16, True, "get_function_reg_in",
+    ),
+    (
+        "funRegisterOutputs",
+        lambda s, _: s.signals.function_reg_out.__setitem__(3, True),
+        3, True, "get_function_reg_out",
+    ),
+    ("boolRegisterInputs", lambda s, _: s.signals.bool_in.__setitem__(64, True), 64, True, ""),
+    ("boolRegisterOutputs", lambda _, p: p.write_bool_reg(63, True), 63, True, "read_bool_reg"),
+    ("wordRegisterInputs", lambda s, _: s.signals.word_in.__setitem__(32, 65535), 32, -1, ""),
+    ("wordRegisterOutputs", lambda _, p: p.write_word_reg(31, 77), 31, 77, "read_word_reg"),
+    ("floatRegisterInputs", lambda s, _: s.signals.float_in.__setitem__(9, 0.5), 9, 0.5, ""),
+    ("floatRegisterOutputs", lambda _, p: p.write_float_reg(8, 2.5), 8, 2.5, "read_float_reg"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("row", SIGNALS, ids=[row[0] for row in SIGNALS])
+def test_each_field_of_the_signals_status_is_live(
+    cell: Simulator, program: Program, row: tuple[Any, ...]
+) -> None:
+    field, act, num, value, reader = row
+    before = asdict(program.getRobotIOStatus())
+    act(cell, program)
+    now = asdict(program.getRobotIOStatus())
+    assert now[field][num - 1] == value != before[field][num - 1]
+    before[field][num - 1] = value
+    assert now == before
+    if reader:
+        assert getattr(program, reader)(num) == value
+
+
+def test_no_field_of_the_signals_is_forgotten() -> None:
+    assert [row[0] for row in SIGNALS] == [field.name for field in fields(IOStatus)]
