@@ -66,6 +66,8 @@ def test_a_tip_beside_the_flange_moves_as_differences_say(
 
 
 def test_a_standing_robot_is_where_its_joints_put_it(sim: Simulator, robot: Program) -> None:
+    end = sim.time + 0.5  # the brakes let go of the weight, and the arm settles
+    sim.wait_until(lambda: sim.time >= end)
     flange = sim.arm.fkine(sim.joints)
     assert Pose.of(robot.get_flange_pose()).almost_equal(Pose.from_matrix(flange), position=1e-5)
     tip_pose = Pose.of(robot.get_tcp_pose())

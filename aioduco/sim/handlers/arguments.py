@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 #: the largest distance in a pose: far beyond every arm, and still a number to compute with [m]
 _FARTHEST = 1000.0
+#: the largest load, the carrying capacity of the largest arm [kg], and how far off it may be [m]
+_HEAVIEST, _ARM = 35.0, 10.0
 #: the largest angle in a pose (manual 1.3.5), and what rounding adds to it [rad]
 _TURNS = 2.0 * math.pi + 1e-9
 
@@ -55,6 +57,13 @@ def pose(name: str, values: Sequence[float]) -> Pose:
         number(name, position, -_FARTHEST, _FARTHEST, "m")
         number(name, angle, -_TURNS, _TURNS, "rad")
     return given
+
+
+def load(name: str, values: Sequence[float]) -> tuple[float, ...]:
+    """A load's mass [kg] and its centre of gravity [m]: what the largest arm carries, and near."""
+    mass, *centre = numbers(name, values, 4)
+    number(name, mass, 0.0, _HEAVIEST, "kg")
+    return mass, *(number(name, one, -_ARM, _ARM, "m") for one in centre)
 
 
 def joints(name: str, values: Sequence[float]) -> tuple[float, ...]:

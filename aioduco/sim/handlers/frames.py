@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from aioduco.errors import Unreachable
 from aioduco.models.pose import Pose
 from aioduco.sim.frames import MAX_NAME, Tool
-from aioduco.sim.handlers.arguments import joints, name_of, numbers, pose
+from aioduco.sim.handlers.arguments import joints, load, name_of, numbers, pose
 from aioduco.sim.handlers.base import Section
 from aioduco.sim.refusal import Rejected
 
@@ -38,7 +38,7 @@ class FrameHandlers(Section):
             tool = Tool.at(
                 pose("tool_offset", tool_offset),
                 name_of("name", name, MAX_NAME),
-                numbers("payload", payload, 4),
+                load("payload", payload),
                 numbers("inertia_tensor", inertia_tensor, 6) if inertia_tensor else (0.0,) * 6,
             )
             controller.frames.set_tool(tool)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.sim.frames import UnknownName
-from aioduco.sim.handlers.arguments import number, numbers
+from aioduco.sim.handlers.arguments import load
 from aioduco.sim.handlers.base import Section
 
 if TYPE_CHECKING:
@@ -27,8 +27,7 @@ class LoadHandlers(Section):
         """抓取负载 [kg, m], its centre of gravity in the tool's frame: it is mounted, too."""
 
         def command(controller: Controller) -> int:
-            mass, *centre = numbers("value", value, 4)
-            number("mass", mass, 0.0, 35.0, "kg")
+            mass, *centre = load("value", value)
             tool = controller.frames.tool().matrix
             at = tool[:3, :3] @ centre + tool[:3, 3]
             self._cabinet.load = (mass, at)
