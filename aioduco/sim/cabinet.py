@@ -39,6 +39,7 @@ class Cabinet:
         dynamics: parameters of the dynamic calibration, as they were set.
         hand_teaching: what gives way in hand guiding; None for everything.
         load: that is held: its mass [kg] and its centre of gravity in the flange's frame [m].
+        force_sensor: whether one is set up.
         lock: held while a bus is used: several programs share it, and peers know no threads.
     """
 
@@ -55,4 +56,5 @@ class Cabinet:
     dynamics: list[list[float]] = field(default_factory=list)
     hand_teaching: Giving | None = None
     load: tuple[float, NDArray[np.float64]] = field(default_factory=lambda: (0.0, np.zeros(3)))
+    force_sensor: bool = True
     lock: threading.Lock = field(default_factory=threading.Lock)

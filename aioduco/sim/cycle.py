@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
+    from aioduco.sim.force.sensor import Sensor
     from aioduco.sim.frames import Tool, WorkObject
     from aioduco.sim.planner.mover import SetPoint
 
@@ -27,12 +28,15 @@ class Sensed:
         now: time of the network, for the heartbeat [s].
         q: actual joints [rad]. Shape (6,).
         qd: actual joint speeds [rad/s]. Shape (6,).
+        wrench: signal of the force sensor: what acts on the flange, in its frame, the weight of
+            what it carries included [N, N m]. Shape (6,).
     """
 
     time: float
     now: float
     q: Vector
     qd: Vector
+    wrench: Vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +60,8 @@ class View(NamedTuple):
         speed: global speed [%].
         tool: the tool in use.
         wobj: the work object in use.
+        force_control: whether force control is on.
+        sensor: how the signal of the force sensor is read.
     """
 
     robot: RobotState
@@ -70,3 +76,5 @@ class View(NamedTuple):
     speed: int
     tool: Tool
     wobj: WorkObject
+    force_control: bool
+    sensor: Sensor

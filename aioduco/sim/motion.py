@@ -222,6 +222,16 @@ class Motion:
             self._follower.stop()
         self._settle()
 
+    def curtail(self, message: str) -> None:
+        """End the running motion before its end, and skip those behind it.
+
+        One without an end of its own has done what it was to do; one with a path has not.
+        """
+        for id_ in tuple(self._queue)[1:]:
+            self._end(id_, TaskState.INTERRUPT, f"skipped: {message}")
+        endless = self._follower is not None
+        self.stop(TaskState.FINISHED if endless else TaskState.INTERRUPT, message)
+
     def cut(self, message: str, q: Vector) -> None:
         """The brakes fall at q [rad]: every motion ends with an error, wherever the arm is."""
         self._ending = (TaskState.ERROR, message)

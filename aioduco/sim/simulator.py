@@ -12,7 +12,9 @@ import numpy as np
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim.cabinet import Cabinet
+from aioduco.sim.clock import checked_speed
 from aioduco.sim.controller import Controller
+from aioduco.sim.force.control import ForceControl
 from aioduco.sim.handlers import handlers
 from aioduco.sim.handlers.base import Context
 from aioduco.sim.mounting import gravity, mounting_of
@@ -98,7 +100,7 @@ class Simulator:
         on_shutdown: Callable[[], object] = lambda: None,
     ) -> None:
         self.arm: Arm = arm_of(model)
-        self.speed = speed
+        self._speed = speed
         self.seed = seed
         self._start = Joints.of(READY if joints is None else joints).array
         self.mounting: Pose = mounting_of(mounting, self.arm)
@@ -142,9 +144,15 @@ class Simulator:
         def mover(q: NDArray[np.float64]) -> Mover:
             return Mover(self.arm, q, CYCLE)
 
-        controller = Controller(mover, self._start)
+        force = ForceControl(self.arm, CYCLE, gravity(self.mounting))
+        controller = Controller(mover, self._start, force)
         runtime = Runtime(
-            controller, world, cycle=CYCLE, speed=self.speed, on_network=self._network
+            controller,
+            world,
+            cycle=CYCLE,
+            effort=self.arm.effort,
+            speed=self._speed,
+            on_network=self._network,
         )
         series, _, model = self.arm.name.upper().partition("_")
         context = Context(
@@ -238,6 +246,17 @@ class Simulator:
     def time(self) -> float:
         """Simulated time since the start [s]."""
         return self._running().snapshot.time
+
+    @property
+    def speed(self) -> float:
+        """Simulated seconds in a real one; may be set while it runs."""
+        return self._speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self._speed = checked_speed(speed)
+        if self._runtime is not None:
+            self._runtime.set_speed(speed)
 
     @property
     def joints(self) -> Joints:

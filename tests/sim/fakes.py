@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from aioduco.kinematics import arm
 from aioduco.sim.controller import Controller, Drive, Sensed
 from aioduco.sim.execution import ProgramError
+from aioduco.sim.force.control import ForceControl
 from aioduco.sim.planner.errors import PlanError
 from aioduco.sim.planner.mover import SetPoint
 
@@ -166,12 +168,19 @@ class _Tick:
     events: tuple[tuple[int, str, str], ...]
 
 
+def controller_of(mover: type[FakeMover], q: Vector = HOME) -> Controller:
+    """A controller with a stand-in for the planner."""
+    force = ForceControl(arm("gcr5_910"), CYCLE)
+    return Controller(mover, q, force)  # type: ignore[arg-type]  # the stand-in
+
+
 class Bench:
     """A controller with an arm that follows its set-points at once, cycle by cycle."""
 
     def __init__(self) -> None:
-        self.controller = Controller(FakeMover, HOME)  # type: ignore[arg-type]  # a stand-in
+        self.controller = controller_of(FakeMover)
         self.q = HOME.copy()
+        self.wrench = np.zeros(6)
         self.cycle = 0
         self.drive: Drive | None = None
 
@@ -187,7 +196,8 @@ class Bench:
     def tick(self, cycles: int = 1) -> None:
         for _ in range(cycles):
             self.cycle += 1
-            drive = self.controller.tick(Sensed(self.time, self.time, self.q, np.zeros(6)))
+            sensed = Sensed(self.time, self.time, self.q, np.zeros(6), self.wrench)
+            drive = self.controller.tick(sensed)
             if not drive.brake:
                 self.q = drive.setpoint.q
             self.drive = drive

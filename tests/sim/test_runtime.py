@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from aioduco.sim.controller import Controller
 from aioduco.sim.refusal import Refusal
 from aioduco.sim.runtime import Runtime
 
-from .fakes import HOME, FakeMover, leg
+from .fakes import HOME, FakeMover, controller_of, leg
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -63,7 +62,7 @@ def arm() -> Follower:
 
 @pytest.fixture
 def runtime(arm: Follower) -> Iterator[Runtime]:
-    controller = Controller(FakeMover, HOME)  # type: ignore[arg-type]  # a stand-in
+    controller = controller_of(FakeMover)
     runtime = Runtime(controller, arm, speed=math.inf)
     runtime.start()
     yield runtime
@@ -147,7 +146,7 @@ def test_a_command_that_fails_leaves_the_controller_usable(runtime: Runtime) -> 
 
 
 def test_closing_lets_go_of_waiters(arm: Follower) -> None:
-    controller = Controller(FakeMover, HOME)  # type: ignore[arg-type]  # a stand-in
+    controller = controller_of(FakeMover)
     runtime = Runtime(controller, arm, speed=1.0)
     runtime.start()
     id_ = controller.tasks.new("never")
@@ -185,7 +184,7 @@ def test_physics_that_fail_are_answered_by_errors_and_not_by_old_states(
 
 
 def test_statistics_of_a_loop_in_real_time(arm: Follower) -> None:
-    controller = Controller(FakeMover, HOME)  # type: ignore[arg-type]  # a stand-in
+    controller = controller_of(FakeMover)
     runtime = Runtime(controller, arm, speed=1.0)
     runtime.start()
     try:

@@ -295,8 +295,8 @@ def test_a_refusal_without_blocking_is_an_id_whose_task_has_ended(robot: Program
 
 
 def test_what_is_not_simulated_says_so(sim: Simulator, robot: Program) -> None:
-    with pytest.raises(ControllerError, match="fc_start is not simulated yet"):
-        robot.fc_start()
+    with pytest.raises(ControllerError, match="the vendor does not publish"):
+        robot.get_axis_ratio()
     assert not sim.moving
 
 

@@ -1,0 +1,1 @@
+"""Force control (力控, manual 1.3.10): what the sensor says, and how the arm gives way to it."""

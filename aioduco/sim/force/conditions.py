@@ -1,0 +1,134 @@
+"""The conditions under which a motion ends in force control (fc_wait_*, manual 1.3.10)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+__all__ = ["Condition", "Conditions", "Quantity", "Verdict"]
+
+#: in the order of fc_wait_logic
+Quantity: TypeAlias = Literal["pos", "vel", "ft"]
+Verdict: TypeAlias = Literal["met", "late"]
+
+QUANTITIES: tuple[Quantity, ...] = ("pos", "vel", "ft")
+_OFF, _AND = 0, 1
+_EARLY = 1e-9  # a time that is a sum of cycles is as good as there [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """Six numbers have to be within their ranges, for a while.
+
+    Attributes:
+        middle: of the ranges [m, rad; m/s, rad/s; N, N m].
+        range: how far from the middle, to both sides.
+        absolute: whether it is the numbers that count, or their change since the conditions began.
+        duration: how long they must be in their ranges [s].
+        timeout: how long after the beginning that may take [s].
+    """
+
+    middle: tuple[float, ...]
+    range: tuple[float, ...]
+    absolute: bool
+    duration: float
+    timeout: float
+
+
+class Conditions:
+    """The conditions on position, speed and force, and how they are combined. Without a clock.
+
+    Those that are "and" have to hold all at once; each that is "or" is enough by itself.
+    """
+
+    def __init__(self) -> None:
+        self.verdict: Verdict | None = None
+        self._conditions: dict[Quantity, Condition] = {}
+        self._logic: dict[Quantity, int] = {}
+        self._began = 0.0
+        self._references: dict[Quantity, tuple[float, ...]] = {}
+        self._since: dict[Quantity, float] = {}
+
+    def set(self, quantity: Quantity, condition: Condition) -> None:
+        """Set a condition; `begin` says whether it counts."""
+        self._conditions[quantity] = condition
+        self._since.pop(quantity, None)
+
+    def begin(
+        self,
+        logic: Sequence[int],
+        time: float,
+        now: Callable[[Quantity], Sequence[float]],
+    ) -> None:
+        """Begin anew (fc_wait_logic).
+
+        Args:
+            logic: for position, speed and force 0 for off, 1 for "and", 2 for "or". What has no
+                condition is off until it gets one.
+            time: of the simulation [s].
+            now: gives the six numbers that changes are counted from.
+        """
+        pairs = zip(QUANTITIES, logic, strict=True)
+        self._logic = {quantity: how for quantity, how in pairs if how != _OFF}
+        self._references = {quantity: tuple(now(quantity)) for quantity in self._logic}
+        self._since.clear()
+        self._began = time
+        self.verdict = None
+
+    def end(self) -> None:
+        """Look at nothing any more."""
+        self._logic.clear()
+        self._since.clear()
+        self.verdict = None
+
+    def rest(self) -> None:
+        """No motion runs: what held so far begins to hold anew."""
+        self._since.clear()
+
+    def tick(self, time: float, now: Callable[[Quantity], Sequence[float]]) -> Verdict | None:
+        """Look at the conditions.
+
+        Args:
+            time: of the simulation [s].
+            now: gives six numbers.
+
+        Returns:
+            "met" when they hold, "late" when they can hold in time no more; stays so.
+        """
+        if not self._logic or self.verdict is not None:
+            return self.verdict
+        logic = {each: how for each, how in self._logic.items() if each in self._conditions}
+        held = {each: self._held(each, time, now(each)) for each in logic}
+        late = {each: not held[each] and self._is_late(each, time) for each in logic}
+        together = [each for each, how in logic.items() if how == _AND]
+        groups = [[each] for each in logic if each not in together]
+        if together:
+            groups.append(together)
+        if any(all(held[each] for each in group) for group in groups):
+            self.verdict = "met"
+        elif groups and all(any(late[each] for each in group) for group in groups):
+            self.verdict = "late"
+        return self.verdict
+
+    def _is_late(self, quantity: Quantity, time: float) -> bool:
+        return time - self._began > self._conditions[quantity].timeout + _EARLY
+
+    def _held(self, quantity: Quantity, time: float, values: Sequence[float]) -> bool:
+        """Whether a condition has held for long enough."""
+        condition = self._conditions[quantity]
+        turning = quantity == "pos"
+        for i in range(6):
+            value = values[i] - condition.middle[i]
+            if not condition.absolute:
+                value -= self._references[quantity][i]
+            if turning and i >= 3:
+                value = math.remainder(value, math.tau)
+            if not abs(value) <= condition.range[i]:
+                self._since.pop(quantity, None)
+                return False
+        since = self._since.setdefault(quantity, time)
+        return time - since >= condition.duration - _EARLY

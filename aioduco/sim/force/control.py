@@ -1,0 +1,279 @@
+"""Force control of the tool: what the arm does about the force that it feels.
+
+Pure: no clock, no physics, no tasks. Each `tick` is one cycle of the controller; it takes the
+set-point of the motions and gives that of the drives.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from aioduco.kinematics.forward import frames
+from aioduco.models.rotation import rpy_from_matrix
+from aioduco.sim.force.conditions import Conditions
+from aioduco.sim.force.offset import Offset, OutOfReach, motion_of
+from aioduco.sim.force.sensor import Axes, Sensor
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.kinematics import Arm
+    from aioduco.models.rotation import Array
+    from aioduco.sim.cycle import Sensed
+    from aioduco.sim.force.conditions import Quantity
+    from aioduco.sim.planner.mover import SetPoint
+
+__all__ = ["ForceControl", "Guard", "Law", "Verdict"]
+
+#: time constant with which the arm takes on the speed that a force gives it [s]; an assumption
+_LAG = 0.01
+#: largest accelerations of what a force moves [m/s², rad/s²]; an assumption
+_ACCELERATION = (5.0, 25.0)
+#: speed that counts as none while it fades away [m/s, rad/s]
+_FADED = 1e-6
+_NOTHING = (0.0,) * 6
+_PLAIN = Axes(np.eye(4), np.eye(4))
+_NAMES = ("along x", "along y", "along z", "about x", "about y", "about z")
+
+Verdict: TypeAlias = Literal["guard", "failed", "met", "late"]
+
+
+class Outcome(NamedTuple):
+    """What a cycle came to, besides its set-point.
+
+    Attributes:
+        verdict: "guard": a watched force is too large. "failed": the joints cannot follow.
+            "met": the conditions of fc_wait_* hold. "late": they can hold in time no more.
+        message: for people.
+    """
+
+    verdict: Verdict
+    message: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Law:
+    """How the tool gives way (fc_config): at (force - target) / damping.
+
+    Attributes:
+        direction: for each direction whether it gives way.
+        target: force that is kept up, as the sensor feels it [N, N m].
+        damping: above 0 in directions that give way [N/(m/s), N m/(rad/s)].
+        cap: largest speed [m/s, rad/s].
+        band: difference from the target at which nothing gives way yet [N, N m].
+        axes: whose directions they are.
+    """
+
+    direction: tuple[bool, ...]
+    target: tuple[float, ...]
+    damping: tuple[float, ...]
+    cap: tuple[float, ...]
+    band: tuple[float, ...]
+    axes: Axes
+
+    def speed(self, force: Sequence[float]) -> list[float]:
+        """Give the speed of the tip along the axes [m/s, rad/s] for the force on it [N, N m]."""
+        speeds = [0.0] * 6
+        for i in range(6):
+            if self.direction[i]:
+                difference = force[i] - self.target[i]
+                if abs(difference) > self.band[i]:
+                    cap = self.cap[i]
+                    speeds[i] = max(-cap, min(difference / self.damping[i], cap))
+        return speeds
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Guard:
+    """Which forces are too large (fc_guard_act).
+
+    Attributes:
+        direction: for each direction whether it is watched.
+        limit: largest force of either sign [N, N m].
+        axes: whose directions they are.
+        with_load: whether the load's weight counts, too.
+    """
+
+    direction: tuple[bool, ...]
+    limit: tuple[float, ...]
+    axes: Axes
+    with_load: bool = True
+
+    def exceeded(self, force: Sequence[float]) -> str:
+        """Tell which limit a force is beyond; empty if none."""
+        for i, (on, limit) in enumerate(zip(self.direction, self.limit, strict=True)):
+            if on and not abs(force[i]) <= limit:
+                unit = "N" if i < 3 else "N m"
+                return (
+                    f"force guard: {force[i]:.1f} {unit} {_NAMES[i]}, but at most {limit:g} {unit}"
+                )
+        return ""
+
+
+class ForceControl:
+    """Gives way to forces while motions run, watches them, and judges the conditions.
+
+    Args:
+        arm: the arm.
+        cycle: time between two ticks [s].
+        gravity: along the base's axes [m/s²].
+    """
+
+    def __init__(
+        self, arm: Arm, cycle: float = 0.001, gravity: Sequence[float] | Array = (0.0, 0.0, -9.81)
+    ) -> None:
+        self.active: bool = False
+        self.sensor: Sensor = Sensor(gravity=tuple(map(float, gravity)))
+        self.law: Law | None = None
+        self.guard: Guard | None = None
+        self.conditions: Conditions = Conditions()
+        self._arm = arm
+        self._cycle = cycle
+        self._offset = Offset(arm, cycle)
+        self._twist: Sequence[float] = _NOTHING
+        self._failed = False
+
+    @property
+    def moving(self) -> bool:
+        """Whether the set-points of the drives move for a force's sake."""
+        if self._failed:
+            return bool(self._offset.setpoint.qd.any())
+        return self._twist is not _NOTHING
+
+    @property
+    def failed(self) -> bool:
+        """Whether the joints could not follow: they slow down and stand, until a new start."""
+        return self._failed
+
+    @property
+    def setpoint(self) -> SetPoint:
+        """The latest set-point of the drives."""
+        return self._offset.setpoint
+
+    @property
+    def axes(self) -> Axes:
+        """Those of fc_config; the flange's and the base's before it was called."""
+        return _PLAIN if self.law is None else self.law.axes
+
+    @property
+    def shifted(self) -> bool:
+        """Whether the drives are led somewhere else than the motions say."""
+        return self._offset.shifted
+
+    def turn(self, sensed: Sensed) -> Array:
+        """Give the flange's rotation in the base frame. Shape (3, 3)."""
+        rotation: Array = frames(self._arm.geometry, sensed.q)[6, :3, :3]
+        return rotation
+
+    def start(self, setpoint: SetPoint) -> None:
+        """Begin where the motions are."""
+        self.active, self._failed = True, False
+        self._twist = _NOTHING
+        self._offset.begin(setpoint)
+
+    def end(self) -> None:
+        """End; the motions have to begin anew where the arm is."""
+        self.active = self._failed = False
+        self._twist = _NOTHING
+        self.conditions.end()
+
+    def fold(self) -> None:
+        """Take note that the motions begin anew where the arm is; what fades away goes on."""
+        self._failed = False
+        self._offset.fold()
+
+    def tick(
+        self, setpoint: SetPoint, sensed: Sensed, *, giving: bool
+    ) -> tuple[SetPoint, Outcome | None]:
+        """Go on by one cycle.
+
+        Args:
+            setpoint: of the motions.
+            sensed: what the controller knows of the arm.
+            giving: whether the arm gives way: only while a motion runs.
+        """
+        flange = self._offset.flange
+        external = self.sensor.external(sensed.wrench, flange)
+        if message := self._guarded(sensed, external):
+            return self._offset.setpoint, Outcome("guard", message)
+        if self._failed:
+            return self._offset.slow_down(), None
+        self._give_way(external, giving=giving)
+        try:
+            drives = self._offset.apply(setpoint)
+        except OutOfReach as exc:
+            self._failed = True
+            self._twist = _NOTHING
+            return self._offset.slow_down(), Outcome("failed", str(exc))
+        return drives, self._judge(sensed, running=giving)
+
+    def measure(self, quantity: Quantity, sensed: Sensed) -> list[float]:
+        """Give what a condition looks at: the tip in the work object, its speed, the force on it.
+
+        Position and speed are along the work object's axes, the force along those of fc_config.
+        """
+        axes = self.axes
+        chain = frames(self._arm.geometry, sensed.q)
+        if quantity == "ft":
+            flange = chain[6, :3, :3]
+            return axes.seen(self.sensor.external(sensed.wrench, flange), flange)
+        into = axes.wobj[:3, :3].T
+        if quantity == "pos":
+            tip = chain[6] @ axes.tip
+            place: list[float] = (into @ (tip[:3, 3] - axes.wobj[:3, 3])).tolist()
+            angles: list[float] = rpy_from_matrix(into @ tip[:3, :3]).tolist()
+            return place + angles
+        chain[6, :3, 3] += chain[6, :3, :3] @ axes.tip[:3, 3]
+        linear, angular = motion_of(chain, sensed.qd)
+        speeds: list[float] = [*(into @ linear).tolist(), *(into @ angular).tolist()]
+        return speeds
+
+    def _guarded(self, sensed: Sensed, external: list[float]) -> str:
+        guard = self.guard
+        if guard is None:
+            return ""
+        force = self.sensor.felt(sensed.wrench) if guard.with_load else external
+        return guard.exceeded(guard.axes.seen(force, self._offset.flange))
+
+    def _judge(self, sensed: Sensed, *, running: bool) -> Outcome | None:
+        if not running:
+            self.conditions.rest()
+            return None
+        verdict = self.conditions.tick(sensed.time, lambda what: self.measure(what, sensed))
+        if verdict is None:
+            return None
+        how = "hold" if verdict == "met" else "did not hold in time"
+        return Outcome(verdict, f"the conditions of fc_wait_logic {how}")
+
+    def _give_way(self, external: list[float], *, giving: bool) -> None:
+        """Move the offset at the speed that the force gives the tip, as a light mass would."""
+        law, flange = self.law, self._offset.flange
+        wanted: Sequence[float] = _NOTHING
+        if giving and law is not None:
+            speeds = law.speed(law.axes.seen(external, flange))
+            if any(speeds):
+                turn = law.axes.turn(flange)
+                wanted = [*(turn @ speeds[:3]).tolist(), *(turn @ speeds[3:]).tolist()]
+        if wanted is _NOTHING:
+            if self._twist is _NOTHING:
+                return
+            if max(map(abs, self._twist)) < _FADED:
+                self._twist = _NOTHING
+                return
+        self._twist = self._approach(wanted)
+        self._offset.move(self._twist, self.axes.tip[:3, 3])
+
+    def _approach(self, wanted: Sequence[float]) -> list[float]:
+        share = self._cycle / (self._cycle + _LAG)
+        now: list[float] = []
+        for start, most in zip((0, 3), _ACCELERATION, strict=True):
+            last = self._twist[start : start + 3]
+            change = [share * (b - a) for a, b in zip(last, wanted[start : start + 3], strict=True)]
+            length = math.hypot(*change)
+            scale = 1.0 if length <= most * self._cycle else most * self._cycle / length
+            now += [a + scale * b for a, b in zip(last, change, strict=True)]
+        return now

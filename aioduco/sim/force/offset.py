@@ -1,0 +1,184 @@
+"""The way from set-points of the motions to those of the drives: an offset of the flange.
+
+What force control has moved the flange by is kept in the base frame, whatever the tool and the
+axes are that it was moved along, so that these can change at any time without a jump.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aioduco.kinematics.forward import frames
+from aioduco.models.rotation import matrix_from_rotvec
+from aioduco.sim.planner.mover import SetPoint
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.kinematics import Arm
+    from aioduco.models.rotation import Array
+
+__all__ = ["Offset", "OutOfReach", "motion_of"]
+
+_FASTER = 1.02  # share of a joint's largest speed that a set-point may have, for rounding
+_BRAKING = 0.5  # share of the drives' acceleration that slowing down uses
+_NOWHERE = np.zeros(3)
+_STRAIGHT = np.eye(3)
+_NOWHERE.flags.writeable = _STRAIGHT.flags.writeable = False
+
+
+class OutOfReach(Exception):
+    """The joints cannot follow the offset."""
+
+
+def motion_of(chain: Array, qd: Array) -> tuple[list[float], list[float]]:
+    """Give speed [m/s] and angular speed [rad/s] of the last frame of a chain, in the base.
+
+    Args:
+        chain: as `kinematics.forward.frames` gives it. Shape (7, 4, 4).
+        qd: joint speeds [rad/s]. Shape (6,).
+    """
+    jacobian = _jacobian(chain)
+    twist: list[float] = (jacobian @ qd).tolist()
+    return twist[:3], twist[3:]
+
+
+def _jacobian(chain: Array) -> Array:
+    axes, arms = chain[:6, :3, 2].tolist(), (chain[6, :3, 3] - chain[:6, :3, 3]).tolist()
+    columns = [
+        (y * c - z * b, z * a - x * c, x * b - y * a, x, y, z)
+        for (x, y, z), (a, b, c) in zip(axes, arms, strict=True)
+    ]
+    return np.array(columns).T
+
+
+class Offset:
+    """Adds what force control has moved the flange by to set-points, cycle by cycle.
+
+    Args:
+        arm: the arm.
+        cycle: time between two set-points [s].
+    """
+
+    def __init__(self, arm: Arm, cycle: float) -> None:
+        self._arm = arm
+        self._cycle = cycle
+        self._fastest = _FASTER * np.array(arm.velocity)
+        self._lower, self._upper = np.array(arm.lower), np.array(arm.upper)
+        self._hard = _BRAKING * np.array(arm.acceleration)
+        self._shift: Array = _NOWHERE
+        self._turn: Array = _STRAIGHT
+        self._speed = (0.0,) * 6
+        self._none = True
+        self._last = SetPoint.at_rest(np.zeros(6))
+        self._at: Array = np.zeros(6)
+        self._chain: Array = frames(arm.geometry, self._at)
+        self.flange: Array = _STRAIGHT
+
+    @property
+    def setpoint(self) -> SetPoint:
+        """The latest set-point of the drives."""
+        return self._last
+
+    @property
+    def shifted(self) -> bool:
+        """Whether there is an offset."""
+        return not self._none
+
+    def begin(self, setpoint: SetPoint) -> None:
+        """Begin without an offset, at a set-point of the motions."""
+        self.fold()
+        self._last = setpoint
+        self.flange = self._frames(setpoint.q)[6, :3, :3]
+
+    def fold(self) -> None:
+        """Forget the offset: the motions begin anew where it has led."""
+        self._shift, self._turn, self._none = _NOWHERE, _STRAIGHT, True
+        self._speed = (0.0,) * 6
+
+    def move(self, twist: Sequence[float], tip: Array) -> None:
+        """Move the tool's tip for one cycle.
+
+        Args:
+            twist: its speed [m/s], then its angular speed [rad/s], in the base frame.
+            tip: the tip in the flange's frame [m]. Shape (3,).
+        """
+        linear, angular = np.array(twist[:3]), np.array(twist[3:])
+        step = self._cycle * linear
+        if angular.any():
+            # Turned about the tip: the flange goes round it.
+            arm = self.flange @ tip
+            turned = matrix_from_rotvec(self._cycle * angular)
+            step = step + arm - turned @ arm
+            self._turn = turned @ self._turn
+            linear = linear - np.cross(angular, arm)
+        self._shift = self._shift + step
+        self._speed = (*linear.tolist(), *twist[3:])
+        self._none = False
+
+    def apply(self, setpoint: SetPoint) -> SetPoint:
+        """Give the set-point of the drives for one of the motions.
+
+        Raises:
+            OutOfReach: a joint would have to turn too fast, or beyond its limit.
+        """
+        if self._none:
+            self._last = setpoint
+            self.flange = self._frames(setpoint.q)[6, :3, :3]
+            return setpoint
+        wanted = self._frames(setpoint.q)
+        speed = np.array(self._speed)
+        if setpoint.qd.any():
+            linear, angular = motion_of(wanted, setpoint.qd)
+            speed[:3] += linear
+            speed[3:] += self._turn @ angular
+        flange = self._turn @ wanted[6, :3, :3]
+        last = self._last
+        guess = last.q + self._cycle * (last.qd + 0.5 * self._cycle * last.qdd)
+        chain = frames(self._arm.geometry, guess)
+        (_, c, d), (e, _, f), (g, h, _) = (flange @ chain[6, :3, :3].T).tolist()
+        x, y, z = (wanted[6, :3, 3] + self._shift - chain[6, :3, 3]).tolist()
+        # One step of Newton's method from where the last cycle led: there is no error to be seen.
+        error = (x, y, z, 0.5 * (h - f), 0.5 * (d - g), 0.5 * (e - c))
+        try:
+            steps = np.linalg.solve(_jacobian(chain), np.array((error, speed)).T)
+        except np.linalg.LinAlgError as exc:
+            raise OutOfReach("force control comes to a singularity") from exc
+        q, qd = guess + steps[:, 0], steps[:, 1]
+        self._check(q, qd)
+        self._last = SetPoint(q, qd, (qd - last.qd) / self._cycle)
+        self._speed = (0.0,) * 6
+        self.flange = flange
+        return self._last
+
+    def slow_down(self) -> SetPoint:
+        """Slow the joints down for one cycle, whatever the motions say."""
+        last = self._last
+        left = float((np.abs(last.qd) / self._hard).max())
+        if left <= self._cycle:
+            self._last = SetPoint.at_rest(last.q + 0.5 * left * last.qd)
+        else:
+            qd = last.qd * (1.0 - self._cycle / left)
+            q = last.q + 0.5 * self._cycle * (last.qd + qd)
+            self._last = SetPoint(q, qd, -last.qd / left)
+        return self._last
+
+    def _frames(self, q: Array) -> Array:
+        if q is not self._at:
+            self._at, self._chain = q, frames(self._arm.geometry, q)
+        return self._chain
+
+    def _check(self, q: Array, qd: Array) -> None:
+        speeds = np.abs(qd)
+        if not (speeds <= self._fastest).all():
+            joint = int((speeds / self._fastest).argmax())
+            raise OutOfReach(
+                f"force control: joint {joint + 1} would have to turn at {speeds[joint]:.3f} rad/s"
+            )
+        # So far from its limit that it still comes to a stand.
+        way = 0.5 * qd * speeds / self._hard
+        beyond = np.maximum(q + way - self._upper, self._lower - q - way)
+        if (beyond > 0.0).any():
+            raise OutOfReach(f"force control: joint {int(beyond.argmax()) + 1} comes to its limit")

@@ -1,0 +1,134 @@
+"""The force sensor at the flange: what the controller makes of its signal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    Vector: TypeAlias = NDArray[np.float64]
+    Matrix: TypeAlias = NDArray[np.float64]
+
+__all__ = ["Axes", "Sensor"]
+
+_NOTHING = (0.0,) * 6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Axes:
+    """About which point forces are given, and along whose axes.
+
+    Attributes:
+        tip: the tool's tip in the flange's frame. Shape (4, 4).
+        wobj: the work object in the base frame. Shape (4, 4).
+        of_tool: whether the axes are the tool's, rather than the work object's.
+    """
+
+    tip: Matrix
+    wobj: Matrix
+    of_tool: bool = True
+
+    def turn(self, flange: Matrix) -> Matrix:
+        """Give the axes as columns in the base frame, (3, 3), for the flange's rotation there."""
+        turned: Matrix = flange @ self.tip[:3, :3] if self.of_tool else self.wobj[:3, :3]
+        return turned
+
+    def seen(self, wrench: Sequence[float], flange: Matrix) -> list[float]:
+        """Give a wrench on the flange as one on the tip, along the axes.
+
+        Args:
+            wrench: force [N], then torque about the flange's origin [N m], in its frame.
+            flange: its rotation in the base frame. Shape (3, 3).
+        """
+        fx, fy, fz, tx, ty, tz = wrench
+        x, y, z = self.tip[:3, 3].tolist()
+        about = (tx - (y * fz - z * fy), ty - (z * fx - x * fz), tz - (x * fy - y * fx))
+        # Rows of vectors: into the axes is from the right by a matrix whose columns they are.
+        axes = self.tip[:3, :3] if self.of_tool else flange.T @ self.wobj[:3, :3]
+        both: list[list[float]] = (np.array(((fx, fy, fz), about)) @ axes).tolist()
+        return [*both[0], *both[1]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sensor:
+    """How the signal of the sensor is read. A value: to tare it makes another one.
+
+    The signal is what the flange's surroundings apply to it, in its frame: force [N], then torque
+    [N m]. It is made of three parts: what the sensor shows without anything at it, the weight of
+    what the flange carries, and the force from outside.
+
+    Attributes:
+        zero: what is taken from the signal to give the reading. Six numbers.
+        bare: the signal without load and force, as the controller thinks. Six numbers.
+        mass: of the load that the controller knows of [kg].
+        centre: its centre of mass in the flange's frame [m].
+        gravity: along the base's axes [m/s²].
+    """
+
+    zero: tuple[float, ...] = _NOTHING
+    bare: tuple[float, ...] = _NOTHING
+    mass: float = 0.0
+    centre: tuple[float, ...] = (0.0, 0.0, 0.0)
+    gravity: tuple[float, ...] = (0.0, 0.0, -9.81)
+
+    def reading(self, signal: Vector) -> list[float]:
+        """Give the signal after taring (fc_get_ft)."""
+        return _less(signal.tolist(), self.zero)
+
+    def felt(self, signal: Vector) -> list[float]:
+        """Give load and force from outside together."""
+        return _less(signal.tolist(), self.bare)
+
+    def external(self, signal: Vector, flange: Matrix) -> list[float]:
+        """Give the force from outside.
+
+        Args:
+            signal: of the sensor [N, N m]. Shape (6,).
+            flange: the flange's rotation in the base frame. Shape (3, 3).
+        """
+        return _less(self.felt(signal), self.weight(flange))
+
+    def weight(self, flange: Matrix) -> tuple[float, ...]:
+        """Give the weight of the known load, as a wrench on the flange, in its frame."""
+        if self.mass == 0.0:
+            return _NOTHING
+        x, y, z = (self.mass * (np.array(self.gravity) @ flange)).tolist()
+        a, b, c = self.centre
+        return (x, y, z, b * z - c * y, c * x - a * z, a * y - b * x)
+
+    def carrying(self, mass: float, centre: Sequence[float]) -> Sensor:
+        """Give one that knows of a load [kg], and of its centre in the flange's frame [m]."""
+        return replace(self, mass=mass, centre=tuple(centre))
+
+    def tared(
+        self,
+        signal: Vector,
+        flange: Matrix,
+        direction: Sequence[bool] = (True,) * 6,
+        value: Sequence[float] = _NOTHING,
+    ) -> Sensor:
+        """Give one that reads certain values now, and takes them for forces from outside.
+
+        Args:
+            signal: of the sensor now [N, N m]. Shape (6,).
+            flange: the flange's rotation in the base frame. Shape (3, 3).
+            direction: which of the six are set.
+            value: what they read then [N, N m].
+        """
+        now, weight = signal.tolist(), self.weight(flange)
+        zero, bare = list(self.zero), list(self.bare)
+        for i, on in enumerate(direction):
+            if on:
+                zero[i] = now[i] - value[i]
+                bare[i] = zero[i] - weight[i]
+        return replace(self, zero=tuple(zero), bare=tuple(bare))
+
+
+def _less(left: Sequence[float], right: Sequence[float]) -> list[float]:
+    return [a - b for a, b in zip(left, right, strict=True)]

@@ -1,0 +1,253 @@
+"""Force control (力控, manual 1.3.10)."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from aioduco.models.enums import RobotState, TaskState
+from aioduco.sim.following import Following
+from aioduco.sim.force.conditions import Condition
+from aioduco.sim.force.control import Guard, Law
+from aioduco.sim.force.sensor import Axes
+from aioduco.sim.force.tasks import FC_MOVE
+from aioduco.sim.handlers import arguments
+from aioduco.sim.handlers.arguments import number, numbers
+from aioduco.sim.handlers.base import Section, mismatch
+from aioduco.sim.planner.standing import Standing
+from aioduco.sim.refusal import Rejected
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from aioduco.sim.controller import Controller
+    from aioduco.sim.force.conditions import Quantity
+
+_FORCE = 1000.0  # N, N m
+_SPEED = 5.0  # m/s, rad/s
+_TURNING = 2 * math.pi  # rad/s
+_NO_SENSOR = "no force sensor is set up"
+
+
+class ForceHandlers(Section):
+    """fc_start to fc_mode_is_active; those that make a task answer with its id."""
+
+    def fc_start(self) -> int:
+        """开启机器人末端力控."""
+
+        def command(controller: Controller) -> int:
+            view = controller.view()
+            if view.robot is not RobotState.ENABLE or view.error:
+                raise Rejected(TaskState.ILLEGAL, "not enabled, or a safety stop holds")
+            if not self._cabinet.force_sensor:
+                raise Rejected(TaskState.ERROR, _NO_SENSOR)
+            return controller.force.start()
+
+        return self._task("fc_start", False, command)
+
+    def fc_stop(self) -> int:
+        """退出机器人末端力控."""
+        return self._task("fc_stop", False, lambda controller: controller.force.stop())
+
+    def fc_config(
+        self,
+        direction: Sequence[bool],
+        ref_ft: Sequence[float],
+        damp: Sequence[float],
+        max_vel: Sequence[float],
+        number_list: Sequence[float],
+        tool: str,
+        wobj: str,
+        value: int,
+    ) -> int:
+        """配置机器人末端力控参数; `value` is the manual's `type`."""
+
+        def command(controller: Controller) -> int:
+            on = _directions(direction)
+            damping = numbers("damp", damp, 6)
+            for i in range(6):
+                if on[i] and not damping[i] > 0.0:
+                    raise mismatch(f"damp[{i}] is {damping[i]}, but must be above 0 where it is on")
+            controller.force.control.law = Law(
+                on,
+                _within("ref_ft", ref_ft, _FORCE),
+                damping,
+                tuple(map(abs, _within("max_vel", max_vel, _SPEED))),
+                tuple(map(abs, _within("number_list", number_list, _FORCE))),
+                self._axes_of(tool, wobj, value),
+            )
+            return controller.finish("fc_config")
+
+        return self._task("fc_config", False, command)
+
+    def fc_move(self, block: bool) -> int:
+        """仅基于末端力控产生的补偿运动."""
+
+        def command(controller: Controller) -> int:
+            if not controller.force.active:
+                raise Rejected(TaskState.ILLEGAL, "force control is off: call fc_start first")
+            cycle = self._runtime.cycle
+            following = Following.behind(FC_MOVE, lambda q: Standing(self._arm, q, cycle))
+            return controller.follow(FC_MOVE, following)
+
+        return self._task(FC_MOVE, block, command)
+
+    def fc_guard_act(
+        self,
+        direction: Sequence[bool],
+        ref_ft: Sequence[float],
+        tool: str,
+        wobj: str,
+        type: int,  # noqa: A002  # the wire's name
+        force_property: int,
+    ) -> int:
+        """力安全监控."""
+
+        def command(controller: Controller) -> int:
+            on, limit = _directions(direction), _amounts("ref_ft", ref_ft)
+            _choice("force_property", force_property, (0, 1))
+            axes = self._axes_of(tool, wobj, type)
+            controller.force.control.guard = Guard(on, limit, axes, force_property == 0)
+            return controller.finish("fc_guard_act")
+
+        return self._task("fc_guard_act", False, command)
+
+    def fc_guard_deact(self) -> int:
+        """禁用力安全监控."""
+
+        def command(controller: Controller) -> int:
+            controller.force.control.guard = None
+            return controller.finish("fc_guard_deact")
+
+        return self._task("fc_guard_deact", False, command)
+
+    def fc_force_set_value(self, direction: Sequence[bool], ref_ft: Sequence[float]) -> int:
+        """机械臂末端力传感器读数设置为指定值."""
+
+        def command(controller: Controller) -> int:
+            on, value = _directions(direction), numbers("ref_ft", ref_ft, 6)
+            if not self._cabinet.force_sensor:
+                raise Rejected(TaskState.ERROR, _NO_SENSOR)
+            return controller.force.tare(on, value)
+
+        return self._task("fc_force_set_value", False, command)
+
+    def fc_wait_pos(
+        self,
+        middle: Sequence[float],
+        range: Sequence[float],  # noqa: A002  # the wire's name
+        absolute: bool,
+        duration: int,
+        timeout: int,
+    ) -> int:
+        """位置判断条件."""
+        times = absolute, duration, timeout
+        return self._condition("pos", lambda: numbers("middle", middle, 6), range, *times)
+
+    def fc_wait_vel(
+        self,
+        middle: Sequence[float],
+        range: Sequence[float],  # noqa: A002  # the wire's name
+        absolute: bool,
+        duration: int,
+        timeout: int,
+    ) -> int:
+        """速度判断条件."""
+        times = absolute, duration, timeout
+
+        def speeds() -> tuple[float, ...]:
+            values = numbers("middle", middle, 6)
+            for value, most in zip(values, (_SPEED,) * 3 + (_TURNING,) * 3, strict=True):
+                number("middle", value, -most, most, "m/s, rad/s")
+            return values
+
+        return self._condition("vel", speeds, range, *times)
+
+    def fc_wait_ft(
+        self,
+        middle: Sequence[float],
+        range: Sequence[float],  # noqa: A002  # the wire's name
+        absolute: bool,
+        duration: int,
+        timeout: int,
+    ) -> int:
+        """力判断条件."""
+        times = absolute, duration, timeout
+        return self._condition("ft", lambda: _within("middle", middle, _FORCE), range, *times)
+
+    def fc_wait_logic(self, value: Sequence[int]) -> int:
+        """条件判断间的逻辑关系."""
+
+        def command(controller: Controller) -> int:
+            if len(value) != 3:
+                raise mismatch(f"logic has {len(value)} numbers, but must have 3")
+            for how in value:
+                _choice("logic", how, (0, 1, 2))
+            return controller.force.combine(value)
+
+        return self._task("fc_wait_logic", False, command)
+
+    def fc_get_ft(self) -> list[float]:
+        """当前机器人末端传感器的原始反馈读数, after taring; along the flange's axes."""
+        if not self._cabinet.force_sensor:
+            return []
+        snapshot = self._runtime.snapshot
+        return snapshot.view.sensor.reading(snapshot.wrench)
+
+    def fc_mode_is_active(self) -> bool:
+        """当前机器人末端力控功能启用状态."""
+        return self._runtime.snapshot.view.force_control
+
+    # -- what they share -----------------------------------------------------------------------
+
+    def _axes_of(self, tool: str, wobj: str, kind: int) -> Axes:
+        _choice("type", kind, (0, 1))
+        tip = arguments.tool(self._frames, tool).matrix
+        return Axes(tip, arguments.wobj(self._frames, wobj).matrix, kind == 0)
+
+    def _condition(
+        self,
+        quantity: Quantity,
+        middle: Callable[[], tuple[float, ...]],
+        spread: Sequence[float],
+        absolute: bool,
+        duration: int,
+        timeout: int,
+    ) -> int:
+        name = f"fc_wait_{quantity}"
+
+        def command(controller: Controller) -> int:
+            condition = Condition(
+                middle(),
+                _amounts("range", spread),
+                absolute,
+                number("duration", duration, 0, math.inf, "ms") / 1000.0,
+                number("timeout", timeout, 0, math.inf, "ms") / 1000.0,
+            )
+            controller.force.control.conditions.set(quantity, condition)
+            return controller.finish(name)
+
+        return self._task(name, False, command)
+
+
+def _directions(values: Sequence[bool]) -> tuple[bool, ...]:
+    if len(values) != 6:
+        raise mismatch(f"direction has {len(values)} flags, but must have 6")
+    return tuple(values)
+
+
+def _within(name: str, values: Sequence[float], most: float) -> tuple[float, ...]:
+    for value in numbers(name, values, 6):
+        number(name, value, -most, most, "")
+    return tuple(values)
+
+
+def _amounts(name: str, values: Sequence[float]) -> tuple[float, ...]:
+    for value in numbers(name, values, 6):
+        number(name, value, 0.0, math.inf, "")
+    return tuple(values)
+
+
+def _choice(name: str, value: int, choices: tuple[int, ...]) -> None:
+    if value not in choices:
+        raise mismatch(f"{name} is {value}, but must be one of {', '.join(map(str, choices))}")
