@@ -39,9 +39,10 @@ from aioduco.models.op import (
     tool_output,
     word_register,
 )
-from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike, deg, mm
+from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
 from aioduco.models.realtime import RealtimeMode, RealtimePoint
 from aioduco.models.state import IOStatus, RobotStates, RobotStatus
+from aioduco.models.units import deg, mm
 from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.robot import Robot, connect
 from aioduco.supervision.command import HeldMotion, MotionCommand

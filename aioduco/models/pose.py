@@ -1,10 +1,10 @@
-"""Poses, joint vectors, and the way into SI units: `Pose`, `Joints`, `deg`, `mm`."""
+"""Poses and joint vectors: `Pose`, `Joints`."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from numbers import Real
 from typing import Any, Literal, Self, TypeAlias, overload
 
@@ -21,51 +21,14 @@ from aioduco.models.rotation import (
     rotvec_from_matrix,
     rpy_from_matrix,
     slerp,
+    turn_between,
 )
 
-__all__ = ["Joints", "JointsLike", "Pose", "PoseLike", "QuaternionOrder", "deg", "mm"]
+__all__ = ["Joints", "JointsLike", "Pose", "PoseLike", "QuaternionOrder"]
 
 QuaternionOrder: TypeAlias = Literal["wxyz", "xyzw"]
 
 _ORTHONORMAL = 1e-6  # how far a given rotation may be from one: digits lost in a file, not more
-
-
-@overload
-def deg(value: float, /) -> float: ...
-@overload
-def deg(value: float, second: float, /, *more: float) -> tuple[float, ...]: ...
-def deg(value: float, /, *more: float) -> float | tuple[float, ...]:
-    """Convert degrees to radians: `deg(90)`, or several at once, `Pose(x, y, z, *deg(180, 0, 90))`.
-
-    Args:
-        value: an angle [deg].
-        more: further angles [deg].
-
-    Returns:
-        The angle [rad], or a tuple of them when several were given.
-    """
-    if more:
-        return tuple(math.radians(angle) for angle in (value, *more))
-    return math.radians(value)
-
-
-@overload
-def mm(value: float, /) -> float: ...
-@overload
-def mm(value: float, second: float, /, *more: float) -> tuple[float, ...]: ...
-def mm(value: float, /, *more: float) -> float | tuple[float, ...]:
-    """Convert millimetres to metres: `mm(50)`, or several at once, `Pose(*mm(692, 164, 660), …)`.
-
-    Args:
-        value: a length [mm].
-        more: further lengths [mm].
-
-    Returns:
-        The length [m], or a tuple of them when several were given.
-    """
-    if more:
-        return tuple(length / 1000.0 for length in (value, *more))
-    return value / 1000.0
 
 
 class _Six(Sequence[float]):
@@ -76,15 +39,21 @@ class _Six(Sequence[float]):
     _expected = "six finite numbers"
 
     def __post_init__(self) -> None:
-        for field in fields(self):  # type: ignore[arg-type]  # the subclasses are dataclasses
-            value = getattr(self, field.name)
-            if type(value) is not float:
-                if isinstance(value, bool) or not isinstance(value, Real):
-                    raise ParameterError(field.name, value, f"a number, as one of {self._expected}")
-                value = float(value)
-                object.__setattr__(self, field.name, value)
+        for value in self._values():
+            if type(value) is not float or not math.isfinite(value):
+                self._convert()
+                break
+
+    def _convert(self) -> None:
+        """Take other numbers than floats, or say which is none."""
+        values: tuple[Any, ...] = self._values()
+        names: tuple[str, ...] = type(self).__slots__
+        for name, value in zip(names, values, strict=True):
+            if isinstance(value, bool) or not isinstance(value, Real):
+                raise ParameterError(name, value, f"a number, as one of {self._expected}")
             if not math.isfinite(value):
-                raise ParameterError(field.name, value, f"finite, as one of {self._expected}")
+                raise ParameterError(name, value, f"finite, as one of {self._expected}")
+            object.__setattr__(self, name, float(value))
 
     @classmethod
     def of(cls, values: Sequence[float] | NDArray[Any]) -> Self:
@@ -315,8 +284,7 @@ class Pose(_Six):
 
     def distance(self, other: Pose) -> tuple[float, float]:
         """Give the distance of the positions [m] and the angle between the orientations [rad]."""
-        turn = rotvec_from_matrix(self.rotation.T @ other.rotation)
-        return math.dist(self[:3], other[:3]), float(np.linalg.norm(turn))
+        return math.dist(self[:3], other[:3]), turn_between(self[3:], other[3:])
 
     def almost_equal(self, other: Pose, *, position: float = 1e-6, rotation: float = 1e-6) -> bool:
         """Tell whether two poses are the same within tolerances.

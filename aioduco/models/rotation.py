@@ -7,10 +7,14 @@ Quaternions are in the order w, x, y, z.
 
 from __future__ import annotations
 
-from typing import TypeAlias
+import math
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 __all__ = [
     "Array",
@@ -21,6 +25,7 @@ __all__ = [
     "rotvec_from_matrix",
     "rpy_from_matrix",
     "slerp",
+    "turn_between",
 ]
 
 Array: TypeAlias = NDArray[np.float64]
@@ -177,3 +182,34 @@ def slerp(start: Array, end: Array, t: Array) -> Array:
     """
     turn = rotvec_from_matrix(start.T @ end)
     return start @ matrix_from_rotvec(np.asarray(t)[..., None] * turn)
+
+
+def turn_between(start: Sequence[float], end: Sequence[float]) -> float:
+    """Give the angle of the turn that leads from one orientation to another.
+
+    Args:
+        start: rx, ry, rz [rad].
+        end: rx, ry, rz [rad].
+
+    Returns:
+        The angle, 0 to π [rad].
+    """
+    # in plain floats: for one pair, arrays take ten times as long
+    w1, x1, y1, z1 = _quaternion(*start)
+    w2, x2, y2, z2 = _quaternion(*end)
+    cosine = w1 * w2 + x1 * x2 + y1 * y2 + z1 * z2
+    x = w1 * x2 - x1 * w2 - y1 * z2 + z1 * y2
+    y = w1 * y2 - y1 * w2 - z1 * x2 + x1 * z2
+    z = w1 * z2 - z1 * w2 - x1 * y2 + y1 * x2
+    return 2.0 * math.atan2(math.sqrt(x * x + y * y + z * z), abs(cosine))
+
+
+def _quaternion(rx: float, ry: float, rz: float) -> tuple[float, float, float, float]:
+    cx, cy, cz = math.cos(0.5 * rx), math.cos(0.5 * ry), math.cos(0.5 * rz)
+    sx, sy, sz = math.sin(0.5 * rx), math.sin(0.5 * ry), math.sin(0.5 * rz)
+    return (
+        cx * cy * cz + sx * sy * sz,
+        sx * cy * cz - cx * sy * sz,
+        cx * sy * cz + sx * cy * sz,
+        cx * cy * sz - sx * sy * cz,
+    )

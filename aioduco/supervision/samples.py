@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from aioduco.errors import StaleState
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.state import IOStatus, RobotStates, RobotStatus, vector
+from aioduco.models.state import IOStatus, RobotStates, RobotStatus, vectors
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -53,24 +53,49 @@ class Samples:
             StaleState: positions are missing: the controller is still starting.
         """
         at = time.monotonic()
+        (
+            speeds,
+            accelerations,
+            currents,
+            temperatures,
+            driver_temperatures,
+            tool_speed,
+            tool_acceleration,
+            expected_speeds,
+            expected_accelerations,
+            expected_tool_speed,
+            expected_tool_acceleration,
+        ) = vectors(
+            wire.jointActualVelocity,
+            wire.jointActualAccelera,
+            wire.jointActualCurrent,
+            wire.jointTemperature,
+            wire.driverTemperature,
+            wire.cartActualVelocity,
+            wire.cartActualAccelera,
+            wire.jointExpectVelocity,
+            wire.jointExpectAccelera,
+            wire.cartExpectVelocity,
+            wire.cartExpectAccelera,
+        )
         return RobotStatus(
             sequence=next(self._status),
             received_at=at,
             joints=joints(wire.jointActualPosition),
-            joint_speeds=vector(wire.jointActualVelocity),
-            joint_accelerations=vector(wire.jointActualAccelera),
-            joint_currents=vector(wire.jointActualCurrent),
-            joint_temperatures=vector(wire.jointTemperature),
-            driver_temperatures=vector(wire.driverTemperature),
+            joint_speeds=speeds,
+            joint_accelerations=accelerations,
+            joint_currents=currents,
+            joint_temperatures=temperatures,
+            driver_temperatures=driver_temperatures,
             pose=pose(wire.cartActualPosition),
-            tool_speed=vector(wire.cartActualVelocity),
-            tool_acceleration=vector(wire.cartActualAccelera),
+            tool_speed=tool_speed,
+            tool_acceleration=tool_acceleration,
             expected_joints=joints(wire.jointExpectPosition),
-            expected_joint_speeds=vector(wire.jointExpectVelocity),
-            expected_joint_accelerations=vector(wire.jointExpectAccelera),
+            expected_joint_speeds=expected_speeds,
+            expected_joint_accelerations=expected_accelerations,
             expected_pose=pose(wire.cartExpectPosition),
-            expected_tool_speed=vector(wire.cartExpectVelocity),
-            expected_tool_acceleration=vector(wire.cartExpectAccelera),
+            expected_tool_speed=expected_tool_speed,
+            expected_tool_acceleration=expected_tool_acceleration,
             enabled=tuple(wire.slaveReady),
             collision=wire.collision,
             collision_axis=wire.collisionAxis,

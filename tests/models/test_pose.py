@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from aioduco.errors import ParameterError
-from aioduco.models.pose import Joints, Pose, deg, mm
+from aioduco.models.pose import Joints, Pose
 from aioduco.models.rotation import (
     Array,
     matrix_from_rotvec,
@@ -23,6 +23,7 @@ from aioduco.models.rotation import (
     rpy_from_matrix,
     slerp,
 )
+from aioduco.models.units import deg, mm
 
 ANGLE = st.floats(-2 * math.pi, 2 * math.pi)
 LENGTH = st.floats(-3.0, 3.0)
@@ -130,6 +131,13 @@ def test_slerp_of_half_a_turn_keeps_its_rate() -> None:
     path = slerp(np.eye(3), end, np.linspace(0, 1, 11))
     angles = np.linalg.norm(rotvec_from_matrix(path), axis=1)
     np.testing.assert_allclose(angles, np.linspace(0, math.pi, 11), atol=1e-12)
+
+
+@given(POSES, POSES)
+def test_distance_is_that_of_scipy(a: Pose, b: Pose) -> None:
+    turn = (scipy_rotation(a).inv() * scipy_rotation(b)).magnitude()
+    assert a.distance(b) == pytest.approx((math.dist(a[:3], b[:3]), turn), abs=1e-9)
+    assert a.distance(a) == pytest.approx((0.0, 0.0), abs=1e-12)
 
 
 def test_almost_equal_compares_orientations_and_not_angles() -> None:
