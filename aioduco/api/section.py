@@ -162,9 +162,9 @@ class Section:
             call: makes the call of the wire, with block false.
             timeout: seconds in which it must end.
         """
+        limit = ranges.TIMEOUT("timeout", timeout)
         name, args = noted(call)
         self._supervisor.check_open(name)
-        limit = ranges.TIMEOUT("timeout", timeout)
         await self._supervisor.launcher.perform(name, args, limit)
 
     async def _settle(self, call: Call, timeout: float) -> None:

@@ -111,5 +111,5 @@ class System(Section):
 
         Manual section 1.3.7.
         """
-        mode_ = ranges.SWITCH_MODE("mode", int(mode))
+        mode_ = ranges.SWITCH_MODE("mode", mode)
         done("switch_mode", await self._rpc.switch_mode(mode_))

@@ -46,6 +46,8 @@ NAMES = {
     "jog": ("param",),
     "v": ("v", "vel"),
     "epose": ("epose", "epos"),
+    "task_id": ("id",),
+    "value": ("value", "val"),
 }
 
 
@@ -54,14 +56,16 @@ class Case:
     """A call of a function.
 
     Attributes:
-        section: the attribute of the robot.
+        section: the attribute of the robot; empty for what is on the robot itself.
         name: the function.
         args: our arguments, each as it can be given, all of them.
         wire: what arrives.
         answer: what the controller answers.
-        result: what comes back, if the function returns something.
+        result: what comes back, if the function returns something; a class if it is a sample,
+            which has a number and a time.
         moves: whether it makes a motion.
         also: what else the controller is asked for, and answers.
+        by_itself: whether the desk answers by itself, and carries it out.
     """
 
     section: str
@@ -72,13 +76,15 @@ class Case:
     result: Any = None
     moves: bool = False
     also: dict[str, Any] = field(default_factory=dict)
+    by_itself: bool = False
 
     def __str__(self) -> str:
         return self.name
 
     def method(self, robot: aioduco.Robot) -> Callable[..., Any]:
         """The function of a robot."""
-        method: Callable[..., Any] = getattr(getattr(robot, self.section), self.name)
+        section = getattr(robot, self.section) if self.section else robot
+        method: Callable[..., Any] = getattr(section, self.name)
         return method
 
     @property
@@ -109,7 +115,8 @@ async def _reached(name: str, args: tuple[Any, ...]) -> Any:
 def refusal(case: Case, **changed: Any) -> BaseException | None:
     """What a call with other arguments raises before anything could be sent; None if nothing."""
     nobody = aioduco.connect(NOBODY.host)  # a new one: what it remembers is its own
-    getattr(nobody, case.section)._rpc = AsyncRpc(_reached)
+    if case.section:
+        getattr(nobody, case.section)._rpc = AsyncRpc(_reached)
     try:
         made = case.method(nobody)(**(case.args | changed))
     except Exception as exc:
@@ -133,7 +140,13 @@ def refusal(case: Case, **changed: Any) -> BaseException | None:
 @cache
 def cases() -> tuple[Case, ...]:
     """All of them."""
-    from api import bus_cases, motion_cases, section_cases, setting_cases  # noqa: PLC0415  # they are made of what is here
+    from api import (  # noqa: PLC0415  # they are made of what is here
+        bus_cases,
+        motion_cases,
+        section_cases,
+        setting_cases,
+        state_cases,
+    )
 
-    modules = (motion_cases, section_cases, bus_cases, setting_cases)
+    modules = (motion_cases, section_cases, bus_cases, setting_cases, state_cases)
     return tuple(case for module in modules for case in module.CASES)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import hypothesis.strategies as st
@@ -10,71 +9,122 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from aioduco import Joints, Op, ParameterError, Pose
+import aioduco
+from aioduco import Jog, JogDirections, Joints, Op, ParameterError, Pose
+from aioduco._wire import idl
 from api.cases import Case, cases, refusal
+from api.limits import NEVER, NOT_FINITE, edges, rules_of, wrong
+from api.test_reachable import EXCEPTIONS, reachable
 
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
 
+    from api.desk import Desk
+
 PARAMETERS = [(case, name) for case in cases() for name in case.parameters]
 
-#: no parameter takes any of these
-NEVER: tuple[Any, ...] = (object(), 1j, {}, set(), b"\xff", Ellipsis, lambda: None)
-#: texts that may be empty
-EMPTY = {"path", "message", "value", "passwd", "info"}
-NOT_FINITE = (math.nan, math.inf, -math.inf)
-not_finite = st.sampled_from(NOT_FINITE)
+#: checked by no rule: values of classes that check what is in them, and lists of such values
+BUILT = {
+    ("combine_motion_config", "op_list"),
+    ("combine_motion_config", "time"),  # two rules, one for each number in it
+    ("set_eaxis_param", "param"),
+    ("set_eaxiss_scheme_param", "param"),
+    ("spline_op", "points"),
+    ("trackEnqueueOp", "points"),
+    ("realtime_data_enqueue", "points"),
+}
+BUILT_KINDS = (Op, Jog, JogDirections)
+#: an edge that another argument must go with
+TOGETHER: dict[tuple[str, str], dict[str, Any]] = {
+    ("set_digital_output_mode", "freq"): {"duty_cycle": 100},
+    ("set_digital_output_mode", "duty_cycle"): {"freq": 1},
+    ("fc_config", "damp"): {"direction": [False] * 6},
+    ("fc_config", "direction"): {"damp": [1000.0] * 6},
+}
 
 
-def wrong(case: Case, name: str) -> SearchStrategy[Any]:
-    """Values that a parameter must refuse."""
+def test_there_is_a_case_for_every_function() -> None:
+    """Whatever a section has: found by looking, not by a list."""
+    found = set(reachable()) & set(idl.functions())
+    assert {case.name for case in cases()} == found
+    assert found == set(idl.functions()) - set(EXCEPTIONS)
+    assert len(cases()) == len(found)
+
+
+def by_kind(case: Case, name: str) -> SearchStrategy[Any]:
+    """Values that a parameter must refuse for what it is, whatever rule there is."""
     sample, annotation = case.args[name], str(case.parameters[name].annotation)
     values: list[SearchStrategy[Any]] = [st.sampled_from(NEVER)]
     if "None" not in annotation:
         values.append(st.none())
     if isinstance(sample, str):
-        values += [st.integers(), st.floats(), st.booleans(), st.just("\ud800")]
-        if name in {"tool", "wobj"}:
-            values.append(st.text(min_size=33))
-        elif name not in EMPTY:
-            values.append(st.just(""))
-        return st.one_of(values)
-    if isinstance(sample, (bytes, bytearray)) or (name, case.section) == ("tail", "bus"):
-        none = st.sampled_from([value for value in NEVER if not isinstance(value, bytes)])
-        wrong = st.lists(st.sampled_from([-1, 256, 1.5, True, None, "1"]), min_size=1)
-        return st.one_of(none, wrong, st.none(), st.text(), st.integers(), st.just(b""))
-    values += [st.text(), st.binary()]
-    if isinstance(sample, bool):
-        values += [st.integers(), st.floats()]
+        values += [st.integers(), st.floats(), st.booleans(), st.binary()]
+    elif isinstance(sample, bool):
+        values += [st.integers(), st.floats(), st.text(), st.binary()]
     elif isinstance(sample, (int, float)):
-        values += [not_finite, st.booleans(), st.lists(st.floats(), min_size=1)]
-        if isinstance(sample, int) and "float" not in annotation:
-            values += [
-                st.floats(),
-                st.integers(min_value=2**31),
-                st.integers(max_value=-(2**31) - 1),
-            ]
+        values += [NOT_FINITE, st.booleans(), st.lists(st.floats(), min_size=1), st.text()]
+    elif isinstance(sample, (bytes, bytearray)):
+        values += [st.text(), st.integers(), st.lists(st.just(256), min_size=1)]
     elif isinstance(sample, Op):
-        values += [st.integers(), st.floats(), st.lists(st.integers())]
+        values += [st.integers(), st.floats(), st.lists(st.integers()), st.text()]
     elif isinstance(sample, (list, tuple, Pose, Joints, np.ndarray)):
-        values += [st.integers(), st.floats(), st.booleans(), st.lists(not_finite, min_size=1)]
-        values.append(st.just([[math.nan] * 6]))
-        values.append(st.just([object()]))
-        if not isinstance(sample[0], (list, tuple, np.ndarray, Pose, Joints)):
-            values.append(st.just([[0.0] * 6] * 6))
+        values += [st.integers(), st.floats(), st.booleans(), st.lists(NOT_FINITE, min_size=1)]
+        values += [st.just([object()]), st.text()]
+    else:
+        values += [st.integers(100), st.floats(), st.text(), st.just([1.0])]
     return st.one_of(values)
+
+
+def refused(case: Case, name: str) -> SearchStrategy[Any]:
+    """Values that a parameter must refuse."""
+    rules = rules_of(case)[name]
+    values = st.one_of(by_kind(case, name), *(wrong(rule, case.args[name]) for rule in rules))
+    if "None" in str(case.parameters[name].annotation):
+        return values.filter(lambda value: value is not None)
+    return values
 
 
 @pytest.mark.parametrize(("case", "name"), PARAMETERS, ids=str)
 @settings(max_examples=10)
 @given(data=st.data())
 def test_a_wrong_argument_is_refused(case: Case, name: str, data: st.DataObject) -> None:
-    value = data.draw(wrong(case, name))
+    value = data.draw(refused(case, name))
     error = refusal(case, **{name: value})
     assert isinstance(error, ParameterError), (value, error)
     assert error.parameter.partition("[")[0].partition(".")[0] == name
     assert str(error).endswith("nothing was sent")
     assert isinstance(error, ValueError)
+
+
+@pytest.mark.parametrize(("case", "name"), PARAMETERS, ids=str)
+def test_the_edges_are_taken(case: Case, name: str) -> None:
+    rules = rules_of(case)[name]
+    built = (case.name, name) in BUILT or isinstance(case.args[name], BUILT_KINDS)
+    assert bool(rules) != built, f"what checks {name}?"
+    for rule in rules:
+        for value in edges(rule, case.args[name]):
+            changed = TOGETHER.get((case.name, name), {}) | {name: value}
+            error = refusal(case, **changed)
+            assert error is None, (rule, value)
+
+
+@pytest.mark.parametrize(
+    ("function", "fewest", "most"),
+    [
+        ("spline_op", 2, 50),
+        ("trackEnqueueOp", 1, 1000),
+        ("spline", 2, 50),
+        ("trackEnqueue", 1, 1000),
+    ],
+)
+def test_points_are_counted(function: str, fewest: int, most: int) -> None:
+    (case,) = [one for one in cases() if one.name == function]
+    name = "poses" if function == "spline" else "points"
+    first = list(case.args[name])[:1]
+    assert refusal(case, **{name: first * fewest}) is None
+    assert refusal(case, **{name: first * most}) is None
+    for count in (fewest - 1, most + 1):
+        assert isinstance(refusal(case, **{name: first * count}), ParameterError)
 
 
 @pytest.mark.parametrize("case", cases(), ids=str)
@@ -83,3 +133,22 @@ def test_the_error_says_what_is_expected(case: Case) -> None:
         error = refusal(case, **{name: object()})
         assert isinstance(error, ParameterError)
         assert error.expected
+
+
+async def test_the_controller_sees_nothing(robot: aioduco.Robot, desk: Desk) -> None:
+    """On an open robot, where nothing but the check is in the way."""
+    for case in cases():
+        if not case.by_itself:
+            desk.answer(case.name, case.answer)
+    for case, name in PARAMETERS:
+        for value in (*NEVER, float("nan"), b"wrong", [[object()]]):
+            if isinstance(value, bytes) and isinstance(case.args[name], (bytes, bytearray, list)):
+                continue
+            with pytest.raises(ParameterError):
+                await case.method(robot)(**(case.args | {name: value}))
+    asked = {call.method for call in desk.received()} - SUPERVISION
+    assert not asked
+
+
+#: what an open robot asks for by itself
+SUPERVISION = {"rpc_heartbeat", "get_robot_state", "get_robot_version"}
