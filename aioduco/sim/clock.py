@@ -20,14 +20,15 @@ class Pace:
     Args:
         cycle: simulated time of one cycle [s].
         speed: simulated seconds in a real one; inf for as fast as possible.
+
+    Attributes:
+        speed: another one counts from the next `begin`.
     """
 
     def __init__(self, cycle: float, speed: float) -> None:
-        if not speed > 0.0:
-            raise ValueError(f"speed is {speed}, but must be above 0")
         self.slipped: float = 0.0
+        self.speed: float = checked_speed(speed)
         self._cycle = cycle
-        self._speed = speed
         self._period = 0.0
         self._start = 0.0
         self._count = 0
@@ -38,7 +39,7 @@ class Pace:
         As fast as possible has no meaning while nothing happens: such a clock goes at the speed
         of real time while idle.
         """
-        speed = 1.0 if idle and math.isinf(self._speed) else self._speed
+        speed = 1.0 if idle and math.isinf(self.speed) else self.speed
         self._period = self._cycle / speed
         self._start = now
         self._count = 0
@@ -63,6 +64,17 @@ class Pace:
     def ran(self, cycles: int = 1) -> None:
         """Count cycles that have run."""
         self._count += cycles
+
+
+def checked_speed(speed: float) -> float:
+    """A speed that a clock can go at.
+
+    Raises:
+        ValueError: It is not above zero.
+    """
+    if not speed > 0.0:
+        raise ValueError(f"speed is {speed}, but must be above 0")
+    return speed
 
 
 class LoopStatistics(NamedTuple):

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from aioduco.models.enums import RobotState
-from aioduco.sim.clock import LoopStatistics, LoopTimes, Pace
+from aioduco.sim.clock import LoopStatistics, LoopTimes, Pace, checked_speed
 from aioduco.sim.controller import Controller, Drive, Sensed, View
 from aioduco.sim.planner.mover import SetPoint
 from aioduco.sim.refusal import Pending, Refusal
@@ -105,6 +105,7 @@ class Runtime:
         self._plant = plant
         self.cycle = cycle
         self._pace = Pace(cycle, speed)
+        self._speed = speed
         self._times = LoopTimes()
         self._on_network = on_network
         self._lock = threading.Lock()
@@ -253,6 +254,11 @@ class Runtime:
         self._load = (mass, tuple(centre))
         self._wake.set()
 
+    def set_speed(self, speed: float) -> None:
+        """Go on at another speed: simulated seconds in a real one."""
+        self._speed = checked_speed(speed)
+        self._wake.set()
+
     def statistics(self) -> LoopStatistics:
         """How well the cycle is kept."""
         return self._times.statistics(self._pace.slipped)
@@ -294,6 +300,9 @@ class Runtime:
         self._pace.begin(time.perf_counter())
         while not self._closing:
             now = time.perf_counter()
+            if self._pace.speed != self._speed:
+                self._pace.speed = self._speed
+                self._pace.begin(now, idle=idle)
             if idle:
                 if self._wake.wait(_STRIDE):
                     self._wake.clear()

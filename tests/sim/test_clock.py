@@ -19,6 +19,15 @@ def test_cycles_are_due_on_an_absolute_schedule() -> None:
         pace.ran()
 
 
+def test_another_speed_counts_from_the_next_beginning() -> None:
+    pace = Pace(0.001, math.inf)
+    pace.begin(0.0)
+    pace.speed = 0.5
+    assert pace.delay(0.0) == 0.0
+    pace.begin(7.0)
+    assert pace.delay(7.0) == pytest.approx(0.002)
+
+
 @given(speed=st.floats(0.01, 1000.0))
 def test_speed_divides_the_period(speed: float) -> None:
     pace = Pace(0.001, speed)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
 from aioduco._wire.rpc import RealTimeControlData
-from aioduco.models.enums import TaskState
+from aioduco.models.enums import SafetyState, TaskState
 from aioduco.sim.planner.realtime import CAPACITY
 from aioduco.sim.simulator import READY, Simulator
 
@@ -67,45 +68,92 @@ def velocity(row: list[float]) -> RealTimeControlData:
 
 
 @pytest.fixture
-def slow() -> Any:
-    """A simulator in which 40 ms last long enough for a busy machine."""
-    with Simulator(speed=0.1) as sim:
-        yield sim
+def slow(sim: Simulator, robot: Program) -> Program:
+    """A program whose controller is so slow that 40 ms last long enough for a busy machine."""
+    sim.speed = 0.1
+    return robot
 
 
-@pytest.fixture
-def slow_robot(slow: Simulator, connect: Callable[..., Program]) -> Program:
-    program = connect(slow)
-    program.bring_up()
-    return program
+# The manual's example, line by line, with its comments; `usleep` is of the simulated clock, and on
+# an absolute schedule, so that a busy machine makes it no slower.
 
 
-def test_the_manuals_example_runs(slow: Simulator, slow_robot: Program) -> None:
-    robot = slow_robot
-    start = list(slow.joints)
-    # steps 1 to 4
-    assert robot.clear_realtime_data_queue() == TaskState.FINISHED
-    assert robot.get_realtime_data_queue_size() == 0
-    assert robot.realtime_data_enqueue(list(map(velocity, ROWS)), True) == TaskState.FINISHED
-    assert robot.get_realtime_data_queue_size() == len(ROWS)
-    # step 5
-    assert robot.start_realtime_mode(1, 100.0, 0.04) == TaskState.FINISHED
-    # step 6: the manual pushes a point and sleeps for a millisecond; here the queue is kept at
-    # as many points as the manual began with, whatever this machine's clock does
-    sent = len(ROWS)
-    while sent < 400:
-        room = len(ROWS) - robot.get_realtime_data_queue_size()
-        if room > 0:
-            robot.realtime_data_enqueue([velocity(ROWS[-1])] * room, True)
-            sent += room
-    assert robot.get_robot_state() == [6, 2, 5, 1]
-    assert robot.end_realtime_mode() == TaskState.FINISHED
-    assert robot.get_robot_state() == [6, 0, 5, 1]
-    assert robot.get_last_error() == []
-    moved = [a - b for a, b in zip(slow.joints, start, strict=True)]
-    # up to ten points were still in the queue
-    assert moved[2] == pytest.approx(ROWS[-1][2] * 0.39, rel=0.1)
+def begin_the_manuals_example(duco_cobot: Program) -> None:
+    """Steps 1 to 5, up to the loop."""
+    # 机器人已经上电上使能
+    # 清空实时数据队列
+    assert duco_cobot.clear_realtime_data_queue() == TaskState.FINISHED
+    assert duco_cobot.get_realtime_data_queue_size() == 0
+    real_data_vec = []
+    # 将关节速度赋值给实时数据结构体变量
+    for i in range(len(ROWS)):
+        rt_data = RealTimeControlData()
+        rt_data.joint_vel_cmd = ROWS[i]
+        # 数据更新状态为 true
+        rt_data.status = True
+        real_data_vec.append(rt_data)
+    # 将数据传进队列
+    assert duco_cobot.realtime_data_enqueue(real_data_vec, True) == TaskState.FINISHED
+    assert duco_cobot.get_realtime_data_queue_size() == len(ROWS)
+    # 以关节速度控制方式打开实时控制模式
+    assert duco_cobot.start_realtime_mode(1, 100, 0.04) == TaskState.FINISHED
+
+
+def feed_as_the_manual(
+    duco_cobot: Program, sim: Simulator, stop_realtime_control: Callable[[], bool]
+) -> int:
+    """Step 6: how many points were sent."""
+    sent, start = 0, sim.time
+    # 不断地向队列填充数据
+    while not stop_realtime_control():
+        real_data_vec = []
+        rt_data = RealTimeControlData()
+        rt_data.joint_vel_cmd = ROWS[len(ROWS) - 1]
+        rt_data.status = True
+        real_data_vec.append(rt_data)
+        assert duco_cobot.realtime_data_enqueue(real_data_vec, True) == TaskState.FINISHED
+        sent += 1
+        due = start + 0.001 * sent
+        sim.wait_until(functools.partial(_has_come, sim, due))  # usleep(1000)
+    return sent
+
+
+def _has_come(sim: Simulator, due: float) -> bool:
+    return sim.time >= due
+
+
+def test_the_manuals_example_runs(sim: Simulator, slow: Program) -> None:
+    duco_cobot, start, end = slow, list(sim.joints), sim.time + 0.2
+    begin_the_manuals_example(duco_cobot)
+    sent = feed_as_the_manual(duco_cobot, sim, lambda: sim.time >= end)
+    assert duco_cobot.get_robot_state() == [6, 2, 5, 1]
+    # 关闭实时控制模式
+    assert duco_cobot.end_realtime_mode() == TaskState.FINISHED
+    assert duco_cobot.get_robot_state() == [6, 0, 5, 1]
+    assert duco_cobot.get_last_error() == []
+    moved = [a - b for a, b in zip(sim.joints, start, strict=True)]
+    # The first rows, which rise, are a tenth of it; the last ones may still be in the queue.
+    assert moved[2] == pytest.approx(ROWS[-1][2] * 0.001 * (sent + len(ROWS)), rel=0.15)
     assert moved[1] / moved[2] == pytest.approx(ROWS[-1][1] / ROWS[-1][2], rel=0.05)
+
+
+def test_the_manuals_example_starved(sim: Simulator, slow: Program) -> None:
+    """Nobody feeds the queue any more, for longer than the 0.04 s of the example."""
+    begin_the_manuals_example(slow)
+    fed = sim.time + 0.05
+    feed_as_the_manual(slow, sim, lambda: sim.time >= fed)
+    assert slow.get_robot_state() == [6, 2, 5, 1]
+    last = sim.time
+    sim.wait_until(lambda: sim.view.safety != SafetyState.RUN)
+    assert sim.time - last > 0.04
+    sim.wait_until(lambda: not sim.moving)
+    # STOP2: it stands, with power; and no point that comes now moves it.
+    assert slow.get_robot_state() == [6, 0, 7, 1]
+    assert "no data for 0.04 s" in slow.get_last_error()[-1]
+    here, later = sim.joints, sim.time + 0.05
+    feed_as_the_manual(slow, sim, lambda: sim.time >= later)
+    assert sim.joints.almost_equal(here, 1e-4)
+    assert slow.start_realtime_mode(1, 100, 0.04) == TaskState.ILLEGAL
 
 
 def test_a_starved_queue_stops_the_arm(sim: Simulator, robot: Program) -> None:

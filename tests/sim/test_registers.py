@@ -115,6 +115,17 @@ def test_pulses_begin_when_the_output_is_set() -> None:
     assert not outputs.level(4, 0.0)
 
 
+@pytest.mark.parametrize(("frequency", "duty", "pulses"), [(100, 10, 1), (100, 9, 0), (1, 1, 10)])
+def test_pulses_shorter_than_a_millisecond_switch_the_output_off(
+    frequency: int, duty: int, pulses: int
+) -> None:
+    outputs = Outputs(1)
+    outputs.choose(1, Pulses(frequency, duty))
+    outputs[1] = True
+    period = 1000 // frequency
+    assert sum(outputs.level(1, time / 1000) for time in range(period)) == pulses
+
+
 def test_there_is_one_generator_of_pulses() -> None:
     outputs = Outputs(2)
     outputs.choose(1, Pulses(10, 50))
