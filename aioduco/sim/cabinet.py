@@ -6,16 +6,12 @@ import threading
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from aioduco.sim.buses import CanPort, SerialPort
 from aioduco.sim.modbus import ModbusSignals
 from aioduco.sim.project import Project
 from aioduco.sim.values import SystemValues
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from aioduco.sim.planner.guiding import Giving
 
 __all__ = ["Cabinet"]
@@ -38,7 +34,6 @@ class Cabinet:
         encoder_count: of the external encoder.
         dynamics: parameters of the dynamic calibration, as they were set.
         hand_teaching: what gives way in hand guiding; None for everything.
-        load: that is held: its mass [kg] and its centre of gravity in the flange's frame [m].
         force_sensor: whether one is set up.
         lock: held while a bus is used: several programs share it, and peers know no threads.
     """
@@ -55,6 +50,5 @@ class Cabinet:
     encoder_count: int = 0
     dynamics: list[list[float]] = field(default_factory=list)
     hand_teaching: Giving | None = None
-    load: tuple[float, NDArray[np.float64]] = field(default_factory=lambda: (0.0, np.zeros(3)))
     force_sensor: bool = True
     lock: threading.Lock = field(default_factory=threading.Lock)

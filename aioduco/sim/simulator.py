@@ -164,7 +164,6 @@ class Simulator:
             model,
             f"SIM{self.seed:08d}",
             self.cabinet,
-            gravity(self.mounting),
         )
         server = Server(handlers(context), host=self._address[0], port=self._address[1])
         server.start()

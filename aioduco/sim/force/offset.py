@@ -6,12 +6,12 @@ axes are that it was moved along, so that these can change at any time without a
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from aioduco.kinematics.forward import frames
-from aioduco.models.rotation import matrix_from_rotvec
 from aioduco.sim.planner.mover import SetPoint
 
 if TYPE_CHECKING:
@@ -52,6 +52,21 @@ def _jacobian(chain: Array) -> Array:
         for (x, y, z), (a, b, c) in zip(axes, arms, strict=True)
     ]
     return np.array(columns).T
+
+
+def _turned(a: float, b: float, c: float, time: float) -> Array:
+    """Give the rotation matrix of some time at an angular speed [rad/s]."""
+    rate = math.sqrt(a * a + b * b + c * c)
+    a, b, c = a / rate, b / rate, c / rate
+    sine, cosine = math.sin(rate * time), math.cos(rate * time)
+    d = 1.0 - cosine
+    return np.array(
+        (
+            (cosine + d * a * a, d * a * b - sine * c, d * a * c + sine * b),
+            (d * a * b + sine * c, cosine + d * b * b, d * b * c - sine * a),
+            (d * a * c - sine * b, d * b * c + sine * a, cosine + d * c * c),
+        )
+    )
 
 
 class Offset:
@@ -105,17 +120,18 @@ class Offset:
             twist: its speed [m/s], then its angular speed [rad/s], in the base frame.
             tip: the tip in the flange's frame [m]. Shape (3,).
         """
-        linear, angular = np.array(twist[:3]), np.array(twist[3:])
-        step = self._cycle * linear
-        if angular.any():
+        u, v, w, a, b, c = twist
+        step = self._cycle * np.array((u, v, w))
+        if a or b or c:
             # Turned about the tip: the flange goes round it.
             arm = self.flange @ tip
-            turned = matrix_from_rotvec(self._cycle * angular)
-            step = step + arm - turned @ arm
+            x, y, z = arm.tolist()
+            turned = _turned(a, b, c, self._cycle)
+            step += arm - turned @ arm
             self._turn = turned @ self._turn
-            linear = linear - np.cross(angular, arm)
+            u, v, w = u - (b * z - c * y), v - (c * x - a * z), w - (a * y - b * x)
         self._shift = self._shift + step
-        self._speed = (*linear.tolist(), *twist[3:])
+        self._speed = (u, v, w, a, b, c)
         self._none = False
 
     def apply(self, setpoint: SetPoint) -> SetPoint:
@@ -128,6 +144,9 @@ class Offset:
             self._last = setpoint
             self.flange = self._frames(setpoint.q)[6, :3, :3]
             return setpoint
+        last = self._last
+        if setpoint.q is self._at and not (any(self._speed) or last.qd.any() or setpoint.qd.any()):
+            return last
         wanted = self._frames(setpoint.q)
         speed = np.array(self._speed)
         if setpoint.qd.any():
@@ -135,7 +154,6 @@ class Offset:
             speed[:3] += linear
             speed[3:] += self._turn @ angular
         flange = self._turn @ wanted[6, :3, :3]
-        last = self._last
         guess = last.q + self._cycle * (last.qd + 0.5 * self._cycle * last.qdd)
         chain = frames(self._arm.geometry, guess)
         (_, c, d), (e, _, f), (g, h, _) = (flange @ chain[6, :3, :3].T).tolist()

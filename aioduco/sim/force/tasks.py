@@ -107,6 +107,10 @@ class ForceTasks:
         )
         return self._finish("fc_force_set_value")
 
+    def carry(self, mass: float, centre: Sequence[float]) -> None:
+        """Know of a load [kg], and of its centre in the flange's frame [m]."""
+        self.control.sensor = self.control.sensor.carrying(mass, centre)
+
     def admit(self, name: str) -> int | None:
         """Make ready for a motion.
 

@@ -5,26 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
-import numpy as np
-
 from aioduco.models.enums import TaskState
 from aioduco.sim.cabinet import Cabinet
 from aioduco.sim.handlers.answers import ZERO_OUT_OF_RANGE
-from aioduco.sim.mounting import GRAVITY
 from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
     from aioduco.sim.controller import Controller
     from aioduco.sim.frames import Frames
     from aioduco.sim.runtime import Runtime
     from aioduco.sim.signals import Signals
-
-    Vector = NDArray[np.float64]
 
 
 T = TypeVar("T")
@@ -46,7 +39,6 @@ class Context:
         frames: tools and work objects.
         series, model, serial: what get_robot_type tells.
         cabinet: what the controller keeps besides: variables, ports, files.
-        gravity: its acceleration along the base's axes [m/s²]. Shape (3,).
     """
 
     arm: Arm
@@ -57,7 +49,6 @@ class Context:
     model: str
     serial: str
     cabinet: Cabinet = field(default_factory=Cabinet)
-    gravity: Vector = field(default_factory=lambda: np.array([0.0, 0.0, -GRAVITY]))
 
 
 class Section:

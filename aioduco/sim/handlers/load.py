@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from aioduco.sim.force.sensor import Axes
 from aioduco.sim.frames import UnknownName
 from aioduco.sim.handlers.arguments import load
 from aioduco.sim.handlers.base import Section
@@ -13,11 +14,7 @@ from aioduco.sim.handlers.base import Section
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from aioduco.sim.controller import Controller
-
-    Vector = NDArray[np.float64]
 
 
 class LoadHandlers(Section):
@@ -30,7 +27,7 @@ class LoadHandlers(Section):
             mass, *centre = load("value", value)
             tool = controller.frames.tool().matrix
             at = tool[:3, :3] @ centre + tool[:3, 3]
-            self._cabinet.load = (mass, at)
+            controller.force.carry(mass, at.tolist())
             self._runtime.load(mass, at.tolist())
             return controller.finish("set_load_data")
 
@@ -38,10 +35,7 @@ class LoadHandlers(Section):
 
     def get_tcp_force(self) -> list[float]:
         """Force and torque on the tool's tip along the base's axes [N, N m]."""
-        snapshot = self._runtime.snapshot
-        turn = self._arm.fkine(snapshot.q)[:3, :3]
-        force, torque = self._contact(snapshot.view.tool.matrix[:3, 3])
-        return [*(turn @ force).tolist(), *(turn @ torque).tolist()]
+        return self._external(Axes(self._runtime.snapshot.view.tool.matrix, np.eye(4), False))
 
     def get_tcp_force_tool(self, tool: str) -> list[float]:
         """Force and torque on a tool's tip along its own axes [N, N m]."""
@@ -49,15 +43,9 @@ class LoadHandlers(Section):
             matrix = self._frames.tool(tool).matrix
         except UnknownName as exc:
             return self._senseless("get_tcp_force_tool", exc, [])
-        force, torque = self._contact(matrix[:3, 3])
-        turn = matrix[:3, :3].T
-        return [*(turn @ force).tolist(), *(turn @ torque).tolist()]
+        return self._external(Axes(matrix, np.eye(4)))
 
-    def _contact(self, tip: Vector) -> tuple[Vector, Vector]:
-        """What acts on the flange besides the load's weight, about a point, in its frame."""
+    def _external(self, axes: Axes) -> list[float]:
         snapshot = self._runtime.snapshot
-        mass, centre = self._cabinet.load
-        weight = mass * (self._arm.fkine(snapshot.q)[:3, :3].T @ self._context.gravity)
-        force = snapshot.wrench[:3] - weight
-        torque = snapshot.wrench[3:] - np.cross(centre, weight)
-        return force, torque - np.cross(tip, force)
+        flange = self._arm.fkine(snapshot.q)[:3, :3]
+        return axes.seen(snapshot.view.sensor.external(snapshot.wrench, flange), flange)
