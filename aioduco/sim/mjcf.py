@@ -28,6 +28,9 @@ SERVOS = 5
 # MuJoCo's friction gives way a little under load: this is as firm as it gets.
 _FIRM = "0.9999 0.9999 0.001 0.5 2"
 
+# Housings that are inside each other in every configuration, besides those of neighbours.
+_NESTED = (("base", "link1"), ("base", "link2"), ("link4", "link6"))
+
 _TUBE, _JOINT = "0.9 0.91 0.92 1", "0.16 0.36 0.62 1"  # colours
 
 
@@ -109,10 +112,13 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None) -> str:
     thick, wide = 0.002, links[6].parts[0].radius
     ET.SubElement(
         flange, "geom", name="flange_0", type="cylinder", size=_text((wide, thick)),
-        pos=_text((0.0, 0.0, -thick)), rgba=_TUBE, contype="2", conaffinity="1", mass="0",
+        pos=_text((0.0, 0.0, -thick)), rgba=_TUBE, contype="2", conaffinity="3", mass="0",
     )  # fmt: skip
     ET.SubElement(flange, "inertial", pos="0 0 0", mass="1e-6", diaginertia="1e-9 1e-9 1e-9")
     ET.SubElement(flange, "site", name="flange", size="0.004", rgba="0.9 0.3 0.1 1")
+    contact = ET.SubElement(root, "contact")
+    for one, other in _NESTED:
+        ET.SubElement(contact, "exclude", body1=one, body2=other)
     root.append(actuator)
     sensor = ET.SubElement(root, "sensor")
     ET.SubElement(sensor, "force", name="force", site="flange")
@@ -128,10 +134,10 @@ def _solid(parent: ET.Element, link: Body, name: str) -> None:
             + link.inertia[[0, 0, 1], [1, 2, 2]].tolist()
         ),
     )  # fmt: skip
-    # Links touch their neighbours; only the world may touch them.
+    # They touch each other and the world: its geoms have MuJoCo's default of 1 and 1.
     for i, part in enumerate(link.parts):
         ET.SubElement(
             parent, "geom", name=f"{name}_{i}", type="capsule", size=f"{part.radius:.9g}",
             fromto=_text((*part.start, *part.end)), rgba=_JOINT if part.joint else _TUBE,
-            contype="2", conaffinity="1", mass="0",
+            contype="2", conaffinity="3", mass="0",
         )  # fmt: skip
