@@ -1,0 +1,136 @@
+// A client as the vendor ships it for C++: reads calls, one on a line, and writes the answers.
+//
+//     driver <host> <port>
+//
+// A line is "<service> <function> <arguments>", the arguments being the generated struct of them
+// in Thrift's JSON. An answer is one line of JSON: {"answer": <the generated result struct>},
+// {"refused": "<text>"} for an application error, or {"lost": "<text>"}, after which the next call
+// opens a new connection.
+
+#include <functional>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <string>
+
+#include <thrift/TApplicationException.h>
+#include <thrift/protocol/TBinaryProtocol.h>
+#include <thrift/protocol/TJSONProtocol.h>
+#include <thrift/transport/TBufferTransports.h>
+#include <thrift/transport/TSocket.h>
+
+#include "Older.h"
+#include "Oldest.h"
+#include "RPCRobot.h"
+#include "Short.h"
+
+namespace {
+
+using apache::thrift::TApplicationException;
+using apache::thrift::TException;
+using apache::thrift::protocol::TBinaryProtocol;
+using apache::thrift::protocol::TJSONProtocol;
+using apache::thrift::protocol::TProtocol;
+using apache::thrift::transport::TBufferedTransport;
+using apache::thrift::transport::TMemoryBuffer;
+using apache::thrift::transport::TSocket;
+
+using Call = std::function<void(TProtocol&, TProtocol&)>;
+using Calls = std::map<std::string, Call>;
+
+// The generated clients of all services on one connection.
+struct Robot {
+  explicit Robot(const std::shared_ptr<TProtocol>& wire)
+      : full(wire), brief(wire), older(wire), oldest(wire) {}
+  RPCRobotClient full;
+  clients::ShortClient brief;
+  clients::OlderClient older;
+  clients::OldestClient oldest;
+};
+
+template <class Args>
+Args read(TProtocol& json) {
+  Args args;
+  args.read(&json);
+  return args;
+}
+
+Calls calls(Robot& robot) {
+  return {
+#include "calls.inc"
+  };
+}
+
+std::string quoted(const std::string& text) {
+  std::ostringstream out;
+  out << '"';
+  for (unsigned char c : text) {
+    if (c == '"' || c == '\\') {
+      out << '\\' << c;
+    } else {
+      out << (c < ' ' ? ' ' : static_cast<char>(c));
+    }
+  }
+  out << '"';
+  return out.str();
+}
+
+class Driver {
+ public:
+  Driver(std::string host, int port) : host_(std::move(host)), port_(port) {}
+
+  std::string answer(const std::string& call, const std::string& args) {
+    try {
+      open();
+      auto in = std::make_shared<TMemoryBuffer>(
+          reinterpret_cast<uint8_t*>(const_cast<char*>(args.data())),
+          static_cast<uint32_t>(args.size()));
+      auto out = std::make_shared<TMemoryBuffer>();
+      TJSONProtocol reader(in);
+      TJSONProtocol writer(out);
+      calls_.at(call)(reader, writer);
+      return "{\"answer\": " + out->getBufferAsString() + "}";
+    } catch (const TApplicationException& error) {
+      return "{\"refused\": " + quoted(error.what()) + "}";
+    } catch (const TException& error) {
+      calls_.clear();
+      robot_.reset();
+      return "{\"lost\": " + quoted(error.what()) + "}";
+    }
+  }
+
+ private:
+  void open() {
+    if (robot_) return;
+    auto socket = std::make_shared<TSocket>(host_, port_);
+    socket->setRecvTimeout(20000);
+    auto transport = std::make_shared<TBufferedTransport>(socket);
+    transport->open();
+    robot_ = std::make_unique<Robot>(std::make_shared<TBinaryProtocol>(transport));
+    calls_ = calls(*robot_);
+  }
+
+  std::string host_;
+  int port_;
+  std::unique_ptr<Robot> robot_;
+  Calls calls_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    std::cerr << "usage: driver <host> <port>\n";
+    return 2;
+  }
+  apache::thrift::GlobalOutput.setOutputFunction([](const char*) {});
+  Driver driver(argv[1], std::stoi(argv[2]));
+  std::string service;
+  std::string function;
+  std::string args;
+  while (std::cin >> service >> function >> std::ws && std::getline(std::cin, args)) {
+    std::cout << driver.answer(service + " " + function, args) << std::endl;
+  }
+  return 0;
+}

@@ -1,0 +1,79 @@
+"""Brings the simulated arm to where each call of the table begins."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from aioduco.testing import eventually
+
+from .clients import Lost
+
+if TYPE_CHECKING:
+    from .clients import Client
+
+HOME = [0.0, 0.0, 1.5708, 0.0, -1.5708, 0.0]
+FINISHED, AUTO = 4, 1
+READY, UNPOWERED = [6, 0, 5, 1], [4, 0, 4, 1]
+_FIRST_ID, _UNDER_WAY = 1000, (0, 1, 2)
+_BLOCK = {"block": True}
+_WAY_HOME = {"joints_list": HOME, "v": 3.0, "a": 20.0, "block": True}
+
+
+class Session:
+    """A client at a controller.
+
+    Args:
+        client: calls the functions.
+    """
+
+    def __init__(self, client: Client) -> None:
+        self.client = client
+
+    def call(self, name: str, args: dict[str, Any] | None = None) -> Any:
+        """Call a function as the present client does."""
+        return self.client.call("RPCRobot", name, args or {})
+
+    def state(self) -> Any:
+        """The robot's states; waits for a controller that is starting again."""
+        answers: list[Any] = []
+
+        def answered() -> bool:
+            answers.append(self.call("get_robot_state"))
+            return not isinstance(answers[-1], Lost)
+
+        eventually(answered)
+        return answers[-1]
+
+    def settle(self, answer: Any) -> None:
+        """Wait for the end of a task, if an answer is the id of one."""
+        if type(answer) is int and answer >= _FIRST_ID:
+            eventually(lambda: self._ended(answer))
+
+    def _ended(self, id_: int) -> bool:
+        state = self.call("get_noneblock_taskstate", {"id": id_})
+        return isinstance(state, Lost) or state not in _UNDER_WAY
+
+    def enabled(self) -> None:
+        """An enabled arm at home, in automatic mode, with nothing under way."""
+        if self.state() != READY:
+            self._do("stop", _BLOCK)
+            self._do("switch_mode", {"mode": AUTO})
+            for name in ("power_off", "power_on", "enable"):
+                self._do(name, _BLOCK)
+        if far(self.call("get_actual_joints_position"), HOME) > 1e-3:
+            self._do("movej2", _WAY_HOME)
+
+    def unpowered(self) -> None:
+        """An arm without power, in automatic mode."""
+        if self.state() != UNPOWERED:
+            self._do("switch_mode", {"mode": AUTO})
+            self._do("power_off", _BLOCK)
+
+    def _do(self, name: str, args: dict[str, Any]) -> None:
+        answer = self.call(name, args)
+        assert answer == FINISHED, (name, answer, self.call("get_last_error"))
+
+
+def far(a: list[float], b: list[float]) -> float:
+    """The greatest difference of two joint vectors [rad]."""
+    return max(abs(x - y) for x, y in zip(a, b, strict=True))
