@@ -24,6 +24,19 @@ _PACKAGES = ("duco", "clients")
 Connect = Callable[[], AbstractContextManager[Any]]
 
 
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave the calls of every function to `pytest -m interop`: for them C++ is compiled."""
+    if "interop" in config.option.markexpr:
+        return
+    kept: list[pytest.Item] = []
+    left: list[pytest.Item] = []
+    for item in items:
+        (left if "start" in getattr(item, "fixturenames", ()) else kept).append(item)
+    if left:
+        config.hook.pytest_deselected(items=left)
+        items[:] = kept
+
+
 @dataclass(frozen=True)
 class Generated:
     """What the compiler wrote: the module with the client, and the module with the structs."""
