@@ -1,9 +1,10 @@
 """A program that moves the arm, and ends, or is ended, in one way or another.
 
-    python program.py HOST PORT HEARTBEAT END
+    python program.py HOST PORT HEARTBEAT STALL GUARD END
 
-It writes a line when the arm moves. HEARTBEAT is in seconds, 0 for none. END is what it does then:
-one of the methods of `Ends`.
+It writes a line when the arm moves: the process id of its guard, 0 without one. HEARTBEAT and
+STALL, the stall limit, are in seconds, and a HEARTBEAT of 0 is none. GUARD is "process" or "". END
+is what it does then: one of the methods of `Ends`.
 """
 
 from __future__ import annotations
@@ -11,17 +12,21 @@ from __future__ import annotations
 import os
 import sys
 import time
+from typing import TYPE_CHECKING
 
 import anyio
 
 import aioduco
+
+if TYPE_CHECKING:
+    from aioduco.supervision.settings import GuardKind
 
 #: joints between which the arm moves; far from every singularity and limit [rad]
 LEFT = (0.4, 0.0, 1.57, 0.0, -1.57, 0.0)
 RIGHT = (-0.4, 0.1, 1.4, 0.0, -1.57, 0.2)
 
 #: s for which it hangs
-HANG = 1.5
+HANG = 1.2
 
 
 class Ends:
@@ -61,13 +66,16 @@ class Ends:
         """End the program without closing the robot."""
 
 
-async def main(host: str, port: int, heartbeat: float | None, end: str) -> None:
-    robot = aioduco.connect(host, port, heartbeat=heartbeat, loop_stall_limit=heartbeat or 1.0)
+async def main(
+    host: str, port: int, heartbeat: float | None, stall: float, guard: GuardKind | None, end: str
+) -> None:
+    robot = aioduco.connect(host, port, heartbeat=heartbeat, loop_stall_limit=stall, guard=guard)
     await robot.open()
     try:
         await robot.bring_up()
         task = await robot.motion.movej2(LEFT, v=0.3, a=4.0).start()
-        sys.stdout.write("moving\n")
+        seat = robot._supervisor.guard
+        sys.stdout.write(f"{seat.pid if seat else 0}\n")
         sys.stdout.flush()
         await getattr(Ends(robot, task), end)()
     finally:
@@ -76,5 +84,7 @@ async def main(host: str, port: int, heartbeat: float | None, end: str) -> None:
 
 
 if __name__ == "__main__":
-    _, given_host, given_port, beat, given_end = sys.argv
-    anyio.run(main, given_host, int(given_port), float(beat) or None, given_end)
+    _, given_host, given_port, beat, limit, kind, given_end = sys.argv
+    given_guard: GuardKind | None = "process" if kind == "process" else None
+    beat_every = float(beat) or None
+    anyio.run(main, given_host, int(given_port), beat_every, float(limit), given_guard, given_end)

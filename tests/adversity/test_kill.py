@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import random
 import signal
 import subprocess
 import sys
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
@@ -24,8 +26,34 @@ if TYPE_CHECKING:
 
 #: s; the shortest that a controller takes
 HEARTBEAT = 0.2
+#: s without the event loop after which the arm is stopped
+STALL = 0.2
 #: s of simulated time in which an arm at 0.3 rad/s with 4 rad/s² comes to rest, amply
 BRAKING = 0.6
+
+
+@dataclass(frozen=True)
+class Watch:
+    """Who watches over the program.
+
+    With the guard the heartbeat is much longer than what the tests allow: if the arm stands in
+    time, it is the guard's doing.
+
+    Attributes:
+        guard: the guard, if any.
+        heartbeat: heartbeat time [s]; 0 for none.
+    """
+
+    guard: str = ""
+    heartbeat: float = HEARTBEAT
+
+    def __str__(self) -> str:
+        return "guard" if self.guard else "heartbeat"
+
+
+BEAT = Watch()
+GUARD = Watch("process", heartbeat=10.0)
+BOTH = pytest.mark.parametrize("watch", [BEAT, GUARD], ids=str)
 
 
 @pytest.fixture
@@ -35,20 +63,45 @@ def sim() -> Iterator[Simulator]:
         yield sim
 
 
+@dataclass
+class Running:
+    """The program in a process of its own.
+
+    Attributes:
+        process: the process.
+        guard: process id of its guard; 0 without one.
+    """
+
+    process: subprocess.Popen[bytes]
+    guard: int
+
+    def signal(self, number: int) -> None:
+        """Send it a signal."""
+        self.process.send_signal(number)
+
+    def kill(self) -> None:
+        """Kill it, and see it gone."""
+        self.process.kill()
+        self.process.wait()
+
+    def wait(self) -> int:
+        """Its exit code, when it has ended."""
+        return self.process.wait()
+
+
 @contextmanager
-def running(
-    sim: Simulator, end: str = "never", heartbeat: float = HEARTBEAT
-) -> Iterator[subprocess.Popen[bytes]]:
+def running(sim: Simulator, watch: Watch, end: str = "never") -> Iterator[Running]:
     """The program in a process of its own, from its first motion on."""
-    options = [sim.host, str(sim.port), str(heartbeat), end]
+    options = [sim.host, str(sim.port), str(watch.heartbeat), str(STALL), watch.guard, end]
     with subprocess.Popen(
         [sys.executable, str(Path(program.__file__)), *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
     ) as child:
         try:
-            assert _stream(child.stdout).readline() == b"moving\n", _stream(child.stderr).read()
-            yield child
+            line = _stream(child.stdout).readline()
+            assert line, _stream(child.stderr).read()
+            yield Running(child, int(line))
         finally:
             child.kill()
             _stream(child.stdout).close()
@@ -66,24 +119,27 @@ def stands_soon(sim: Simulator, began: float) -> None:
     assert sim.time - began < HEARTBEAT + BRAKING
 
 
-@pytest.mark.parametrize("number", range(5))
-def test_the_arm_stands_after_a_kill(sim: Simulator, seed: int, number: int) -> None:
-    moment = random.Random(f"{seed}/{number}").uniform(0.0, 0.8)
-    with running(sim) as child:
-        began = sim.time
-        sim.wait_until(lambda: sim.time >= began + moment)
+def at_a_moment(sim: Simulator, choice: str) -> None:
+    """Let the arm move on for a while."""
+    due = sim.time + random.Random(choice).uniform(0.0, 0.8)
+    sim.wait_until(partial(_later, sim, due))
+
+
+@pytest.mark.parametrize("number", range(3))
+@BOTH
+def test_the_arm_stands_after_a_kill(sim: Simulator, seed: int, watch: Watch, number: int) -> None:
+    with running(sim, watch) as child:
+        at_a_moment(sim, f"{seed}/{number}")
         child.kill()
-        child.wait()
         began = sim.time
-        eventually(lambda: sim.connections == 0)
         stands_soon(sim, began)
+        eventually(lambda: sim.connections == 0)
 
 
 def test_without_a_heartbeat_the_arm_goes_on(sim: Simulator) -> None:
-    """What the other tests see is the heartbeat's doing."""
-    with running(sim, heartbeat=0.0) as child:
+    """What the other tests see is the heartbeat's doing, or the guard's."""
+    with running(sim, Watch(heartbeat=0.0)) as child:
         child.kill()
-        child.wait()
         eventually(lambda: sim.connections == 0)
         began = sim.time
         sim.wait_until(lambda: sim.time > began + HEARTBEAT + BRAKING)
@@ -91,35 +147,59 @@ def test_without_a_heartbeat_the_arm_goes_on(sim: Simulator) -> None:
         assert sim.moving
 
 
-@pytest.mark.parametrize("number", range(2))
-def test_the_arm_stands_while_the_program_is_frozen_and_after(
-    sim: Simulator, seed: int, number: int
-) -> None:
-    moment = random.Random(f"{seed}/{number}").uniform(0.0, 0.5)
-    with running(sim) as child:
+def test_the_arm_stands_after_a_kill_of_program_and_guard(sim: Simulator, seed: int) -> None:
+    """The heartbeat ends with the guard; the program, frozen first, can do nothing."""
+    with running(sim, Watch("process", HEARTBEAT)) as child:
+        at_a_moment(sim, f"{seed}")
+        child.signal(signal.SIGSTOP)
         began = sim.time
-        sim.wait_until(lambda: sim.time >= began + moment)
-        child.send_signal(signal.SIGSTOP)
-        began = sim.time
+        os.kill(child.guard, signal.SIGKILL)
         stands_soon(sim, began)
-        child.send_signal(signal.SIGCONT)
+        child.kill()
+
+
+def test_the_guards_death_stops_the_arm(sim: Simulator, seed: int) -> None:
+    """By the program, which lives: long before the heartbeat is over."""
+    with running(sim, GUARD) as child:
+        at_a_moment(sim, f"{seed}")
+        began = sim.time
+        os.kill(child.guard, signal.SIGKILL)
+        stands_soon(sim, began)
+        assert child.wait() != 0
+
+
+@BOTH
+def test_the_arm_stands_while_the_program_is_frozen_and_after(
+    sim: Simulator, seed: int, watch: Watch
+) -> None:
+    with running(sim, watch) as child:
+        at_a_moment(sim, f"{seed}")
+        child.signal(signal.SIGSTOP)
+        began = sim.time
+        stands_soon(sim, began + STALL)
+        child.signal(signal.SIGCONT)
         # it finds its motion stopped, and must not go on as if nothing had been
         assert child.wait() != 0
         assert idle(sim), unrest(sim)
         assert not sim.moving
 
 
-def test_the_arm_stands_while_the_event_loop_hangs(sim: Simulator) -> None:
-    with running(sim, "hang") as child:
+@BOTH
+def test_the_arm_stands_while_the_event_loop_hangs(sim: Simulator, watch: Watch) -> None:
+    with running(sim, watch, "hang") as child:
         began = sim.time
-        stands_soon(sim, began + HEARTBEAT)
+        stands_soon(sim, began + STALL)
         assert child.wait() != 0
         assert idle(sim), unrest(sim)
 
 
-@pytest.mark.parametrize("end", ["error", "leave"])
-def test_the_arm_stands_when_a_program_that_fails_has_ended(sim: Simulator, end: str) -> None:
-    with running(sim, end) as child:
+@pytest.mark.parametrize(
+    ("end", "watch"), [("error", BEAT), ("leave", BEAT), ("leave", GUARD)], ids=str
+)
+def test_the_arm_stands_when_a_program_that_fails_has_ended(
+    sim: Simulator, end: str, watch: Watch
+) -> None:
+    with running(sim, watch, end) as child:
         assert child.wait() != 0
         # at once: the program saw it stand
         assert idle(sim), unrest(sim)
@@ -127,20 +207,22 @@ def test_the_arm_stands_when_a_program_that_fails_has_ended(sim: Simulator, end:
 
 
 @pytest.mark.parametrize("end", ["vanish", "forget"])
-def test_the_arm_stands_after_a_program_that_did_not_close(sim: Simulator, end: str) -> None:
-    with running(sim, end) as child:
+@BOTH
+def test_the_arm_stands_after_a_program_that_did_not_close(
+    sim: Simulator, end: str, watch: Watch
+) -> None:
+    with running(sim, watch, end) as child:
         child.wait()
-        began = sim.time
+        stands_soon(sim, sim.time)
         eventually(lambda: sim.connections == 0)
-        stands_soon(sim, began)
 
 
-def interrupt(sim: Simulator, child: subprocess.Popen[bytes], gaps: tuple[float, ...]) -> None:
+def interrupt(sim: Simulator, child: Running, gaps: tuple[float, ...]) -> None:
     """Press Ctrl-C once after each of these times, and wait for the end of the program."""
     for gap in gaps:
         due = sim.time + gap
         sim.wait_until(partial(_later, sim, due))
-        child.send_signal(signal.SIGINT)
+        child.signal(signal.SIGINT)
     assert child.wait() != 0
 
 
@@ -148,18 +230,32 @@ def _later(sim: Simulator, due: float) -> bool:
     return sim.time >= due
 
 
-@pytest.mark.parametrize("gaps", [(0.0,), (0.2,), (0.0, 0.0), (0.1, 0.003), (0.0, 0.02)])
+@pytest.mark.parametrize(
+    ("gaps", "watch"),
+    [
+        ((0.0,), BEAT),
+        ((0.2,), GUARD),
+        ((0.0, 0.0), GUARD),
+        ((0.1, 0.003), BEAT),
+        ((0.1, 0.003), GUARD),
+        ((0.0, 0.02), BEAT),
+    ],
+    ids=str,
+)
 def test_the_arm_stands_when_an_interrupted_program_has_ended(
-    sim: Simulator, gaps: tuple[float, ...]
+    sim: Simulator, gaps: tuple[float, ...], watch: Watch
 ) -> None:
-    with running(sim) as child:
+    with running(sim, watch) as child:
         interrupt(sim, child, gaps)
         assert idle(sim), unrest(sim)
         assert not sim.moving
 
 
-def test_the_arm_stands_after_a_program_that_was_interrupted_thrice(sim: Simulator) -> None:
+@BOTH
+def test_the_arm_stands_after_a_program_that_was_interrupted_thrice(
+    sim: Simulator, watch: Watch
+) -> None:
     """The third interrupt breaks the event loop itself; the stop has been sent by then."""
-    with running(sim) as child:
+    with running(sim, watch) as child:
         interrupt(sim, child, (0.1, 0.001, 0.003))
         stands_soon(sim, sim.time)

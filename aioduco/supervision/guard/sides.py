@@ -9,6 +9,7 @@ Guarantees:
 from __future__ import annotations
 
 import time
+from functools import partial
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Final
 
@@ -17,6 +18,7 @@ import anyio
 from aioduco._wire.handoff import doorbell
 from aioduco.errors import ConnectError, DucoError, GuardLost
 from aioduco.supervision.control import Control
+from aioduco.supervision.errand import see_done
 from aioduco.supervision.guard.link import Answer, GuardLink, Watcher, shared
 from aioduco.supervision.guard.messages import Alive, Beat, Rearm, Release, Stop, Watch
 from aioduco.supervision.heartbeat import HeartbeatStatistics, SignOfLife
@@ -98,8 +100,11 @@ class Seat:
         """
         self._lost = doorbell(lost)
         self._beat = None
-        link = await anyio.to_thread.run_sync(shared.acquire)
+        link, cancelled = await see_done(shared.acquire)
         self._link = link
+        if cancelled is not None:
+            await insist(self.give_up)
+            raise cancelled
         robot = link.enter(Watcher(self._heard, self._gone))
         settings = self._settings
         limit = _START_LIMIT + 2 * settings.connect_timeout
@@ -135,10 +140,16 @@ class Seat:
         self._link, self._robot = None, 0
         if link is None:
             return
+        cancelled: BaseException | None = None
         if robot:
-            await self._asked(link, lambda token: Release(robot, token), _RELEASE_LIMIT)
+            _, cancelled = await insist(lambda: self._released(link, robot))
             link.leave(robot)
-        await anyio.to_thread.run_sync(shared.release, link)
+        _, again = await see_done(partial(shared.release, link))
+        if (cancelled := again or cancelled) is not None:
+            raise cancelled
+
+    async def _released(self, link: GuardLink, robot: int) -> None:
+        await self._asked(link, lambda token: Release(robot, token), _RELEASE_LIMIT)
 
     def touch(self, stamp: float) -> None:
         """Pass on a sign of life of the event loop."""
