@@ -203,13 +203,13 @@ class Robot:
         from aioduco.api.state import State  # noqa: PLC0415
         from aioduco.api.system import System  # noqa: PLC0415
         from aioduco.api.version import Version  # noqa: PLC0415
+        from aioduco.streaming.endpoint import Endpoint  # noqa: PLC0415
         from aioduco.streaming.sections import (  # noqa: PLC0415
             Motion,
             Realtime,
             Servo,
             Speed,
             Track,
-            endpoint_of,
         )
         from aioduco.supervision.supervisor import Supervisor  # noqa: PLC0415
 
@@ -217,7 +217,7 @@ class Robot:
         self.port = port
         self._supervisor = Supervisor(host, port, settings)
         self.system = System(self._supervisor)
-        endpoint = endpoint_of(self._supervisor)
+        endpoint = Endpoint.of(self._supervisor)
         self.motion = Motion(self._supervisor, endpoint)
         self.servo = Servo(endpoint)
         self.speed = Speed(endpoint)

@@ -37,10 +37,11 @@ from streaming_server import CYCLE
 
 from aioduco._wire.connection import Connection
 from aioduco._wire.lane import Lane
+from aioduco.streaming.endpoint import Endpoint
 from aioduco.streaming.pacing import Schedule
 from aioduco.streaming.realtime import RealtimeStreams
 from aioduco.streaming.servo import Servo
-from aioduco.streaming.settings import Endpoint, LaneOptions, Upsampling
+from aioduco.streaming.settings import LaneOptions, Upsampling
 from aioduco.streaming.statistics import Histogram
 
 if TYPE_CHECKING:
@@ -384,7 +385,7 @@ PROGRAM = """
 import sys
 import anyio
 from aioduco.streaming.servo import Servo
-from aioduco.streaming.settings import Endpoint
+from aioduco.streaming.endpoint import Endpoint
 
 async def main(port):
     async with Servo(Endpoint("127.0.0.1", int(port))).joints(v=1.0, a=5.0, rate=500) as stream:

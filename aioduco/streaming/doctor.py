@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 import anyio
 
 from aioduco.api import ranges
+from aioduco.streaming.config import Sent
+from aioduco.streaming.endpoint import Endpoint
+from aioduco.streaming.limits import Limits
 from aioduco.streaming.report import times_table
-from aioduco.streaming.settings import Endpoint, Feeding, LaneOptions
-from aioduco.streaming.space import JOINT_SPACE
+from aioduco.streaming.settings import Feeding, LaneOptions
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
@@ -131,21 +133,8 @@ def holdable(figures: StreamStatistics) -> float:
 
 
 async def _measure(endpoint: Endpoint, options: LaneOptions, seconds: float) -> StreamStatistics:
-    stream = Stream(
-        endpoint,
-        Feeding(rate=RATES[0]),
-        options,
-        space=JOINT_SPACE,
-        check=ranges.JOINTS,
-        config={
-            "driver": "probe",
-            "space": "joints",
-            "leave": [],
-            "limits": [[1.0], [1.0]],
-            "period": 1 / RATES[0],
-        },
-        name="probe",
-    )
+    sent = Sent(name="probe", in_joints=True, limits=Limits((1.0,) * 6, (1.0,) * 6), drive=None)
+    stream = Stream(endpoint, Feeding(rate=RATES[0]), options, sent, ranges.JOINTS)
     async with stream:
         await anyio.sleep(seconds)
     return stream.statistics()

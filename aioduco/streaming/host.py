@@ -19,7 +19,7 @@ from aioduco.streaming.shared import Block, Command, Control, Status
 from aioduco.streaming.source import Reason, State
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from aioduco.streaming.config import LaneConfig
 
 __all__ = ["Host"]
 
@@ -34,19 +34,17 @@ class Host:
     the program by the end of a socket, and is heard of in the same way.
 
     Args:
-        config: the lane's configuration.
-        thread: run it in a thread instead of a process.
+        config: all that the lane is told.
     """
 
-    def __init__(self, config: Mapping[str, Any], *, thread: bool) -> None:
-        self._config = config
-        self._in_thread = thread
+    def __init__(self, config: LaneConfig) -> None:
+        self._in_thread = config.options.lane == "thread"
         self._process: subprocess.Popen[bytes] | None = None
         self._thread: threading.Thread | None = None
         self._link: socket.socket | None = None
         self._woken = anyio.Event()
         self._gone = False
-        self.block: Block = Block.make(config, shared=not thread)
+        self.block: Block = Block.make(config, shared=not self._in_thread)
         self._outcome: tuple[Reason, str] | None = None
 
     @property

@@ -21,27 +21,26 @@ import threading
 import time
 import traceback
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from aioduco._wire.connection import Connection
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError, StopUnconfirmed
 from aioduco.scheduling import shorten_slice
-from aioduco.streaming.drive import Driver, Each
+from aioduco.streaming.config import Calls, Pool, Queue
+from aioduco.streaming.drive import CallDriver, Driver
 from aioduco.streaming.pacing import Schedule, sharpen_sleep, sleep_until
-from aioduco.streaming.probe import Probe
-from aioduco.streaming.queued import Pool, Queue
+from aioduco.streaming.pool import PoolDriver
+from aioduco.streaming.probe import ProbeDriver
+from aioduco.streaming.queue import QueueDriver
 from aioduco.streaming.shared import Block, Command, Control, Status, Unmet
 from aioduco.streaming.source import Reason, State
 
-__all__ = ["Lane", "main"]
+if TYPE_CHECKING:
+    from aioduco.streaming.config import LaneConfig
+    from aioduco.streaming.settings import LaneOptions
 
-_DRIVERS: dict[str, type[Each | Queue | Pool | Probe]] = {
-    "each": Each,
-    "queue": Queue,
-    "pool": Pool,
-    "probe": Probe,
-}
+__all__ = ["Lane", "main"]
 
 #: ends after which the lane stops the robot itself: nobody else knows, or nobody else can
 _STOPS = (
@@ -71,7 +70,8 @@ class Lane:
 
     def __init__(self, block: Block, link: socket.socket, *, process: bool) -> None:
         self._block = block
-        self._config = block.config
+        self._config: LaneConfig = block.config
+        self._timeout = block.config.options.timeout
         self._link = link
         self._poll = select.poll()
         self._poll.register(link, select.POLLIN | select.POLLHUP)
@@ -84,13 +84,13 @@ class Lane:
 
     def run(self) -> None:
         """Run to the end of the stream. Whatever happens is written into the block."""
-        block, config = self._block, self._config
+        block = self._block
         reason, text = Reason.NONE, ""
         connection = self._connection()
-        block.status[Status.UNMET] = prepare(config)
+        block.status[Status.UNMET] = prepare(self._config.options)
         try:
             connection.open()
-            self._driver = _DRIVERS[config["driver"]](config, connection, block)
+            self._driver = self._make_driver(connection)
             block.status[Status.READY] = 1
             self._tell()
             self._loop(self._driver)
@@ -127,13 +127,25 @@ class Lane:
 
     def _connection(self) -> Connection:
         config = self._config
-        return Connection(config["host"], config["port"], connect_timeout=config["connect_timeout"])
+        timeout = config.options.connect_timeout
+        return Connection(config.host, config.port, connect_timeout=timeout)
+
+    def _make_driver(self, connection: Connection) -> Driver:
+        match self._config.sent.drive:
+            case Calls() as calls:
+                return CallDriver(calls, connection, self._block)
+            case Queue() as queue:
+                return QueueDriver(queue, connection, self._block)
+            case Pool() as pool:
+                return PoolDriver(pool, connection, self._block)
+            case None:
+                return ProbeDriver(connection, self._block)
 
     def _leave(self, connection: Connection, reason: Reason) -> None:
         """Make what the lane was streaming end on the controller's side, too."""
         if self._block.status[Status.SENT] == 0 or reason is Reason.STOPPED:
             return
-        calls = [tuple(call) for call in self._config["leave"]]
+        calls = [tuple(call) for call in self._config.sent.leave]
         if reason in _STOPS:
             calls.append(("stop", True))
         if calls and connection.state is not ConnectionState.IDLE:
@@ -142,7 +154,7 @@ class Lane:
             connection.open()
         try:
             for name, *args in calls:
-                connection.call(name, tuple(args), self._config["timeout"])
+                connection.call(name, tuple(args), self._timeout)
             self._stand(connection)
         finally:
             connection.close()
@@ -154,25 +166,25 @@ class Lane:
         while standing < _STANDING:
             looks += 1
             try:
-                moving = connection.call("robotmoving", (), self._config["timeout"])
+                moving = connection.call("robotmoving", (), self._timeout)
             except ControllerError:
                 # This controller does not tell, so nothing more can be known here.
                 return
             standing = 0 if moving else standing + 1
             now = sleep_until(start + looks * _STAND_EVERY)
             if now - start > _STAND_LIMIT:
-                connection.call("stop", (True,), self._config["timeout"])
+                connection.call("stop", (True,), self._timeout)
                 raise StopUnconfirmed("it was still moving long after the end, and told to stop")
 
     def _loop(self, driver: Driver) -> None:
         block, config = self._block, self._config
         clock = time.monotonic_ns
-        spin = int(config["spin"] * 1e9)
+        spin = int(config.options.spin * 1e9)
         lateness = block.histograms["lateness"].record
         interval = block.histograms["interval"].record
         work = block.histograms["work"].record
         status = block.status
-        schedule = Schedule(int(config["period"] * 1e9), clock())
+        schedule = Schedule(int(config.period * 1e9), clock())
         before = clock()
         while True:
             due = schedule.due
@@ -213,7 +225,7 @@ class Lane:
         if self._gone():
             dead = self._process and os.getppid() != self._parent
             # Where others stop the robot at once, set-points would only set it moving again.
-            end = driver.end if dead and self._config["guarded"] else driver.brake
+            end = driver.end if dead and self._config.guarded else driver.brake
             end(Reason.PROGRAM_DIED)
 
     def _gone(self) -> bool:
@@ -253,8 +265,8 @@ class Lane:
             self._link.send(b"\1", socket.MSG_DONTWAIT | socket.MSG_NOSIGNAL)
 
 
-def prepare(config: dict[str, Any]) -> Unmet:
-    """Give the calling thread what the configuration asks for of the system.
+def prepare(options: LaneOptions) -> Unmet:
+    """Give the calling thread what is asked for of the system.
 
     Returns:
         What the system did not allow.
@@ -264,14 +276,14 @@ def prepare(config: dict[str, Any]) -> Unmet:
         unmet |= Unmet.TIMER_SLACK
     if not shorten_slice(_SLICE):
         unmet |= Unmet.SLICE
-    if config["cpus"]:
+    if options.cpus:
         try:
-            os.sched_setaffinity(0, config["cpus"])
+            os.sched_setaffinity(0, options.cpus)
         except OSError:
             unmet |= Unmet.CPUS
-    if config["priority"]:
+    if options.priority:
         try:
-            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(config["priority"]))
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(options.priority))
         except OSError:
             unmet |= Unmet.PRIORITY
     return unmet

@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from aioduco.streaming.space import Config, Displacement, Space
 
-__all__ = ["Limiter", "Limits"]
+__all__ = ["JERK", "Limiter", "Limits"]
+
+#: the limit of jerk where none is given: full acceleration after 0.1 s [1/s]
+JERK = 10.0
 
 _ZERO: Displacement = (0.0,) * 6
 _SLACK = 1 + 1e-9  # a trajectory exactly at its limits passes in spite of rounding

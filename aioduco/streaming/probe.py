@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from aioduco._wire import codec, idl
 from aioduco.streaming.shared import Status
@@ -13,15 +13,15 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.streaming.shared import Block
 
-__all__ = ["Probe"]
+__all__ = ["ProbeDriver"]
 
 
-class Probe:
+class ProbeDriver:
     """What a servo stream costs, without a servo: one short call per tick."""
 
-    def __init__(self, config: dict[str, Any], connection: Connection, block: Block) -> None:
+    def __init__(self, connection: Connection, block: Block) -> None:
         self._connection = connection
-        self._timeout = float(config["timeout"])
+        self._timeout = block.config.options.timeout
         self._block = block
         self._function = idl.functions()["get_robot_state"]
         self._arguments = codec.encode(self._function, ())

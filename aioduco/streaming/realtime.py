@@ -7,49 +7,46 @@ from typing import TYPE_CHECKING, Any
 from aioduco.api import ranges
 from aioduco.errors import ParameterError
 from aioduco.models.realtime import RealtimeMode
-from aioduco.streaming.settings import Endpoint, Feeding, LaneOptions, Upsampling, per_group
-from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE
+from aioduco.streaming.config import Meaning, Queue, Sent
+from aioduco.streaming.limits import JERK, Limits
+from aioduco.streaming.settings import Feeding, per_group
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
+    from typing import Unpack
 
     from aioduco.models.rules import VectorLike
-    from aioduco.streaming.space import Space
+    from aioduco.streaming.endpoint import Endpoint
+    from aioduco.streaming.settings import FeedingOptions, LaneOptions
 
 __all__ = ["CYCLE", "RealtimeStreams"]
 
 #: time in which the controller takes one point from its queue [s] (manual 1.3.15, the example)
 CYCLE = 0.001
-_JERK = 10.0  # of the acceleration, per second
 _Limit = float | tuple[float, float]
 
-#: by mode: field of the point, space, whether set-points are speeds, where the arm is read, check
+#: by mode: field of the point, whether it is of joints, its meaning, where the arm is read, check
 _MODES: dict[
-    RealtimeMode, tuple[str, Space, bool, list[str], Callable[[str, VectorLike], list[float]]]
+    RealtimeMode,
+    tuple[str, bool, Meaning, list[str], Callable[[str, VectorLike], list[float]]],
 ] = {
     RealtimeMode.JOINT_POSITION: (
         "joint_pos_cmd",
-        JOINT_SPACE,
-        False,
+        True,
+        "place",
         ["get_actual_joints_position"],
         ranges.JOINTS,
     ),
-    RealtimeMode.JOINT_VELOCITY: (
-        "joint_vel_cmd",
-        JOINT_SPACE,
-        True,
-        [],
-        ranges.JOINT_VELOCITIES,
-    ),
+    RealtimeMode.JOINT_VELOCITY: ("joint_vel_cmd", True, "speed", [], ranges.JOINT_VELOCITIES),
     RealtimeMode.POSE: (
         "cart_pos_tool_wobj_cmd",
-        POSE_SPACE,
         False,
+        "place",
         ["get_tcp_pose_coord", "", ""],
         ranges.POSE,
     ),
-    RealtimeMode.TWIST: ("cart_vel_tool_wobj_cmd", POSE_SPACE, True, [], ranges.TWIST),
+    RealtimeMode.TWIST: ("cart_vel_tool_wobj_cmd", False, "speed", [], ranges.TWIST),
 }
 
 
@@ -80,14 +77,10 @@ class RealtimeStreams:
         period: float = 0.004,
         filter_bandwidth: float = 100.0,
         com_lost_time: float = 0.02,
-        source_rate: float | None = None,
-        latest: bool = False,
-        upsample: Upsampling = "none",
-        hold: float | None = None,
-        ahead: int | None = None,
         max_step: _Limit | None = None,
         reach: _Limit | None = None,
         options: LaneOptions | None = None,
+        **feeding: Unpack[FeedingOptions],
     ) -> Stream:
         """Follow positions or speeds (start_realtime_mode, realtime_data_enqueue).
 
@@ -103,16 +96,13 @@ class RealtimeStreams:
             period: time between two looks at the queue [s].
             filter_bandwidth: of the controller's filter of the points [Hz].
             com_lost_time: time with an empty queue after which the controller faults [s].
-            source_rate: set-points per second from the program [Hz]; None: 1000, one for each
-                millisecond.
-            latest: only the newest set-point counts, and `send` never waits.
-            upsample: "none", "linear", "cubic" or "ruckig".
-            hold: time without a set-point after which the stream ends [s]; None: 0.5 for
-                positions, 0.1 for speeds, which go on that long.
-            ahead: set-points queued before `send` waits.
             max_step: largest step between two set-points [rad], or [m, rad].
             reach: how far the arm may be from the first set-point [rad], or [m, rad].
             options: how the lane runs; None: in a process of its own.
+            feeding: how the program feeds it: `source_rate`, set-points per second [Hz], 1000 of
+                them if left out; `latest`, `upsample`, `ahead` as for `robot.servo`; `hold`, time
+                without a set-point after which the stream ends [s], 0.5 for positions and 0.1 for
+                speeds, which go on that long.
 
         Returns:
             The stream; its set-points are what the mode says.
@@ -123,18 +113,15 @@ class RealtimeStreams:
         Manual section 1.3.15.
         """
         chosen = _mode(mode)
-        field, space, rates, read, check = _MODES[chosen]
-        groups = len(space.groups)
-        hold_ = hold if hold is not None else 0.1 if rates else 0.5
-        step, near = (0.2, 0.1) if groups == 6 else ((0.05, 0.2), (0.05, 0.1))
-        feeding = Feeding(
+        field, in_joints, meaning, read, check = _MODES[chosen]
+        speeds = meaning == "speed"
+        groups = 6 if in_joints else 2
+        step, near = (0.2, 0.1) if in_joints else ((0.05, 0.2), (0.05, 0.1))
+        feeding.setdefault("hold", 0.1 if speeds else 0.5)
+        fed = Feeding(
+            **feeding,
             rate=1 / CYCLE,
-            source_rate=source_rate,
-            latest=latest,
-            upsample=upsample,
-            hold=hold_,
-            ahead=ahead,
-            max_step=() if rates else per_group("max_step", max_step or step, groups),
+            max_step=() if speeds else per_group("max_step", max_step or step, groups),
             reach=per_group("reach", reach or near, groups),
         )
         if not 2 <= depth <= 1000:
@@ -143,33 +130,21 @@ class RealtimeStreams:
             raise ParameterError(
                 "period", period, f"from {CYCLE:g} s to half of what {depth} points last"
             )
-        return Stream(
-            self._endpoint,
-            feeding,
-            options,
-            space=space,
-            check=check,
-            config={
-                "driver": "queue",
-                "space": "joints" if space is JOINT_SPACE else "pose",
-                "rates": rates,
-                "offsets": False,
-                "read": read,
-                "leave": [],
-                "ending": "end_realtime_mode",
-                "limits": _limits(v, a, jerk, groups),
-                "period": period,
-                "point_period": CYCLE,
-                "depth": depth,
-                "field": field,
-                "mode": [
-                    int(chosen),
-                    ranges.REALTIME_BANDWIDTH("filter_bandwidth", filter_bandwidth),
-                    ranges.REALTIME_LOST_TIME("com_lost_time", com_lost_time),
-                ],
-            },
+        arguments = [
+            int(chosen),
+            ranges.REALTIME_BANDWIDTH("filter_bandwidth", filter_bandwidth),
+            ranges.REALTIME_LOST_TIME("com_lost_time", com_lost_time),
+        ]
+        sent = Sent(
             name=f"realtime {chosen.name.lower()}",
+            in_joints=in_joints,
+            limits=_limits(v, a, jerk, groups),
+            drive=Queue(field=field, mode=arguments, depth=depth, period=period),
+            meaning=meaning,
+            read=read,
+            ending="end_realtime_mode",
         )
+        return Stream(self._endpoint, fed, options, sent, check)
 
 
 def _mode(mode: RealtimeMode | str | Any) -> RealtimeMode:
@@ -180,7 +155,7 @@ def _mode(mode: RealtimeMode | str | Any) -> RealtimeMode:
     return RealtimeMode(chosen)
 
 
-def _limits(v: _Limit, a: _Limit, jerk: _Limit | None, groups: int) -> list[Sequence[float]]:
+def _limits(v: _Limit, a: _Limit, jerk: _Limit | None, groups: int) -> Limits:
     top, change = per_group("v", v, groups), per_group("a", a, groups)
-    jerks = tuple(_JERK * c for c in change) if jerk is None else per_group("jerk", jerk, groups)
-    return [top, change, jerks]
+    jerks = tuple(JERK * c for c in change) if jerk is None else per_group("jerk", jerk, groups)
+    return Limits(top, change, jerks)

@@ -8,7 +8,6 @@ from aioduco.api import motion, ranges, realtime, track
 from aioduco.errors import ParameterError, UnknownFunction
 from aioduco.streaming.realtime import RealtimeStreams
 from aioduco.streaming.servo import Servo
-from aioduco.streaming.settings import Endpoint, LaneOptions
 from aioduco.streaming.speed import Speed
 from aioduco.streaming.track import TrackStreams
 from aioduco.streaming.trajectory import follow
@@ -16,24 +15,14 @@ from aioduco.streaming.trajectory import follow
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from aioduco.streaming.endpoint import Endpoint
+    from aioduco.streaming.settings import LaneOptions
     from aioduco.streaming.trajectory import Feedback, JointTrajectory, Tolerances, TrajectoryResult
     from aioduco.supervision.supervisor import Supervisor
 
-__all__ = ["Motion", "Realtime", "Servo", "Speed", "Through", "Track", "endpoint_of"]
+__all__ = ["Motion", "Realtime", "Servo", "Speed", "Through", "Track"]
 
 Through = Literal["auto", "realtime", "servoj"]
-
-
-def endpoint_of(supervisor: Supervisor) -> Endpoint:
-    """Where the streams of a robot lead to, and who is asked and told about them."""
-    return Endpoint(
-        supervisor.host,
-        supervisor.port,
-        stop=supervisor.keeper.stop_stream,
-        streams=supervisor.keeper.streams,
-        admit=supervisor.admit_stream,
-        guarded=supervisor.guard is not None,
-    )
 
 
 class Realtime(realtime.Realtime, RealtimeStreams):

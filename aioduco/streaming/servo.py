@@ -2,51 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from aioduco.api import ranges
 from aioduco.errors import ParameterError
-from aioduco.streaming.settings import Endpoint, Feeding, LaneOptions, Upsampling, per_group
-from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE
+from aioduco.streaming.config import Calls, Sent
+from aioduco.streaming.gains import ServoGains
+from aioduco.streaming.limits import JERK, Limits
+from aioduco.streaming.settings import Feeding, per_group
+from aioduco.streaming.space import POSE_SPACE
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
+    from typing import Unpack
+
     from aioduco.models.rules import VectorLike
+    from aioduco.streaming.endpoint import Endpoint
+    from aioduco.streaming.settings import LaneOptions, PacedOptions
 
-__all__ = ["OffsetStream", "Servo", "ServoGains"]
+__all__ = ["OffsetStream", "Servo"]
 
-_JERK = 10.0  # of the acceleration, per second: full acceleration after 0.1 s
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ServoGains:
-    """How closely the controller follows a servo's set-points (manual 1.3.5, servoj).
-
-    Attributes:
-        kp: proportional gain, from 0; the manual advises its default.
-        kd: derivative gain, from 0; the manual advises its default.
-        smooth_vel: smoothing of the velocity, 1 to 100; more is smoother and lags more.
-        smooth_acc: smoothing of the acceleration, 0 to 1; more is smoother and lags more.
-    """
-
-    kp: float = 200.0
-    kd: float = 25.0
-    smooth_vel: float = 10.0
-    smooth_acc: float = 1.0
-
-    def wire(self) -> list[float]:
-        """The four numbers as they stand at the end of a servo call, checked.
-
-        Raises:
-            ParameterError: one is out of range.
-        """
-        return [
-            ranges.SERVO_KP("kp", self.kp),
-            ranges.SERVO_KD("kd", self.kd),
-            ranges.SERVO_SMOOTH_VELOCITY("smooth_vel", self.smooth_vel),
-            ranges.SERVO_SMOOTH_ACCELERATION("smooth_acc", self.smooth_acc),
-        ]
+_Pair = tuple[float, float]
 
 
 class OffsetStream(Stream):
@@ -86,6 +62,7 @@ class OffsetStream(Stream):
             raise ParameterError("times", times, "left out: an offset says how far, not when")
         for offset in trajectory:
             await self.send(offset)
+        await self._taken()
 
 
 class Servo:
@@ -95,8 +72,17 @@ class Servo:
             async for tick in stream.ticks():
                 await stream.send(policy(tick.time))
 
-    All of them move each joint by itself to the newest set-point. Only one kind may run at a
-    time, and only one stream per robot.
+    All of them move each joint by itself to the newest set-point. Only one stream may be open on
+    a robot, and no other motion goes on meanwhile.
+
+    How the program feeds a stream is said by keywords that all of them take:
+
+        rate: set-points per second to the controller [Hz]; 500.
+        source_rate: targets per second from the program [Hz]; as many as `rate`, or measured.
+        latest: whether only the newest target counts, and `send` never waits; no.
+        upsample: how targets are brought to `rate`: "none", "linear", "cubic" or "ruckig".
+        hold: time without a target after which the stream ends [s]; 0.5.
+        ahead: targets queued before `send` waits; those of 50 ms.
 
     Args:
         endpoint: the controller.
@@ -105,22 +91,20 @@ class Servo:
     def __init__(self, endpoint: Endpoint) -> None:
         self._endpoint = endpoint
 
+    def __repr__(self) -> str:
+        return f"<Servo of {self._endpoint.host}:{self._endpoint.port}>"
+
     def joints(
         self,
         *,
         v: float,
         a: float,
         jerk: float | None = None,
-        rate: float = 500.0,
-        source_rate: float | None = None,
-        latest: bool = False,
-        upsample: Upsampling = "none",
-        hold: float = 0.5,
-        ahead: int | None = None,
         max_step: float = 0.2,
         reach: float = 0.1,
         gains: ServoGains | None = None,
         options: LaneOptions | None = None,
+        **feeding: Unpack[PacedOptions],
     ) -> Stream:
         """Follow joint positions (servoj, 关节伺服).
 
@@ -128,16 +112,11 @@ class Servo:
             v: largest speed of each joint, 0.000175 to 3.93 [rad/s].
             a: largest acceleration of each joint, from 0.000175 [rad/s²].
             jerk: largest jerk of each joint, for upsample="ruckig" [rad/s³]; None: 10 a.
-            rate: set-points per second to the controller [Hz].
-            source_rate: targets per second from the program [Hz], see `Feeding`.
-            latest: only the newest target counts, and `send` never waits.
-            upsample: "none", "linear", "cubic" or "ruckig".
-            hold: time without a target after which the stream ends [s].
-            ahead: targets queued before `send` waits.
             max_step: largest step of a joint between two targets [rad].
             reach: how far each joint may be from the first target [rad].
             gains: how closely the controller follows; None: as the manual advises.
             options: how the lane runs; None: in a process of its own.
+            feeding: how the program feeds it, see above.
 
         Returns:
             The stream; its set-points are six joint angles [rad], -2π to 2π.
@@ -148,58 +127,37 @@ class Servo:
         Manual section 1.3.5.
         """
         v_, a_ = ranges.JOINT_SPEED("v", v), ranges.JOINT_ACCELERATION("a", a)
-        feeding = Feeding(
-            rate=rate,
-            source_rate=source_rate,
-            latest=latest,
-            upsample=upsample,
-            hold=hold,
-            ahead=ahead,
+        fed = Feeding(
+            **feeding,
             max_step=per_group("max_step", max_step, 6),
             reach=per_group("reach", reach, 6),
         )
-        config = {
-            "space": "joints",
-            "limits": [
-                per_group("v", v_, 6),
-                per_group("a", a_, 6),
-                per_group("jerk", _JERK * a_ if jerk is None else jerk, 6),
-            ],
-            "read": ["get_actual_joints_position"],
-            "function": "servoj",
-            "arguments": [None, v_, a_, False, *(gains or ServoGains()).wire()],
-        }
-        return Stream(
-            self._endpoint,
-            feeding,
-            options,
-            space=JOINT_SPACE,
-            check=ranges.JOINTS,
-            config=_single(config, rate),
+        jerks = per_group("jerk", JERK * a_ if jerk is None else jerk, 6)
+        sent = Sent(
             name="servoj",
+            in_joints=True,
+            limits=Limits((v_,) * 6, (a_,) * 6, jerks),
+            drive=_calls("servoj", [v_, a_], [], gains),
+            read=["get_actual_joints_position"],
         )
+        return Stream(self._endpoint, fed, options, sent, ranges.JOINTS)
 
     def pose(
         self,
         *,
         v: float,
         a: float,
-        velocity: tuple[float, float] = (0.25, 1.0),
-        acceleration: tuple[float, float] = (1.0, 4.0),
-        jerk: tuple[float, float] | None = None,
+        velocity: _Pair = (0.25, 1.0),
+        acceleration: _Pair = (1.0, 4.0),
+        jerk: _Pair | None = None,
         q_near: VectorLike | None = None,
         tool: str = "",
         wobj: str = "",
-        rate: float = 500.0,
-        source_rate: float | None = None,
-        latest: bool = False,
-        upsample: Upsampling = "none",
-        hold: float = 0.5,
-        ahead: int | None = None,
-        max_step: tuple[float, float] = (0.05, 0.2),
-        reach: tuple[float, float] = (0.05, 0.1),
+        max_step: _Pair = (0.05, 0.2),
+        reach: _Pair = (0.05, 0.1),
         gains: ServoGains | None = None,
         options: LaneOptions | None = None,
+        **feeding: Unpack[PacedOptions],
     ) -> Stream:
         """Follow poses of the tool in the work object (servoj_pose, 位姿伺服).
 
@@ -213,16 +171,11 @@ class Servo:
             q_near: joint angles that choose the solution [rad]; None: the present ones.
             tool: name of the tool; empty: the one in use.
             wobj: name of the work object; empty: the one in use.
-            rate: set-points per second to the controller [Hz].
-            source_rate: targets per second from the program [Hz], see `Feeding`.
-            latest: only the newest target counts, and `send` never waits.
-            upsample: "none", "linear", "cubic" or "ruckig".
-            hold: time without a target after which the stream ends [s].
-            ahead: targets queued before `send` waits.
             max_step: largest step between two targets [m, rad].
             reach: how far the tool may be from the first target [m, rad].
             gains: how closely the controller follows; None: as the manual advises.
             options: how the lane runs; None: in a process of its own.
+            feeding: how the program feeds it, see above.
 
         Returns:
             The stream; its set-points are poses (x, y, z [m], rx, ry, rz [rad]).
@@ -232,73 +185,55 @@ class Servo:
 
         Manual section 1.3.5.
         """
-        feeding = Feeding(
-            rate=rate,
-            source_rate=source_rate,
-            latest=latest,
-            upsample=upsample,
-            hold=hold,
-            ahead=ahead,
-            max_step=per_group("max_step", max_step, 2),
-            reach=per_group("reach", reach, 2),
-        )
         v_, a_ = ranges.JOINT_SPEED("v", v), ranges.JOINT_ACCELERATION("a", a)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
         frames = [ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)]
-        config = {
-            **_cartesian(velocity, acceleration, jerk, frames),
-            "function": "servoj_pose",
-            "arguments": [None, v_, a_, near, *frames, False, *(gains or ServoGains()).wire()],
-        }
-        return self._poses(feeding, options, config, rate, "servoj_pose")
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        sent = Sent(
+            name="servoj_pose",
+            in_joints=False,
+            limits=_limits(velocity, acceleration, jerk),
+            drive=_calls("servoj_pose", [v_, a_, near], frames, gains),
+            read=["get_tcp_pose_coord", *frames],
+        )
+        fed = _fed(feeding, max_step, reach)
+        return Stream(self._endpoint, fed, options, sent, ranges.POSE)
 
     def linear(
         self,
         *,
         v: float,
         a: float,
-        velocity: tuple[float, float] = (0.25, 1.0),
-        acceleration: tuple[float, float] = (1.0, 4.0),
-        jerk: tuple[float, float] | None = None,
+        velocity: _Pair = (0.25, 1.0),
+        acceleration: _Pair = (1.0, 4.0),
+        jerk: _Pair | None = None,
         q_near: VectorLike | None = None,
         tool: str = "",
         wobj: str = "",
-        rate: float = 500.0,
-        source_rate: float | None = None,
-        latest: bool = False,
-        upsample: Upsampling = "none",
-        hold: float = 0.5,
-        ahead: int | None = None,
-        max_step: tuple[float, float] = (0.05, 0.2),
-        reach: tuple[float, float] = (0.05, 0.1),
+        max_step: _Pair = (0.05, 0.2),
+        reach: _Pair = (0.05, 0.1),
         gains: ServoGains | None = None,
         options: LaneOptions | None = None,
+        **feeding: Unpack[PacedOptions],
     ) -> Stream:
         """Follow poses with Cartesian interpolation in the controller (servol, 直线伺服).
 
         Manual 3.8 gives `v` and `a` as joint speeds, manual 4.3 as those of the tool; what is
-        allowed here lies within both.
+        allowed here lies within both. The other arguments are those of `pose`.
 
         Args:
             v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
             a: acceleration for the controller, from 0.000175 [rad/s² or m/s²].
             velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
             acceleration: of the tool [m/s²] and of its turning [rad/s²].
-            jerk: of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
-                acceleration.
-            q_near: joint angles that choose the solution [rad]; None: the present ones.
-            tool: name of the tool; empty: the one in use.
-            wobj: name of the work object; empty: the one in use.
-            rate: set-points per second to the controller [Hz].
-            source_rate: targets per second from the program [Hz], see `Feeding`.
-            latest: only the newest target counts, and `send` never waits.
-            upsample: "none", "linear", "cubic" or "ruckig".
-            hold: time without a target after which the stream ends [s].
-            ahead: targets queued before `send` waits.
+            jerk: of the tool [m/s³] and of its turning [rad/s³].
+            q_near: joint angles that choose the solution [rad].
+            tool: name of the tool.
+            wobj: name of the work object.
             max_step: largest step between two targets [m, rad].
             reach: how far the tool may be from the first target [m, rad].
-            gains: how closely the controller follows; None: as the manual advises.
-            options: how the lane runs; None: in a process of its own.
+            gains: how closely the controller follows.
+            options: how the lane runs.
+            feeding: how the program feeds it, see above.
 
         Returns:
             The stream; its set-points are poses (x, y, z [m], rx, ry, rz [rad]).
@@ -308,50 +243,39 @@ class Servo:
 
         Manual section 1.3.5.
         """
-        feeding = Feeding(
-            rate=rate,
-            source_rate=source_rate,
-            latest=latest,
-            upsample=upsample,
-            hold=hold,
-            ahead=ahead,
-            max_step=per_group("max_step", max_step, 2),
-            reach=per_group("reach", reach, 2),
-        )
         v_, a_ = ranges.SERVO_SPEED("v", v), ranges.SERVO_ACCELERATION("a", a)
-        near = ranges.JOINTS_NEAR("q_near", q_near)
         frames = [ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)]
-        config = {
-            **_cartesian(velocity, acceleration, jerk, frames),
-            "function": "servol",
-            "arguments": [None, v_, a_, near, *frames, False, *(gains or ServoGains()).wire()],
-        }
-        return self._poses(feeding, options, config, rate, "servol")
+        near = ranges.JOINTS_NEAR("q_near", q_near)
+        sent = Sent(
+            name="servol",
+            in_joints=False,
+            limits=_limits(velocity, acceleration, jerk),
+            drive=_calls("servol", [v_, a_, near], frames, gains),
+            read=["get_tcp_pose_coord", *frames],
+        )
+        fed = _fed(feeding, max_step, reach)
+        return Stream(self._endpoint, fed, options, sent, ranges.POSE)
 
     def tcp_offset(
         self,
         *,
         v: float,
         a: float,
-        velocity: tuple[float, float] = (0.25, 1.0),
-        acceleration: tuple[float, float] = (1.0, 4.0),
-        jerk: tuple[float, float] | None = None,
+        velocity: _Pair = (0.25, 1.0),
+        acceleration: _Pair = (1.0, 4.0),
+        jerk: _Pair | None = None,
         tool: str = "",
-        rate: float = 500.0,
-        source_rate: float | None = None,
-        latest: bool = False,
-        upsample: Upsampling = "none",
-        hold: float = 0.5,
-        ahead: int | None = None,
-        max_step: tuple[float, float] = (0.05, 0.2),
+        max_step: _Pair = (0.05, 0.2),
         gains: ServoGains | None = None,
         options: LaneOptions | None = None,
+        **feeding: Unpack[PacedOptions],
     ) -> OffsetStream:
         """Move by offsets in the tool's frame (servo_tcp, 工具增量伺服).
 
         The controller counts an offset from its last target, so offsets add up, and each is
         carried out once: when no more of them come, the arm stands where they led to. The lane
-        spreads them over the ticks that the limits ask for.
+        spreads them over the ticks that the limits ask for. With `latest`, offsets that are not
+        sent yet add up.
 
         Args:
             v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
@@ -361,15 +285,10 @@ class Servo:
             jerk: of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
                 acceleration.
             tool: name of the tool; empty: the one in use.
-            rate: calls per second to the controller [Hz].
-            source_rate: offsets per second from the program [Hz], see `Feeding`.
-            latest: `send` never waits; offsets that are not sent yet add up.
-            upsample: "none", "linear", "cubic" or "ruckig".
-            hold: time without an offset after which the stream ends [s].
-            ahead: offsets queued before `send` waits.
             max_step: largest offset, and largest turn of one [m, rad].
             gains: how closely the controller follows; None: as the manual advises.
             options: how the lane runs; None: in a process of its own.
+            feeding: how the program feeds it, see above.
 
         Returns:
             The stream; its set-points are offsets (x, y, z [m], rx, ry, rz [rad]).
@@ -379,85 +298,34 @@ class Servo:
 
         Manual section 1.3.5.
         """
-        steps = per_group("max_step", max_step, 2)
-        feeding = Feeding(
-            rate=rate,
-            source_rate=source_rate,
-            latest=latest,
-            upsample=upsample,
-            hold=hold,
-            ahead=ahead,
-            max_step=steps,
-            reach=steps,
-        )
         v_, a_ = ranges.SERVO_SPEED("v", v), ranges.SERVO_ACCELERATION("a", a)
         frame = ranges.FRAME("tool", tool)
-        config = {
-            **_cartesian(velocity, acceleration, jerk, []),
-            "read": [],
-            "offsets": True,
-            "function": "servo_tcp",
-            "arguments": [None, v_, a_, frame, False, *(gains or ServoGains()).wire()],
-        }
-        return OffsetStream(
-            self._endpoint,
-            feeding,
-            options,
-            space=POSE_SPACE,
-            check=ranges.POSE,
-            config=_single(config, rate),
+        sent = Sent(
             name="servo_tcp",
+            in_joints=False,
+            limits=_limits(velocity, acceleration, jerk),
+            drive=_calls("servo_tcp", [v_, a_], [frame], gains),
+            meaning="step",
         )
-
-    def _poses(
-        self,
-        feeding: Feeding,
-        options: LaneOptions | None,
-        config: dict[str, Any],
-        rate: float,
-        name: str,
-    ) -> Stream:
-        return Stream(
-            self._endpoint,
-            feeding,
-            options,
-            space=POSE_SPACE,
-            check=ranges.POSE,
-            config=_single(config, rate),
-            name=name,
-        )
+        fed = _fed(feeding, max_step, max_step)
+        return OffsetStream(self._endpoint, fed, options, sent, ranges.POSE)
 
 
-def _cartesian(
-    velocity: tuple[float, float],
-    acceleration: tuple[float, float],
-    jerk: tuple[float, float] | None,
-    frames: list[str],
-) -> dict[str, Any]:
-    """The part of a configuration that streams of poses share."""
-    accelerations = per_group("acceleration", acceleration, 2)
-    jerks = tuple(_JERK * a for a in accelerations) if jerk is None else jerk
-    return {
-        "space": "pose",
-        "limits": [
-            per_group("velocity", velocity, 2),
-            accelerations,
-            per_group("jerk", jerks, 2),
-        ],
-        "read": ["get_tcp_pose_coord", *frames],
-    }
+def _calls(function: str, motion: list[Any], frames: list[str], gains: ServoGains | None) -> Calls:
+    """The calls of a servo: speeds first, then frames, `block`, and the gains."""
+    arguments = [*motion, *frames, False, *(gains or ServoGains()).wire()]
+    return Calls(function=function, arguments=arguments)
 
 
-def _single(config: dict[str, Any], rate: float) -> dict[str, Any]:
-    """A configuration of a lane with one call per tick."""
-    return {
-        "driver": "each",
-        "rates": False,
-        "offsets": False,
-        "read": [],
-        "slot": 0,
-        "leave": [],
-        "period": 1 / rate,
-        "point_period": 1 / rate,
-        **config,
-    }
+def _fed(feeding: PacedOptions, max_step: _Pair, reach: _Pair) -> Feeding:
+    return Feeding(
+        **feeding,
+        max_step=per_group("max_step", max_step, 2),
+        reach=per_group("reach", reach, 2),
+    )
+
+
+def _limits(velocity: _Pair, acceleration: _Pair, jerk: _Pair | None) -> Limits:
+    changes = per_group("acceleration", acceleration, 2)
+    jerks = tuple(JERK * a for a in changes) if jerk is None else per_group("jerk", jerk, 2)
+    return Limits(per_group("velocity", velocity, 2), changes, jerks)

@@ -10,7 +10,7 @@ Guarantees:
 from __future__ import annotations
 
 import contextlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import anyio
 
@@ -24,7 +24,8 @@ from aioduco.supervision.background import Background
 from aioduco.supervision.insist import insist
 
 if TYPE_CHECKING:
-    from aioduco.streaming.settings import Endpoint, LaneOptions
+    from aioduco.streaming.config import LaneConfig
+    from aioduco.streaming.endpoint import Endpoint
 
 __all__ = ["Session"]
 
@@ -36,16 +37,12 @@ class Session:
 
     Args:
         endpoint: where it leads to.
-        options: how its lane runs.
-        config: the lane's configuration.
-        name: the function of the wire that carries the set-points.
+        config: all that its lane is told.
     """
 
-    def __init__(
-        self, endpoint: Endpoint, options: LaneOptions, config: dict[str, Any], name: str
-    ) -> None:
+    def __init__(self, endpoint: Endpoint, config: LaneConfig) -> None:
         self._endpoint = endpoint
-        self._options = options
+        self._options = config.options
         self._config = config
         self._background = Background(self._crashed)
         self._minded = anyio.Event()
@@ -53,7 +50,6 @@ class Session:
         self._final: StreamStatistics | None = None
         self._commanded: tuple[float, ...] | None = None
         self._taken = 0
-        self.name = name
         self.host: Host | None = None
 
     def __repr__(self) -> str:
@@ -64,9 +60,14 @@ class Session:
     # -- what is known of it -------------------------------------------------------------------
 
     @property
+    def name(self) -> str:
+        """What the stream is called, mostly by its function of the wire."""
+        return self._config.sent.name
+
+    @property
     def rate(self) -> float:
         """Set-points per second [Hz]."""
-        return 1 / float(self._config["point_period"])
+        return self._config.feeding.rate
 
     @property
     def state(self) -> State:
@@ -156,7 +157,7 @@ class Session:
             raise
 
     async def _start(self) -> None:
-        host = Host(self._config, thread=self._options.lane == "thread")
+        host = Host(self._config)
         host.start()
         self.host = host
         self._background.start(self._mind(host), f"aioduco {self.name}")
@@ -210,12 +211,12 @@ class Session:
     async def _mind(self, host: Host) -> None:
         """Hear from the lane to its end; stop the robot if it went without a word."""
         try:
-            await host.listen(self._patience + 20 * self._config["period"])
+            await host.listen(self._patience + 20 * self._config.period)
             if host.reason is Reason.LANE_DIED and self._endpoint.stop is not None:
                 # `stop` says itself, to its own caller, when it cannot be confirmed; here is
                 # nobody to tell but the one who meets the lane's death.
                 with contextlib.suppress(DucoError):
-                    await self._endpoint.stop(self._config.get("ending", ""))
+                    await self._endpoint.stop(self._config.sent.ending)
         finally:
             self._minded.set()
 
@@ -227,8 +228,8 @@ class Session:
     @property
     def _patience(self) -> float:
         """How long the lane may take to bring the arm to rest, and to say good-bye [s]."""
-        velocity, acceleration, *_ = self._config["limits"]
-        braking: float = max(v / a for v, a in zip(velocity, acceleration, strict=True))
+        limits = self._config.sent.limits
+        braking = max(v / a for v, a in zip(limits.velocity, limits.acceleration, strict=True))
         return 8.0 + 2 * braking + 4 * self._options.timeout
 
     # -- what a stop of the robot wants of it --------------------------------------------------

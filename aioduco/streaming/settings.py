@@ -1,48 +1,32 @@
-"""What a stream is told once, when it is opened: where to, how fast, within which limits."""
+"""What a stream is told by its program when it is opened: how it is fed, and how its lane runs."""
 
 from __future__ import annotations
 
 import importlib.util
 import math
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, TypedDict
 
 from aioduco.errors import ParameterError
 from aioduco.streaming.upsample import UPSAMPLING
-from aioduco.supervision.streams import Streams
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Sequence
+    from collections.abc import Sequence
 
-__all__ = ["Endpoint", "Feeding", "LaneOptions", "Upsampling", "per_group"]
+__all__ = [
+    "Feeding",
+    "FeedingOptions",
+    "LaneOptions",
+    "PacedOptions",
+    "Upsampling",
+    "per_group",
+]
 
 Upsampling = Literal["none", "linear", "cubic", "ruckig"]
 
 _MOST_POINTS = 16384
 _LATEST = 8  # slots of a ring of which only the newest counts
 _FASTEST = 100_000.0
-
-
-@dataclass(frozen=True, slots=True)
-class Endpoint:
-    """Where a stream leads to.
-
-    Attributes:
-        host: name or address of the controller.
-        port: its TCP port.
-        stop: stops the robot on another connection, for a lane that cannot do it any more; it is
-            given the function of the wire that ends the mode in which the lane was, or "".
-        streams: the open streams of the robot.
-        admit: raises if the robot cannot take a stream now; it is given the stream's name.
-        guarded: whether the robot is stopped by others when the program dies.
-    """
-
-    host: str
-    port: int
-    stop: Callable[[str], Awaitable[object]] | None = None
-    streams: Streams = field(default_factory=Streams)
-    admit: Callable[[str], Awaitable[object]] | None = None
-    guarded: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,7 +46,7 @@ class LaneOptions:
     """
 
     lane: Literal["process", "thread"] = "process"
-    cpus: tuple[int, ...] = ()
+    cpus: Sequence[int] = ()
     priority: int = 0
     spin: float = 0.0
     timeout: float = 1.0
@@ -79,16 +63,21 @@ class LaneOptions:
             if not 0 <= value <= 3600:
                 raise ParameterError(name, value, "a time from 0 to 3600 s")
 
-    def config(self) -> dict[str, Any]:
-        """The part of a lane's configuration that is about how it runs."""
-        return {
-            "cpus": list(self.cpus),
-            "priority": self.priority,
-            "spin": self.spin,
-            "timeout": self.timeout,
-            "connect_timeout": self.connect_timeout,
-            "watch": self.watch,
-        }
+
+class FeedingOptions(TypedDict, total=False):
+    """Keywords of every stream that says how its program feeds it; `Feeding` describes them."""
+
+    source_rate: float | None
+    latest: bool
+    upsample: Upsampling
+    hold: float
+    ahead: int | None
+
+
+class PacedOptions(FeedingOptions, total=False):
+    """The same for streams that choose their own rate to the controller."""
+
+    rate: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,14 +97,14 @@ class Feeding:
         reach: how far the first target may be from where the arm is, per group [rad, m].
     """
 
-    rate: float
+    rate: float = 500.0
     source_rate: float | None = None
     latest: bool = False
     upsample: Upsampling = "none"
     hold: float = 0.5
     ahead: int | None = None
-    max_step: tuple[float, ...] = ()
-    reach: tuple[float, ...] = ()
+    max_step: Sequence[float] = ()
+    reach: Sequence[float] = ()
 
     def __post_init__(self) -> None:
         if not 0 < self.rate <= _FASTEST:
@@ -162,17 +151,6 @@ class Feeding:
             return _LATEST
         wanted = round(4 * (self.source_rate or self.rate))
         return min(_MOST_POINTS, max(256, wanted, 2 * self.queued))
-
-    def config(self) -> dict[str, Any]:
-        """The part of a lane's configuration that is about its feeding."""
-        return {
-            "hold": self.hold,
-            "interval": self.interval,
-            "latest": self.latest,
-            "upsample": self.upsample,
-            "reach": list(self.reach),
-            "capacity": self.capacity,
-        }
 
 
 def per_group(name: str, value: float | Sequence[float], groups: int) -> tuple[float, ...]:

@@ -11,23 +11,19 @@ word.
 
 from __future__ import annotations
 
-import json
 import mmap
 import os
 import struct
 from enum import IntEnum, IntFlag
-from typing import TYPE_CHECKING, Any
 
+from aioduco.streaming.config import LaneConfig
 from aioduco.streaming.ring import Ring
 from aioduco.streaming.statistics import Histogram
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 __all__ = ["HISTOGRAMS", "Block", "Command", "Control", "Status", "Unmet"]
 
 _MAGIC = 0x61696F6475636F31
-_HEADER = struct.Struct("<QQQQ")
+_HEADER = struct.Struct("<QQ")
 _CONFIG = 8192
 _TEXT = 1024
 
@@ -115,25 +111,22 @@ class Block:
     """
 
     def __init__(
-        self, memory: mmap.mmap, config: Mapping[str, Any] | None = None, descriptor: int = -1
+        self, memory: mmap.mmap, config: LaneConfig | None = None, descriptor: int = -1
     ) -> None:
         self._memory = memory
         self._view = memoryview(memory)
         self.descriptor: int = descriptor
         if config is not None:
-            text = json.dumps(config).encode()
+            text = config.pack()
             if len(text) > _CONFIG:
                 raise ValueError(f"the configuration of a lane has {len(text)} bytes")
-            _HEADER.pack_into(
-                memory, 0, _MAGIC, len(text), int(config["capacity"]), int(config["extra"])
-            )
+            _HEADER.pack_into(memory, 0, _MAGIC, len(text))
             memory[_HEADER.size : _HEADER.size + len(text)] = text
-        magic, length, capacity, extra = _HEADER.unpack_from(memory)
+        magic, length = _HEADER.unpack_from(memory)
         if magic != _MAGIC:
             raise ValueError("this is no block of a lane, or one of another version")
-        self.config: dict[str, Any] = json.loads(
-            memory[_HEADER.size : _HEADER.size + length].decode()
-        )
+        self.config: LaneConfig = LaneConfig.unpack(memory[_HEADER.size : _HEADER.size + length])
+        capacity, extra = self.config.feeding.capacity, self.config.sent.extra
         at = _HEADER.size + _CONFIG
         self.control: memoryview[int] = self._view[at : at + 8 * _WORDS].cast("Q")
         at += 8 * _WORDS
@@ -151,17 +144,17 @@ class Block:
         self.ring: Ring = Ring(self._view[at : at + Ring.size(capacity, extra)], capacity, extra)
 
     @staticmethod
-    def _size(config: Mapping[str, Any]) -> int:
+    def _size(config: LaneConfig) -> int:
         fixed = _HEADER.size + _CONFIG + 16 * _WORDS + _TEXT + Ring.size(_REPORT)
         counts = 8 * Histogram.WORDS * len(HISTOGRAMS)
-        return fixed + counts + Ring.size(int(config["capacity"]), int(config["extra"]))
+        return fixed + counts + Ring.size(config.feeding.capacity, config.sent.extra)
 
     @classmethod
-    def make(cls, config: Mapping[str, Any], *, shared: bool) -> Block:
+    def make(cls, config: LaneConfig, *, shared: bool) -> Block:
         """Make a block.
 
         Args:
-            config: the lane's configuration; its `capacity` and `extra` size the ring.
+            config: the lane's configuration.
             shared: whether another process is to open it, by its `descriptor`.
         """
         size = cls._size(config)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.ring import SetPoint
     from aioduco.streaming.space import Config, Displacement, Space
 
-__all__ = ["Follows", "Reason", "Source", "State"]
+__all__ = ["Follows", "Reason", "Source", "State", "within"]
 
 _LONGEST = 0.5  # seconds between two targets beyond which their slope says nothing
 _FIRST = 0.05  # taken for the interval before there is one
@@ -197,7 +197,7 @@ class Source:
     def _aim(self, follower: Follows, point: SetPoint) -> None:
         target = point.values if self._rates else self._space.decode(point.values)
         if self.state is State.WAITING:
-            if not self._rates and not self._near(follower.config, target):
+            if not self._rates and not within(self._space, follower.config, target, self._reach):
                 self.end(Reason.TOO_FAR)
                 return
         elif self._fixed is None:
@@ -208,11 +208,6 @@ class Source:
         self.state = State.FOLLOWING
         duration = self._interval if self._paced else self._interval * _LATE
         follower.aim(target, self._interval, duration)
-
-    def _near(self, actual: Config, target: Config) -> bool:
-        gap = self._space.difference(actual, target)
-        lengths = (sum(g * g for g in gap[group]) ** 0.5 for group in self._space.groups)
-        return all(length <= most for length, most in zip(lengths, self._reach, strict=True))
 
     def _finish(self, follower: Follows) -> None:
         """All was taken: stay until the last target is met."""
@@ -232,3 +227,10 @@ class Source:
         self.state = State.HOLDING
         if idle > self._hold:
             self.brake(Reason.STARVED)
+
+
+def within(space: Space, start: Config, end: Config, reach: tuple[float, ...]) -> bool:
+    """Whether a point is no further from another one than a distance for each group."""
+    gap = space.difference(start, end)
+    lengths = (sum(g * g for g in gap[group]) ** 0.5 for group in space.groups)
+    return all(length <= most for length, most in zip(lengths, reach, strict=True))

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from aioduco.api import ranges
 from aioduco.errors import ParameterError
-from aioduco.streaming.settings import Endpoint, Feeding, LaneOptions, per_group
-from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE
+from aioduco.streaming.config import Calls, Sent
+from aioduco.streaming.limits import Limits
+from aioduco.streaming.settings import Feeding, per_group
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
-    from aioduco.streaming.space import Space
+    from aioduco.streaming.endpoint import Endpoint
+    from aioduco.streaming.settings import LaneOptions
 
 __all__ = ["Speed"]
 
@@ -33,6 +35,9 @@ class Speed:
 
     def __init__(self, endpoint: Endpoint) -> None:
         self._endpoint = endpoint
+
+    def __repr__(self) -> str:
+        return f"<Speed of {self._endpoint.host}:{self._endpoint.port}>"
 
     def joints(
         self,
@@ -65,10 +70,16 @@ class Speed:
         Manual section 1.3.5.
         """
         a_, v_ = ranges.JOINT_ACCELERATION("a", a), ranges.JOINT_SPEED("v", v)
-        limits = [per_group("v", v_, 6), per_group("a", a_, 6)]
-        config = {"space": "joints", "limits": limits, "function": "speedj"}
         feeding = Feeding(rate=rate, latest=latest, hold=hold)
-        return self._stream(feeding, options, config, a_, dead_man, JOINT_SPACE)
+        sent = Sent(
+            name="speedj",
+            in_joints=True,
+            limits=Limits(per_group("v", v_, 6), per_group("a", a_, 6)),
+            drive=_calls("speedj", a_, dead_man, feeding),
+            meaning="speed",
+            leave=[["speed_stop", False]],
+        )
+        return Stream(self._endpoint, feeding, options, sent, ranges.JOINT_VELOCITIES)
 
     def linear(
         self,
@@ -108,42 +119,20 @@ class Speed:
         """
         a_, v_ = ranges.FINE_ACCELERATION("a", a), ranges.FINE_SPEED("v", v)
         turning = ranges.JOINT_SPEED("turn_v", turn_v)
-        limits = [(v_, turning), (a_, *per_group("turn_a", turn_a, 1))]
-        config = {"space": "pose", "limits": limits, "function": "speedl"}
         feeding = Feeding(rate=rate, latest=latest, hold=hold)
-        return self._stream(feeding, options, config, a_, dead_man, POSE_SPACE)
-
-    def _stream(
-        self,
-        feeding: Feeding,
-        options: LaneOptions | None,
-        config: dict[str, Any],
-        a: float,
-        dead_man: float,
-        space: Space,
-    ) -> Stream:
-        milliseconds = ranges.RUN_TIME("dead_man", dead_man)
-        if dead_man < 2 / feeding.rate:
-            raise ParameterError(
-                "dead_man", dead_man, f"two calls, {2 / feeding.rate:g} s, or more"
-            )
-        return Stream(
-            self._endpoint,
-            feeding,
-            options,
-            space=space,
-            check=ranges.JOINT_VELOCITIES if space is JOINT_SPACE else ranges.TWIST,
-            config={
-                "driver": "each",
-                "rates": True,
-                "offsets": False,
-                "read": [],
-                "slot": 0,
-                "arguments": [None, a, milliseconds, False],
-                "leave": [["speed_stop", False]],
-                "period": 1 / feeding.rate,
-                "point_period": 1 / feeding.rate,
-                **config,
-            },
-            name=config["function"],
+        sent = Sent(
+            name="speedl",
+            in_joints=False,
+            limits=Limits((v_, turning), (a_, *per_group("turn_a", turn_a, 1))),
+            drive=_calls("speedl", a_, dead_man, feeding),
+            meaning="speed",
+            leave=[["speed_stop", False]],
         )
+        return Stream(self._endpoint, feeding, options, sent, ranges.TWIST)
+
+
+def _calls(function: str, a: float, dead_man: float, feeding: Feeding) -> Calls:
+    milliseconds = ranges.RUN_TIME("dead_man", dead_man)
+    if dead_man < 2 / feeding.rate:
+        raise ParameterError("dead_man", dead_man, f"two calls, {2 / feeding.rate:g} s, or more")
+    return Calls(function=function, arguments=[a, milliseconds, False])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 import anyio.lowlevel
 
 from aioduco.errors import ParameterError, SetPointTooFar
+from aioduco.streaming.config import LaneConfig
 from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
 from aioduco.streaming.settings import LaneOptions
@@ -18,11 +19,12 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from aioduco.models.rules import VectorLike
+    from aioduco.streaming.config import Sent
+    from aioduco.streaming.endpoint import Endpoint
     from aioduco.streaming.host import Host
     from aioduco.streaming.report import StreamStatistics
-    from aioduco.streaming.settings import Endpoint, Feeding
+    from aioduco.streaming.settings import Feeding
     from aioduco.streaming.source import Reason, State
-    from aioduco.streaming.space import Space
 
 __all__ = ["Stream", "Tick"]
 
@@ -39,11 +41,9 @@ class Stream:
     Args:
         endpoint: where it leads to.
         feeding: how it is fed.
-        options: how its lane runs.
-        space: the space of its set-points.
+        options: how its lane runs; None: the defaults.
+        sent: what it sends to the controller.
         check: checks a set-point and returns its six numbers.
-        config: what its driver needs to know.
-        name: the function of the wire that carries the set-points.
     """
 
     def __init__(
@@ -51,26 +51,22 @@ class Stream:
         endpoint: Endpoint,
         feeding: Feeding,
         options: LaneOptions | None,
-        *,
-        space: Space,
+        sent: Sent,
         check: Callable[[str, VectorLike], list[float]],
-        config: dict[str, Any],
-        name: str,
     ) -> None:
-        options = options or LaneOptions()
         self._feeding = feeding
-        self._space = space
+        self._sent = sent
+        self._space = sent.space
         self._check = check
-        self._config: dict[str, Any] = {
-            "host": endpoint.host,
-            "port": endpoint.port,
-            "extra": 0,
-            "guarded": endpoint.guarded,
-            **options.config(),
-            **feeding.config(),
-            **config,
-        }
-        self._session = Session(endpoint, options, self._config, name)
+        config = LaneConfig(
+            host=endpoint.host,
+            port=endpoint.port,
+            guarded=endpoint.guarded,
+            options=options or LaneOptions(),
+            feeding=feeding,
+            sent=sent,
+        )
+        self._session = Session(endpoint, config)
         self._last: tuple[float, ...] | None = None
         self._begun = False
 
@@ -212,10 +208,14 @@ class Stream:
             StreamError: the stream has ended; says why.
         """
         points = await self._sampled(trajectory, times)
-        if not self._config["rates"]:
+        if self._sent.meaning != "speed":
             # The arm stands at the last point for a tick, so the end is no lack of set-points.
             points.append(points[-1])
         await self._feed(points, self._feeding.capacity)
+        await self._taken()
+
+    async def _taken(self) -> None:
+        """Wait until the lane has taken all that was sent."""
         await self._session.alive().until_level(0)
         self._session.alive()
 

@@ -8,14 +8,17 @@ from aioduco._wire import rpc
 from aioduco.api import ranges
 from aioduco.errors import ParameterError
 from aioduco.streaming.calls import element_tail
-from aioduco.streaming.settings import Endpoint, Feeding, LaneOptions, per_group
-from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE
+from aioduco.streaming.config import Pool, Sent
+from aioduco.streaming.limits import Limits
+from aioduco.streaming.settings import Feeding, per_group
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
     from aioduco.models.op import Op
     from aioduco.models.rules import VectorLike
+    from aioduco.streaming.endpoint import Endpoint
     from aioduco.streaming.host import Host
+    from aioduco.streaming.settings import LaneOptions
 
 __all__ = ["TrackStream", "TrackStreams"]
 
@@ -64,12 +67,11 @@ class TrackStream(Stream):
         """The lane begins with the first points together, so no point waits for it alone."""
 
     def _tail(self, op: Op | None) -> bytes:
-        if not self._config["operations"]:
+        if not self._sent.extra:
             if op is not None:
                 raise ParameterError("op", op, "left out, or the stream opened with operations")
             return b""
-        joints = self._config["space"] == "joints"
-        made = rpc.Op() if op is None else op.wire("op", joint_motion=joints)
+        made = rpc.Op() if op is None else op.wire("op", joint_motion=self._sent.in_joints)
         tail = element_tail("trackEnqueueOp", lambda q: rpc.PointOp(q, made), (True,))
         if len(tail) > _EXTRA:
             raise ParameterError("op", op, f"up to {_EXTRA} bytes on the wire, not {len(tail)}")
@@ -165,27 +167,20 @@ class TrackStreams:
             max_step=() if max_step is None else per_group("max_step", max_step, groups),
             reach=per_group("reach", near, groups),
         )
-        return TrackStream(
-            self._endpoint,
-            feeding,
-            options,
-            space=JOINT_SPACE if joints else POSE_SPACE,
-            check=ranges.JOINTS if joints else ranges.POSE,
-            config={
-                "driver": "pool",
-                "space": space,
-                "read": (
-                    ["get_actual_joints_position"] if joints else ["get_tcp_pose_coord", *frames]
-                ),
-                "leave": [],
-                "limits": [[speed_], [acc_]],
-                "period": period,
-                "low": low,
-                "high": high,
-                "operations": operations,
-                "extra": _EXTRA if operations else 0,
-                "function": "trackJointMotion" if joints else "trackCartMotion",
-                "arguments": arguments,
-            },
-            name="track",
+        pool = Pool(
+            function="trackJointMotion" if joints else "trackCartMotion",
+            arguments=arguments,
+            low=low,
+            high=high,
+            period=period,
+            extra=_EXTRA if operations else 0,
         )
+        sent = Sent(
+            name="track",
+            in_joints=joints,
+            limits=Limits((speed_,), (acc_,)),
+            drive=pool,
+            read=["get_actual_joints_position"] if joints else ["get_tcp_pose_coord", *frames],
+        )
+        check = ranges.JOINTS if joints else ranges.POSE
+        return TrackStream(self._endpoint, feeding, options, sent, check)

@@ -14,14 +14,16 @@ from aioduco.errors import GoalToleranceViolated, ParameterError, PathToleranceV
 from aioduco.streaming.realtime import CYCLE, RealtimeStreams
 from aioduco.streaming.sampling import Spline
 from aioduco.streaming.servo import Servo
-from aioduco.streaming.settings import Endpoint, LaneOptions, per_group
+from aioduco.streaming.settings import per_group
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
 
     from numpy.typing import NDArray
 
+    from aioduco.streaming.endpoint import Endpoint
     from aioduco.streaming.report import StreamStatistics
+    from aioduco.streaming.settings import LaneOptions
     from aioduco.streaming.stream import Stream
 
 __all__ = ["Feedback", "JointTrajectory", "Tolerances", "TrajectoryResult", "follow"]

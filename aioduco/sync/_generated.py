@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from aioduco.models.state import RobotStates
     from aioduco.models.state import RobotStatus
     from aioduco.models.state import Vector
+    from aioduco.models.version import ControllerVersion
     from aioduco.models.weave import WeavePlane
     from aioduco.models.weave import WeaveShape
     from aioduco.streaming.sections import Through
@@ -4416,10 +4417,19 @@ class Version(_Section):
 
     __slots__ = ()
 
+    @property
+    def controller(self) -> ControllerVersion:
+        """The version of the controller's software, as it was told while connecting.
+
+        Unknown before that, and if the controller does not tell.
+        """
+        told: ControllerVersion = self._section.controller
+        return told
+
     def get_robot_version(self) -> str:
         """Read the version of the controller's software (控制器版本).
 
-        Manual section 1.3.16.
+        `controller` has it already. Manual section 1.3.16.
         """
         work = self._section.get_robot_version()
         answer: str = self._runner.call(work)

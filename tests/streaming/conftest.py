@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from aioduco.streaming.endpoint import Endpoint
 from aioduco.streaming.servo import Servo
-from aioduco.streaming.settings import Endpoint
 from aioduco.testing import RecordingServer, eventually
 
 if TYPE_CHECKING:

@@ -27,7 +27,8 @@ PROGRAM = """
 import sys
 import anyio
 from aioduco.streaming.servo import Servo
-from aioduco.streaming.settings import Endpoint, LaneOptions
+from aioduco.streaming.endpoint import Endpoint
+from aioduco.streaming.settings import LaneOptions
 
 here = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
 

@@ -230,15 +230,14 @@ async def test_cancelled_at_any_await(
 
     async def program() -> None:
         async with robot.servo.joints(v=1.0, a=8.0, ahead=4, options=options) as stream:
-            for n in range(12):
-                await stream.send([start + 1e-5 * n * n, *START[1:]])
-            await stream.play([[start + 1e-5 * n * n, *START[1:]] for n in range(12, 40)])
+            for n in range(8):
+                await stream.send([start + 2e-5 * n * n, *START[1:]])
+            await stream.play([[start + 2e-5 * n * n, *START[1:]] for n in range(8, 24)])
 
     start = 0.0
-    at, step = 1, 1 if options is THREAD else 9
+    at, step = 1, 2 if options is THREAD else 11
     run: Cancelled | None = None
     while run is None or run.struck:
-        await robot.motion.movej2(START, v=3.0, a=20.0)
         await eventually_async(lambda: not sim.moving)
         start = sim.joints[0]
         before = Resources.now()

@@ -241,6 +241,7 @@ class TrackPool:
 
     def size(self) -> int:
         left = len(self.points) - self.taken
+        self.running = self.running and left > 0
         self.taken += min(left, self._per_look) if self.running else 0
         return left
 

@@ -24,8 +24,9 @@ from aioduco.errors import (
     StreamStopped,
 )
 from aioduco.models.pose import Pose
+from aioduco.streaming.endpoint import Endpoint
 from aioduco.streaming.servo import Servo
-from aioduco.streaming.settings import Endpoint, LaneOptions
+from aioduco.streaming.settings import LaneOptions
 from aioduco.streaming.source import Reason, State
 from aioduco.testing import eventually_async, no_leaks
 

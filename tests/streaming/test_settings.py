@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from aioduco.errors import ParameterError
-from aioduco.streaming.servo import Servo, ServoGains
+from aioduco.streaming.gains import ServoGains
+from aioduco.streaming.servo import Servo
 from aioduco.streaming.settings import Feeding, LaneOptions
 
 from .conftest import HERE, Controller

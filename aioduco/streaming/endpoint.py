@@ -1,0 +1,49 @@
+"""Where a stream leads to, and who is asked and told about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from aioduco.supervision.streams import Streams
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from aioduco.supervision.supervisor import Supervisor
+
+__all__ = ["Endpoint"]
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """Where a stream leads to.
+
+    Attributes:
+        host: name or address of the controller.
+        port: its TCP port.
+        stop: stops the robot on another connection, for a lane that cannot do it any more; it is
+            given the function of the wire that ends the mode in which the lane was, or "".
+        streams: the open streams of the robot.
+        admit: raises if the robot cannot take a stream now; it is given the stream's name.
+        guarded: whether the robot is stopped by others when the program dies.
+    """
+
+    host: str
+    port: int
+    stop: Callable[[str], Awaitable[object]] | None = None
+    streams: Streams = field(default_factory=Streams)
+    admit: Callable[[str], Awaitable[object]] | None = None
+    guarded: bool = False
+
+    @classmethod
+    def of(cls, supervisor: Supervisor) -> Endpoint:
+        """The robot that a supervisor looks after."""
+        return cls(
+            supervisor.host,
+            supervisor.port,
+            stop=supervisor.keeper.stop_stream,
+            streams=supervisor.keeper.streams,
+            admit=supervisor.admit_stream,
+            guarded=supervisor.guard is not None,
+        )
