@@ -105,6 +105,13 @@ def test_sim_says_where_it_listens_and_ends_when_told(number: signal.Signals) ->
     assert (sim.returncode, errors) == (0, "")
 
 
+def test_sim_says_so_when_a_file_is_no_program(tmp_path: Path) -> None:
+    (tmp_path / "wrong.json").write_text('[["jump"]]', encoding="utf-8")
+    answer = run("sim", "--port", "0", "--programs", str(tmp_path))
+    assert answer.exit_code == 1
+    assert "there is no function 'jump'" in answer.output
+
+
 def test_sim_says_so_when_the_port_is_taken() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]

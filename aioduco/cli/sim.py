@@ -6,6 +6,7 @@ import contextlib
 import select
 import signal
 import socket
+from pathlib import Path  # noqa: TC003 - typer reads the annotations
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -31,6 +32,10 @@ def sim(
     speed: Annotated[
         float, typer.Option(min=0.01, max=1000.0, help="Times faster than the wall clock.")
     ] = 1.0,
+    programs: Annotated[
+        Path | None,
+        typer.Option(exists=True, file_okay=False, help='Folder of programs, "<name>.json".'),
+    ] = None,
 ) -> None:
     """Run a simulated controller until Ctrl-C, or until a client shuts it down."""
     extras.need("sim")
@@ -38,7 +43,13 @@ def sim(
     from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this command alone
 
     with _bell() as (heard, ring):
-        simulator = Simulator(model, host=host, port=port, speed=speed, on_shutdown=ring)
+        try:
+            simulator = Simulator(
+                model, host=host, port=port, speed=speed, programs=programs, on_shutdown=ring
+            )
+        except ValueError as error:
+            typer.echo(str(error), err=True)
+            raise typer.Exit(1) from None
         try:
             simulator.start()
         except OSError as error:

@@ -86,6 +86,8 @@ def test_splines_go_through_their_poses(sim: Simulator, robot: Program) -> None:
     spline = (0.1, 1.0, "", "", True, Op(), 0.0, False)
     assert robot.spline(plain, *spline) == TaskState.FINISHED
     assert near(tip(robot, sim), goals[-1])
+    # One that begins where the arm is: the manual warns of two splines with a point in common.
+    assert robot.spline(plain[::-1], *spline) == TaskState.PARAMETER_MISMATCH
     assert robot.spline([], *spline) == TaskState.PARAMETER_MISMATCH
     assert robot.spline(plain * 20, *spline) == TaskState.PARAMETER_MISMATCH
 

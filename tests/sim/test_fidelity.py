@@ -1,19 +1,44 @@
-"""The fidelity ledger names tests that there are."""
+"""The fidelity ledger is complete, and names tests that there are."""
 
 from __future__ import annotations
 
+import inspect
+import json
 import re
 from pathlib import Path
 
 import pytest
 
+from aioduco._wire import idl
+from aioduco._wire.rpc import Handler, RpcClient
+from aioduco.sim.handlers import Handlers
+from aioduco.sim.handlers.service import NOT_PUBLIC
+
 HERE = Path(__file__).parent
-LEDGER = HERE.parents[1] / "docs" / "fidelity.md"
-ROWS = [
-    [cell.strip() for cell in line.strip("|").split("|")]
-    for line in LEDGER.read_text(encoding="utf-8").splitlines()
-    if line.startswith("|") and not line.startswith(("| behaviour", "|---"))
-]
+LEDGER = (HERE.parents[1] / "docs" / "fidelity.md").read_text(encoding="utf-8")
+MANUAL = json.loads((HERE.parent / "data" / "manual-3.8.json").read_text(encoding="utf-8"))
+#: functions of the manual that are not on the wire: the vendor's client has them
+CLIENT_SIDE = {"DucoCobot", "open", "close", "get_version"}
+
+
+def tables(head: str) -> list[list[str]]:
+    """The rows of all tables with this head."""
+    rows: list[list[str]] = []
+    current = ""
+    for line in LEDGER.splitlines():
+        if not line.startswith("|"):
+            current = ""
+        elif not current:
+            current = line
+        elif not line.startswith("|---") and current == head:
+            rows.append([cell.strip() for cell in line.strip("|").split("|")])
+    return rows
+
+
+ROWS = tables("| behaviour | source | test |")
+MISSING = tables("| not simulated | source | why |")
+REFUSED = {row[0].strip("`"): row[1] for row in tables("| function | why |")}
+INDEX = tables("| section | functions | where |")
 
 
 @pytest.mark.parametrize("row", ROWS, ids=[row[0][:60] for row in ROWS])
@@ -27,5 +52,56 @@ def test_each_row_has_a_source_and_a_test(row: list[str]) -> None:
     assert re.search(rf"^(async )?def {found[2]}\(", module, re.MULTILINE)
 
 
-def test_there_is_a_ledger() -> None:
-    assert len(ROWS) > 50
+def test_every_line_of_a_table_is_in_one() -> None:
+    lines = [line for line in LEDGER.splitlines() if line.startswith("|")]
+    rows = [*ROWS, *MISSING, *REFUSED, *INDEX]
+    assert len(ROWS) > 200
+    heads = len(re.findall(r"^\|(?!-).*\n\|---", LEDGER, re.MULTILINE))
+    assert len(lines) == len(rows) + 2 * heads
+
+
+@pytest.mark.parametrize("row", MISSING, ids=[row[0][:60] for row in MISSING])
+def test_what_is_not_simulated_has_a_source_and_a_reason(row: list[str]) -> None:
+    what, source, why = row
+    assert what
+    assert re.match(r"manual|seen", source)
+    assert why
+
+
+def test_every_function_is_in_the_index_once() -> None:
+    named = [name for row in INDEX for name in re.findall(r"`(\w+)`", row[1])]
+    assert sorted(named) == sorted(idl.functions())
+    sections = {name: row[0] for row in INDEX for name in re.findall(r"`(\w+)`", row[1])}
+    for function in MANUAL["functions"]:
+        if function["name"] not in CLIENT_SIDE:
+            assert sections[function["wire"]] == function["section"]
+        else:
+            assert f"`{function['name']}`" in LEDGER
+
+
+def test_the_index_leads_to_tables() -> None:
+    headings = set(re.findall(r"^## (.+)$", LEDGER, re.MULTILINE))
+    for section, _, where in INDEX:
+        assert set(where.split("; ")) <= headings, section
+
+
+# -- the functions themselves --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", sorted(idl.functions()))
+def test_each_function_is_simulated_or_refused_with_a_reason(name: str) -> None:
+    """What no section of the handlers has is left to the generated client, which refuses it."""
+    left = getattr(Handlers, name) is getattr(RpcClient, name)
+    assert left is (name in NOT_PUBLIC)
+    assert left is (name in REFUSED)
+
+
+@pytest.mark.parametrize("name", sorted(set(idl.functions()) - set(NOT_PUBLIC)))
+def test_each_handler_takes_what_the_wire_brings(name: str) -> None:
+    ours = inspect.signature(getattr(Handlers, name)).parameters
+    theirs = inspect.signature(getattr(Handler, name)).parameters
+    assert list(ours) == list(theirs)
+
+
+def test_the_reasons_are_those_that_callers_get() -> None:
+    assert REFUSED == NOT_PUBLIC
