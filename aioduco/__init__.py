@@ -45,6 +45,10 @@ from aioduco.models.state import IOStatus, RobotStates, RobotStatus
 from aioduco.models.units import deg, mm
 from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.robot import Robot, connect
+from aioduco.streaming.gains import ServoGains
+from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
+from aioduco.streaming.report import StreamStatistics
+from aioduco.streaming.settings import LaneOptions
 from aioduco.supervision.command import HeldMotion, MotionCommand
 from aioduco.supervision.feed import Snapshot
 from aioduco.supervision.pulse import HeartbeatState
@@ -93,6 +97,12 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     "RealtimePoint",
     "WeavePlane",
     "WeaveShape",
+    # streams of set-points, joint trajectories
+    "JointTrajectory",
+    "LaneOptions",
+    "ServoGains",
+    "StreamStatistics",
+    "Tolerances",
     # states
     "HeartbeatState",
     "IOStatus",

@@ -16,8 +16,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.streaming.endpoint import Endpoint
+    from aioduco.streaming.joint_trajectory import (
+        Feedback,
+        JointTrajectory,
+        Tolerances,
+        TrajectoryResult,
+    )
     from aioduco.streaming.settings import LaneOptions
-    from aioduco.streaming.trajectory import Feedback, JointTrajectory, Tolerances, TrajectoryResult
     from aioduco.supervision.supervisor import Supervisor
 
 __all__ = ["Motion", "Realtime", "Servo", "Speed", "Through", "Track"]

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
 import anyio
 import numpy as np
 
-from aioduco.api import ranges
 from aioduco.errors import GoalToleranceViolated, ParameterError, PathToleranceViolated
+from aioduco.streaming.joint_trajectory import Feedback, Tolerances, TrajectoryResult
 from aioduco.streaming.realtime import CYCLE, RealtimeStreams
-from aioduco.streaming.sampling import Spline
 from aioduco.streaming.servo import Servo
 from aioduco.streaming.settings import per_group
 
@@ -22,127 +20,17 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.streaming.endpoint import Endpoint
-    from aioduco.streaming.report import StreamStatistics
+    from aioduco.streaming.joint_trajectory import JointTrajectory
+    from aioduco.streaming.sampling import Spline
     from aioduco.streaming.settings import LaneOptions
     from aioduco.streaming.stream import Stream
 
-__all__ = ["Feedback", "JointTrajectory", "Tolerances", "TrajectoryResult", "follow"]
+__all__ = ["follow"]
 
 _LOOK = 0.02  # seconds between two looks at where the arm is
 _LAG = 0.25  # seconds by which the arm may lag behind its set-points without being off its path
 _WINDOW = 50  # places of the path in that time with which the arm is compared
 _DEPTH = 60  # points in the controller's queue
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Tolerances:
-    """How far the arm may be from its trajectory.
-
-    Attributes:
-        path: of each joint from the path, on the way [rad]; 0: not looked at.
-        goal: of each joint from the last point, at the end [rad].
-        goal_time: time after the trajectory's end in which that must be so [s].
-    """
-
-    path: float | tuple[float, ...] = 0.1
-    goal: float | tuple[float, ...] = 0.01
-    goal_time: float = 1.0
-
-
-class Feedback(NamedTuple):
-    """Where the arm is on its way.
-
-    Attributes:
-        time: time on the trajectory, of what was sent last [s].
-        desired: the place of the path closest to the arm, within the last quarter of a second
-            [rad]. Shape (6,).
-        actual: where the arm is [rad]. Shape (6,).
-        error: `actual` less `desired` [rad]. Shape (6,).
-    """
-
-    time: float
-    desired: NDArray[np.float64]
-    actual: NDArray[np.float64]
-    error: NDArray[np.float64]
-
-
-class TrajectoryResult(NamedTuple):
-    """How a trajectory was followed.
-
-    Attributes:
-        duration: from the first set-point to the arm within its goal tolerance [s].
-        path_error: largest distance of each joint from the path that was seen [rad].
-        goal_error: distance of each joint from the last point at the end [rad].
-        statistics: the stream's.
-    """
-
-    duration: float
-    path_error: NDArray[np.float64]
-    goal_error: NDArray[np.float64]
-    statistics: StreamStatistics
-
-
-class JointTrajectory:
-    """Joint positions at given times, with velocities and accelerations if they are known.
-
-    Positions alone are joined by a monotone cubic that rests at both ends; with velocities by a
-    cubic that has them; with accelerations by a curve of fifth order that has both.
-
-    Args:
-        positions: joint positions [rad], -2π to 2π. Shape (n, 6).
-        times: time of each point from the start, rising, the first at least 0 [s]. Shape (n,).
-        velocities: [rad/s]. Shape (n, 6).
-        accelerations: only with velocities [rad/s²]. Shape (n, 6).
-
-    Raises:
-        ParameterError: the shapes do not fit, or a number is not allowed.
-    """
-
-    def __init__(
-        self, positions: Any, times: Any, velocities: Any = None, accelerations: Any = None
-    ) -> None:
-        self.positions: NDArray[np.float64] = _matrix("positions", positions)
-        count = len(self.positions)
-        for row in self.positions.tolist():
-            ranges.JOINTS("positions", row)
-        self.times: NDArray[np.float64] = np.asarray(times, dtype=np.float64)
-        if self.times.shape != (count,) or not np.all(np.isfinite(self.times)):
-            raise ParameterError("times", times, f"{count} finite numbers")
-        if self.times[0] < 0 or np.any(np.diff(self.times) <= 0):
-            raise ParameterError("times", times, "rising, the first at least 0")
-        self.velocities: NDArray[np.float64] | None = (
-            None if velocities is None else _matrix("velocities", velocities, count)
-        )
-        if accelerations is not None and velocities is None:
-            raise ParameterError("accelerations", "given", "left out when velocities are")
-        self.accelerations: NDArray[np.float64] | None = (
-            None if accelerations is None else _matrix("accelerations", accelerations, count)
-        )
-
-    @property
-    def duration(self) -> float:
-        """Time of the last point [s]."""
-        return float(self.times[-1])
-
-    def curve(self, actual: Sequence[float]) -> Spline:
-        """The curve through the points, led up to from where the arm is if there is time to.
-
-        Args:
-            actual: where the arm is [rad]; the curve's start if the first point's time is not 0.
-        """
-        if self.times[0] == 0:
-            return Spline(self.times, self.positions, self.velocities, self.accelerations)
-
-        def led(first: NDArray[np.float64], part: NDArray[np.float64]) -> NDArray[np.float64]:
-            return np.vstack([first, part])
-
-        still = np.zeros(6)
-        return Spline(
-            np.concatenate([[0.0], self.times]),
-            led(np.asarray(actual, dtype=np.float64), self.positions),
-            None if self.velocities is None else led(still, self.velocities),
-            None if self.accelerations is None else led(still, self.accelerations),
-        )
 
 
 async def follow(
@@ -306,17 +194,3 @@ def _first(group: BaseExceptionGroup[BaseException]) -> BaseException:
 
 def _six(name: str, value: float | tuple[float, ...]) -> NDArray[np.float64]:
     return np.array(per_group(name, value, 6))
-
-
-def _matrix(name: str, value: Any, count: int | None = None) -> NDArray[np.float64]:
-    try:
-        found = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as exc:
-        raise ParameterError(name, value, "an array of numbers") from exc
-    wanted = "n" if count is None else count
-    if found.ndim != 2 or found.shape[1] != 6 or not len(found) or count not in (None, len(found)):
-        raise ParameterError(name, found.shape, f"of the shape ({wanted}, 6)")
-    if not np.all(np.isfinite(found)):
-        raise ParameterError(name, value, "an array of finite numbers")
-    found.setflags(write=False)
-    return found

@@ -51,12 +51,12 @@ if TYPE_CHECKING:
     from aioduco.models.version import ControllerVersion
     from aioduco.models.weave import WeavePlane
     from aioduco.models.weave import WeaveShape
+    from aioduco.streaming.joint_trajectory import Feedback
+    from aioduco.streaming.joint_trajectory import JointTrajectory
+    from aioduco.streaming.joint_trajectory import Tolerances
+    from aioduco.streaming.joint_trajectory import TrajectoryResult
     from aioduco.streaming.sections import Through
     from aioduco.streaming.settings import LaneOptions
-    from aioduco.streaming.trajectory import Feedback
-    from aioduco.streaming.trajectory import JointTrajectory
-    from aioduco.streaming.trajectory import Tolerances
-    from aioduco.streaming.trajectory import TrajectoryResult
     from aioduco.supervision import command as aio_command
     from aioduco.supervision.feed import Snapshot
     from aioduco.sync._runner import Runner

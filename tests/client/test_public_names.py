@@ -15,6 +15,7 @@ NAMES = {
     "what motions are made of": "ExternalAxis ExternalAxisScheme ExternalAxisState FileKind "
     "ForceFrame ForceLogic GuardedForce Jog Load "
     "JogDirections JogFrame OutputMode RealtimeMode RealtimePoint WeavePlane WeaveShape",
+    "streams": "JointTrajectory LaneOptions ServoGains StreamStatistics Tolerances",
     "states": "HeartbeatState IOStatus OperationMode ProgramState RobotState RobotStates "
     "RobotStatus SafetyState Snapshot TaskState events",
     "errors": " ".join(errors.__all__),

@@ -12,7 +12,21 @@ import pytest
 import aioduco.streaming
 
 FOLDER = Path(aioduco.streaming.__file__).parent
-PURE = ["limits", "jerk", "rates", "source", "space", "statistics", "upsample", "sampling", "ends"]
+PURE = [
+    "config",
+    "ends",
+    "filling",
+    "gains",
+    "jerk",
+    "joint_trajectory",
+    "limits",
+    "rates",
+    "sampling",
+    "source",
+    "space",
+    "statistics",
+    "upsample",
+]
 IMPURE = {"time", "os", "socket", "threading", "select", "mmap", "signal", "anyio", "pathlib"}
 
 

@@ -195,6 +195,26 @@ async def test_a_refused_mode_is_an_error_and_nothing_moves(
     assert controller.server.received("get_tcp_pose_coord")[0].args == ("", "")
 
 
+async def test_a_queue_from_which_nothing_is_taken_any_more_ends_the_stream(
+    controller: Controller, queue: Cycles
+) -> None:
+    """The controller has left realtime mode by itself, and says nothing."""
+    opened = RealtimeStreams(controller.endpoint).stream(
+        "joint_position", v=1.0, a=5.0, options=THREAD
+    )
+
+    async def program() -> None:
+        async with opened as stream:
+            for n in range(5000):
+                await stream.send(HERE)
+                if n == 100:
+                    controller.server.answer("get_realtime_data_queue_size", 40)
+
+    with pytest.raises(StreamRefused, match="takes no points"):
+        await program()
+    assert controller.names()[-2:] == ["end_realtime_mode", "stop"]
+
+
 @pytest.mark.parametrize("mode", ["joint_torque", 2, "nonsense"])
 def test_torques_and_unknown_modes_are_refused(mode: Any) -> None:
     with pytest.raises(ParameterError, match="joint_position, joint_velocity, pose, twist"):

@@ -20,9 +20,9 @@ from aioduco.errors import (
 )
 from aioduco.models.pose import Pose
 from aioduco.sim import Simulator
+from aioduco.streaming.joint_trajectory import Feedback, JointTrajectory
 from aioduco.streaming.settings import LaneOptions
 from aioduco.streaming.source import State
-from aioduco.streaming.trajectory import Feedback, JointTrajectory
 from aioduco.testing import ApplicationError, FaultProxy, eventually_async, no_leaks
 
 from .robot_motions import KINDS, START, WAY

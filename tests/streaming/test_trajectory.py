@@ -19,17 +19,17 @@ from aioduco.errors import (
     ParameterError,
     PathToleranceViolated,
 )
-from aioduco.streaming.realtime import CYCLE
-from aioduco.streaming.sampling import Spline, sampled
-from aioduco.streaming.settings import LaneOptions
-from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE
-from aioduco.streaming.trajectory import (
+from aioduco.streaming.joint_trajectory import (
     Feedback,
     JointTrajectory,
     Tolerances,
     TrajectoryResult,
-    follow,
 )
+from aioduco.streaming.realtime import CYCLE
+from aioduco.streaming.sampling import Spline, sampled
+from aioduco.streaming.settings import LaneOptions
+from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE
+from aioduco.streaming.trajectory import follow
 
 from .conftest import HERE, Controller, Cycles
 
