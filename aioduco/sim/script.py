@@ -12,6 +12,8 @@ or a generator function that yields such calls, and gets their answers:
             yield "sleep", 0.1
         yield "set_standard_digital_out", 1, True
 
+It runs in the controller's cycle, so it must not wait by itself.
+
 Arguments at the end that are left out are zero, `block` is true, and a struct may be a mapping.
 "sleep" is no function of the wire: it waits so many seconds of simulated time.
 """
