@@ -32,6 +32,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="N",
         help="seed of tests/adversity; another one makes other faults (default: %(default)s)",
     )
+    group.addoption(
+        "--frames",
+        type=int,
+        default=3_000,
+        metavar="N",
+        help="frames that tests/sim/test_hostile.py sends to the server (default: %(default)s)",
+    )
+    group.addoption(
+        "--frames-json", metavar="FILE", help="where that test writes what came of them"
+    )
 
 
 def pytest_report_header(config: pytest.Config) -> str:

@@ -16,7 +16,7 @@ _protocol: Any = TCyBinaryProtocol
 _socket: Any = TSocket
 
 
-def encode(name: str, seqid: int, *args: Any, **fields: Any) -> bytes:
+def encode(name: str, seqid: int, /, *args: Any, **fields: Any) -> bytes:
     """A call; fields that are not given are left out."""
     out = TCyMemoryBuffer()
     writer = _protocol(out)
@@ -38,12 +38,12 @@ class RawClient:
         self._reader = _protocol(TCyBufferedTransport(wrapped))
         self._seqid = 0
 
-    def encode(self, name: str, *args: Any, **fields: Any) -> bytes:
+    def encode(self, name: str, /, *args: Any, **fields: Any) -> bytes:
         """A call; fields that are not given are left out."""
         self._seqid += 1
         return encode(name, self._seqid, *args, **fields)
 
-    def call(self, name: str, *args: Any, **fields: Any) -> Any:
+    def call(self, name: str, /, *args: Any, **fields: Any) -> Any:
         """Call, and wait for the answer."""
         self.sock.sendall(self.encode(name, *args, **fields))
         return self.answer(name)

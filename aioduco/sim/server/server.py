@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 _RECEIVE = 1 << 16
+#: warnings about peers, after which they are for debugging: a hostile one must not fill a disk
+_WARNINGS = 20
 #: pause after the system refused to accept, so that a full descriptor table is no busy loop [s]
 _ACCEPT_PAUSE = 0.1
 
@@ -56,6 +58,7 @@ class Server:
         self._wake: tuple[socket.socket, socket.socket] | None = None
         self._refusing = False
         self._closing = threading.Event()
+        self._warned = 0
 
     def __repr__(self) -> str:
         state = "closed" if self._listener is None else f"{len(self._connections)} connections"
@@ -170,7 +173,7 @@ class Server:
     def _admit(self, connection: socket.socket, peer: str) -> None:
         with self._lock:
             if self._refusing or len(self._connections) >= self.max_connections:
-                _log.warning("%s: connection refused", peer)
+                self._warn("%s: connection refused", peer)
                 connection.close()
                 return
             thread = threading.Thread(
@@ -184,6 +187,11 @@ class Server:
             with self._lock:
                 del self._connections[connection]
                 connection.close()
+
+    def _warn(self, message: str, *args: object) -> None:
+        level = logging.WARNING if self._warned < _WARNINGS else logging.DEBUG
+        self._warned += 1
+        _log.log(level, message, *args)
 
     def _serve(self, connection: socket.socket, peer: str) -> None:
         """Answer one connection until it ends. Runs on a thread of its own."""
@@ -199,7 +207,7 @@ class Server:
                     if answer := processor.answer(message):
                         connection.sendall(answer)
         except Malformed as exc:
-            _log.warning("%s: connection closed: %s", peer, exc)
+            self._warn("%s: connection closed: %s", peer, exc)
         except OSError as exc:
             _log.info("%s: connection lost: %s", peer, exc)
         except Exception:
