@@ -19,6 +19,7 @@ import numpy as np
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState, TaskState
 from aioduco.sim.cycle import Drive, Sensed, View
 from aioduco.sim.execution import Execution
+from aioduco.sim.external_axes import ExternalAxes
 from aioduco.sim.force.tasks import ForceTasks
 from aioduco.sim.frames import Frames
 from aioduco.sim.heartbeat import Heartbeat
@@ -75,6 +76,7 @@ class Controller:
         self.pool: Pool = Pool()
         self.optimization: Optimization = Optimization()
         self.weaving: Weaving = Weaving()
+        self.external_axes: ExternalAxes = ExternalAxes()
         self.recorder: Recorder = Recorder()
         self.mode: OperationMode = OperationMode.AUTO
         self.halted: bool = False
@@ -336,6 +338,7 @@ class Controller:
             self.force.cut()
             return Drive(SetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
         setpoint = self._motion.tick(sensed.time, sensed.q, sensed.qd, at_rest=self._at_rest)
+        self.external_axes.positions.update(self._motion.axes)
         setpoint = self.force.tick(setpoint, sensed)
         self._collect_failures()
         if reason := self._execution.tick(sensed.time, self._motion.phase):

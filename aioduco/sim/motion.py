@@ -12,7 +12,7 @@ from aioduco.sim.planner.errors import PlanError
 from aioduco.sim.triggers import Triggers
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     import numpy as np
     from numpy.typing import NDArray
@@ -84,6 +84,11 @@ class Motion:
     def moving(self) -> bool:
         """Whether the set-points move."""
         return self._mover.moving if self._follower is None else self._follower.moving
+
+    @property
+    def axes(self) -> Mapping[int, float]:
+        """Where external axes shall be by number [rad or m], as far as motions have moved them."""
+        return self._mover.axes
 
     @property
     def following(self) -> Following | None:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.models.enums import TaskState
+    from aioduco.sim.external_axes import ExternalAxes
     from aioduco.sim.optimization import Optimization
     from aioduco.sim.plant import Plant
     from aioduco.sim.weaving import Weaving
@@ -158,6 +159,11 @@ class Runtime:
     def optimization(self) -> Optimization:
         """What of 1.3.11 is switched on; for handlers within a command."""
         return self._controller.optimization
+
+    @property
+    def external_axes(self) -> ExternalAxes:
+        """The external axes; for handlers within a command, and for readers of their states."""
+        return self._controller.external_axes
 
     @property
     def weaving(self) -> Weaving:

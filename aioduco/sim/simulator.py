@@ -14,6 +14,7 @@ from aioduco.models.pose import Joints, Pose
 from aioduco.sim.cabinet import Cabinet
 from aioduco.sim.clock import checked_speed
 from aioduco.sim.controller import Controller
+from aioduco.sim.external_axes import ExternalAxes
 from aioduco.sim.force.control import ForceControl
 from aioduco.sim.handlers import handlers
 from aioduco.sim.handlers.base import Context
@@ -73,6 +74,8 @@ class Simulator:
             `aioduco.sim.scene.Thing`s, the path of an MJCF file, or MJCF as text.
         tool: what the flange carries, likewise, in the flange's frame.
         mounting: where the base is in the world: "floor", "wall", "ceiling", or a pose [m, rad].
+        external_axes: schemes of external axes by name, which a controller's pendant would define:
+            of each, one to three `aioduco.sim.external_axes.Axis`, or their numbers.
         values: system values by name, which a controller's pendant would define.
         programs: by name, for run_program: a list of calls of the wire, or a generator function
             that yields them; or a folder whose files "<name>.json" hold such lists.
@@ -80,6 +83,7 @@ class Simulator:
 
     Raises:
         ParameterError: There is no such model, or `joints` are no six angles.
+        ValueError: `external_axes` are none.
         SceneError: `mounting` is none, or `scene` or `tool` hold what is no thing.
     """
 
@@ -95,6 +99,7 @@ class Simulator:
         scene: SceneLike | None = None,
         tool: SceneLike | None = None,
         mounting: MountingLike = "floor",
+        external_axes: Mapping[str, Sequence[Sequence[float]]] | None = None,
         values: Mapping[str, Value] | None = None,
         programs: Mapping[str, Script] | str | Path | None = None,
         on_shutdown: Callable[[], object] = lambda: None,
@@ -108,6 +113,7 @@ class Simulator:
         self._tool = None if tool is None else mjcf_of(tool, free=False)
         self.cabinet: Cabinet = Cabinet(SystemValues(values))
         self.cabinet.project.add(programs or {})
+        self.external_axes: ExternalAxes = ExternalAxes(external_axes)
         self._address = (host, port)
         self._halted = threading.Event()
         self._on_shutdown = on_shutdown
@@ -146,6 +152,7 @@ class Simulator:
 
         force = ForceControl(self.arm, CYCLE, gravity(self.mounting))
         controller = Controller(mover, self._start, force)
+        controller.external_axes = self.external_axes
         runtime = Runtime(
             controller,
             world,

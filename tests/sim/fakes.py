@@ -54,6 +54,7 @@ class FakeMover:
         FakeMover.latest = self
         self.setpoint = SetPoint.at_rest(np.array(q))
         self.fraction = 1.0
+        self.axes: dict[int, float] = {}
         self.paused = False
         self._queue: list[tuple[int, Callable[[Vector], Any]]] = []
         self._active: tuple[int, Leg] | None = None

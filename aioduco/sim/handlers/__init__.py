@@ -12,6 +12,7 @@ from aioduco._wire import rpc
 from aioduco.sim.handlers.cabinet import CabinetHandlers
 from aioduco.sim.handlers.compound import CompoundHandlers
 from aioduco.sim.handlers.curves import CurveHandlers
+from aioduco.sim.handlers.external_axes import ExternalAxisHandlers
 from aioduco.sim.handlers.force import ForceHandlers
 from aioduco.sim.handlers.frames import FrameHandlers
 from aioduco.sim.handlers.log import LogHandlers
@@ -47,6 +48,7 @@ class Handlers(
     OffsetHandlers,
     CurveHandlers,
     CompoundHandlers,
+    ExternalAxisHandlers,
     OptimizationHandlers,
     ServoHandlers,
     RealtimeHandlers,

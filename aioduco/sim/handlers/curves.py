@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import mismatch
-from aioduco.sim.handlers.paths import PathSection, blend, line_acceleration, near
-from aioduco.sim.planner.segments import circle_move, spiral_move, spline_move
+from aioduco.sim.handlers.paths import PathSection, blend, near
+from aioduco.sim.planner.segments import spiral_move, spline_move
 from aioduco.sim.triggers import at_point
 
 if TYPE_CHECKING:
@@ -49,15 +49,8 @@ class CurveHandlers(PathSection):
         """Once round the circle through p1 and p2."""
 
         def plan() -> Plan:
-            first, tip = self._target("p1", p1, tool, wobj)
-            second, _ = self._target("p2", p2, tool, wobj)
-            near(q_near)
-            if mode not in (1, 2):
-                raise mismatch(f"mode is {mode}, but must be 1 or 2")
-            pace, radius, weave = self._line_pace(v, a, def_acc), blend(r), self._weave(wobj)
-            return lambda start: circle_move(
-                self._arm, start, first, second, *pace, radius, mode=mode, tool=tip, weave=weave
-            )
+            pace = self._line_pace(v, a, def_acc)
+            return self._round(p1, p2, mode, q_near, tool, wobj, pace, r)
 
         return self._motion("move_circle", plan, op, block)
 
@@ -149,12 +142,9 @@ class CurveHandlers(PathSection):
                 if fire is not None:
                     place, _ = self._target("pose_list", point.pos, tool, wobj)
                     fires.append((place[:3, 3], fire))
-            # The manual gives this function a smaller least speed than the other one.
-            speed = arguments.number("v", v, *_FINE_SPEED)
-            if not def_acc:
-                arguments.number("a", a, *_FINE_ACCELERATION)
-            change = line_acceleration(a, def_acc) if def_acc else a
-            return self._spline(poses, (speed, change), tool, wobj, r)
+            # The manual gives this function smaller least values than the other one.
+            pace = self._line_pace(v, a, def_acc, _FINE_SPEED, _FINE_ACCELERATION)
+            return self._spline(poses, pace, tool, wobj, r)
 
         return self._motion("spline_op", plan, op, block, points=fires)
 

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from aioduco.errors import Unreachable
 from aioduco.models.enums import OperationMode
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.base import Section
+from aioduco.sim.handlers.base import Section, mismatch
 from aioduco.sim.planner.errors import PlanError
-from aioduco.sim.planner.segments import joint_move, line_move
+from aioduco.sim.planner.segments import arc_move, circle_move, joint_move, line_move
 from aioduco.sim.triggers import Along, along
 
 if TYPE_CHECKING:
@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
     Vector = NDArray[np.float64]
     Matrix = NDArray[np.float64]
+
+#: lowest, highest and unit
+Range: TypeAlias = tuple[float, float, str]
 
 _JOINT_SPEED = (math.radians(0.01), 1.25 * math.pi, "rad/s")
 _JOINT_ACCELERATION = (math.radians(0.01), math.inf, "rad/s²")
@@ -83,15 +86,28 @@ class PathSection(Section):
 
     def _joint_pace(self, v: float, a: float, def_acc: bool) -> tuple[float, float]:
         """Speed and acceleration of joints, as asked for or optimized."""
-        speed, acceleration = joint_speed(v), joint_acceleration(a, def_acc)
+        speed = arguments.number("v", v, *_JOINT_SPEED)
+        change = DEFAULT_JOINT_ACCELERATION
+        if not def_acc:
+            change = arguments.number("a", a, *_JOINT_ACCELERATION)
         fast, steep = self._optimized()
-        return _JOINT_SPEED[1] if fast else speed, math.inf if steep else acceleration
+        return _JOINT_SPEED[1] if fast else speed, math.inf if steep else change
 
-    def _line_pace(self, v: float, a: float, def_acc: bool) -> tuple[float, float]:
+    def _line_pace(
+        self,
+        v: float,
+        a: float,
+        def_acc: bool,
+        speeds: Range = _LINE_SPEED,
+        accelerations: Range = _LINE_ACCELERATION,
+    ) -> tuple[float, float]:
         """Speed and acceleration of the tool, as asked for or optimized."""
-        speed, acceleration = line_speed(v), line_acceleration(a, def_acc)
+        speed = arguments.number("v", v, *speeds)
+        change = DEFAULT_LINE_ACCELERATION
+        if not def_acc:
+            change = arguments.number("a", a, *accelerations)
         fast, steep = self._optimized()
-        return _LINE_SPEED[1] if fast else speed, _STEEPEST if steep else acceleration
+        return speeds[1] if fast else speed, _STEEPEST if steep else change
 
     def _optimized(self) -> tuple[bool, bool]:
         """Whether speeds and accelerations are the controller's to choose."""
@@ -127,6 +143,94 @@ class PathSection(Section):
             raise PlanError("unreachable", str(exc)) from exc
         return joint_move(self._arm, start, end, *_AROUND, r, tool=tool)
 
+    def _to_joints(self, target: Sequence[float], pace: tuple[float, float], r: float) -> Plan:
+        """To joints, all arriving together."""
+        end = np.array(arguments.joints("joints_list", target))
+        radius = blend(r)
+        tip = self._frames.tool().matrix
+        return lambda start: joint_move(self._arm, start, end, *pace, radius, tool=tip)
+
+    def _to_pose(
+        self,
+        p: Sequence[float],
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        pace: tuple[float, float],
+        r: float,
+    ) -> Plan:
+        """To a pose of the tool, all joints arriving together."""
+        target, tip = self._target("p", p, tool, wobj)
+        reference, radius = near(q_near), blend(r)
+
+        def inverse(start: Vector) -> Segment:
+            try:
+                end = self._arm.ikine(target, start if reference is None else reference)
+            except Unreachable as exc:
+                raise PlanError("unreachable", str(exc)) from exc
+            return joint_move(self._arm, start, end, *pace, radius, tool=tip)
+
+        return inverse
+
+    def _to_line(
+        self,
+        p: Sequence[float],
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        pace: tuple[float, float],
+        r: float,
+    ) -> Plan:
+        """To a pose of the tool, its tip going straight."""
+        target, tip = self._target("p", p, tool, wobj)
+        near(q_near)
+        radius, weave = blend(r), self._weave(wobj)
+        return lambda start: self._line(start, target, pace, radius, tip, weave)
+
+    def _to_arc(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        mode: int,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        pace: tuple[float, float],
+        r: float,
+    ) -> Plan:
+        """Along an arc through p1 to p2."""
+        via, tip = self._target("p1", p1, tool, wobj)
+        target, _ = self._target("p2", p2, tool, wobj)
+        near(q_near)
+        if mode not in (0, 1, 2):
+            raise mismatch(f"mode is {mode}, but must be 0, 1 or 2")
+        radius, weave = blend(r), self._weave(wobj)
+        return lambda start: arc_move(
+            self._arm, start, via, target, *pace, radius, mode=mode, tool=tip, weave=weave
+        )
+
+    def _round(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        mode: int,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        pace: tuple[float, float],
+        r: float,
+    ) -> Plan:
+        """Once round the circle through p1 and p2."""
+        first, tip = self._target("p1", p1, tool, wobj)
+        second, _ = self._target("p2", p2, tool, wobj)
+        near(q_near)
+        if mode not in (1, 2):
+            raise mismatch(f"mode is {mode}, but must be 1 or 2")
+        radius, weave = blend(r), self._weave(wobj)
+        return lambda start: circle_move(
+            self._arm, start, first, second, *pace, radius, mode=mode, tool=tip, weave=weave
+        )
+
     def _target(self, name: str, p: Sequence[float], tool: str, wobj: str) -> tuple[Matrix, Matrix]:
         """Pose of the flange in the base frame, and of the tool's tip in the flange's."""
         used = arguments.tool(self._frames, tool)
@@ -142,25 +246,3 @@ def near(q_near: Sequence[float]) -> Vector | None:
 def blend(r: float) -> float:
     """Radius of a blend [m]."""
     return arguments.number("r", r, 0.0, math.inf, "m")
-
-
-def joint_speed(v: float) -> float:
-    """Speed of a joint [rad/s]."""
-    return arguments.number("v", v, *_JOINT_SPEED)
-
-
-def line_speed(v: float) -> float:
-    """Speed of the tool [m/s]."""
-    return arguments.number("v", v, *_LINE_SPEED)
-
-
-def joint_acceleration(a: float, chosen: bool) -> float:
-    """Acceleration of a joint [rad/s²]; that of the controller if it is to choose."""
-    if chosen:
-        return DEFAULT_JOINT_ACCELERATION
-    return arguments.number("a", a, *_JOINT_ACCELERATION)
-
-
-def line_acceleration(a: float, chosen: bool) -> float:
-    """Acceleration of the tool [m/s²]; that of the controller if it is to choose."""
-    return DEFAULT_LINE_ACCELERATION if chosen else arguments.number("a", a, *_LINE_ACCELERATION)

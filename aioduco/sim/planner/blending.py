@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from aioduco.sim.planner.axes import blended
 from aioduco.sim.planner.errors import PlanError
 from aioduco.sim.planner.limits import joint_limits, tool_limits
 from aioduco.sim.planner.tracing import check_limits, fit, trace
@@ -33,6 +34,7 @@ class Blend(NamedTuple):
         path: of the blend, in the unit of the second motion; it is twice `enter` long.
         limits: along it.
         ratio: distance on the second motion per distance on the first where the blend begins.
+        axes: way of the external axes; None if there are none.
     """
 
     leave: float
@@ -40,6 +42,7 @@ class Blend(NamedTuple):
     path: Path
     limits: Limits
     ratio: float
+    axes: Path | None = None
 
 
 def blend(first: Segment, second: Segment) -> Blend | None:
@@ -54,9 +57,13 @@ def blend(first: Segment, second: Segment) -> Blend | None:
         second: the motion that begins where the first ends.
 
     Returns:
-        The blend, or None where there can be none and the first motion stops at its end.
+        The blend, or None where there can be none and the first motion stops at its end: as
+        between motions with different external axes.
     """
     if first.path is None or second.path is None or first.radius <= 0.0:
+        return None
+    one, two = first.axes, second.axes
+    if (one and one.numbers) != (two and two.numbers):
         return None
     left = _reach(first, backwards=True)
     enter = _reach(second, backwards=False, radius=first.radius)
@@ -88,7 +95,12 @@ def blend(first: Segment, second: Segment) -> Blend | None:
         rate = min((segment.a for segment in moves), default=math.inf)
         common = speed if len(moves) == 2 else math.inf
         limits = joint_limits(first.arm, nodes, joints, common, rate, share=_SHARE)
-    return Blend(corner.leave, enter, path, limits, enter / left)
+    axes = None
+    if one is not None and two is not None:
+        axes = blended(one, two, corner.leave, enter)
+        for move in (one, two):
+            limits = limits.least(move.limits(axes, nodes, _SHARE))
+    return Blend(corner.leave, enter, path, limits, enter / left, axes)
 
 
 class _Corner:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["SHARE", "STOPPING", "joint_limits", "tool_limits"]
+__all__ = ["SHARE", "STOPPING", "joint_limits", "least_limits", "tool_limits"]
 
 SHARE = 0.5
 """Share of a joint's acceleration that the bends of a path may take."""
@@ -49,15 +49,39 @@ def joint_limits(
             for changes of the speed along it.
         top: highest (ds/dt)² for other reasons; one, or one for each node.
     """
-    slope, bend = np.abs(joints[:, 1]), np.abs(joints[:, 2])
     speeds = np.minimum(np.broadcast_to(v, len(nodes))[:, None], arm.velocity)
     drives = np.array(arm.acceleration)
     rates = np.minimum(np.broadcast_to(a, len(nodes))[:, None], drives)
+    return least_limits(nodes, joints, speeds, rates, STOPPING * drives, share=share, top=top)
+
+
+def least_limits(
+    nodes: Array,
+    axes: Array,
+    speeds: Array,
+    rates: Array,
+    braking: Array,
+    *,
+    share: float = SHARE,
+    top: Array | float = math.inf,
+) -> Limits:
+    """Give the limits of a path on which each of some axes keeps to a speed and an acceleration.
+
+    Args:
+        nodes: distances along the path. Shape (n + 1,).
+        axes: positions, and their first and second derivatives there. Shape (n + 1, 3, k).
+        speeds: highest, of each axis. Shape (k,) or (n + 1, k).
+        rates: highest accelerations, likewise.
+        braking: accelerations that a stop uses. Shape (k,).
+        share: of the acceleration that the bends of the path may take at most.
+        top: highest (ds/dt)² for other reasons; one, or one for each node.
+    """
+    slope, bend = np.abs(axes[:, 1]), np.abs(axes[:, 2])
     with np.errstate(divide="ignore", over="ignore"):
         ceiling = np.minimum((speeds / slope).min(axis=1) ** 2, (share * rates / bend).min(axis=1))
         ceiling = np.minimum(np.minimum(ceiling, top), _HIGHEST)
         push = ((rates - bend * ceiling[:, None]) / slope).min(axis=1)
-        brake = (STOPPING * drives / slope).min(axis=1)
+        brake = (braking / slope).min(axis=1)
     pieces = len(nodes) - 1
     return Limits(
         nodes.tolist(),

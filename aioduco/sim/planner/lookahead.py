@@ -33,6 +33,7 @@ class Entry:
         blends: whether it ends in a blend into the next motion.
         exit: highest (ds/dt)² at its end that the motions after it allow.
         back: highest (ds/dt)² at each node of its limits.
+        axes: way of the external axes along the path; None if they stay where they are.
     """
 
     key: int
@@ -43,6 +44,7 @@ class Entry:
     blends: bool = False
     exit: float = -1.0
     back: tuple[float, ...] = ()
+    axes: Path | None = None
 
     @property
     def length(self) -> float:
@@ -65,7 +67,8 @@ def append(
     Returns:
         The new queue.
     """
-    new = Entry(key, segment, segment.path, segment.limits)
+    axes = segment.axes.path if segment.axes is not None else None
+    new = Entry(key, segment, segment.path, segment.limits, axes=axes)
     corner = blend(queue[-1].segment, segment) if queue else None
     if corner is not None:
         joined = _settle((*queue[:-1], _leave(queue[-1], corner), _enter(new, corner)))
@@ -87,17 +90,22 @@ def _leave(entry: Entry, corner: Blend) -> Entry:
         limits=entry.limits.slice(0.0, end),
         blends=True,
         exit=-1.0,
+        axes=entry.axes.slice(0.0, end) if entry.axes is not None else None,
     )
 
 
 def _enter(entry: Entry, corner: Blend) -> Entry:
     assert entry.path is not None
     assert entry.limits is not None
+    axes = entry.axes
+    if axes is not None and corner.axes is not None:
+        axes = corner.axes.then(axes.slice(corner.enter, axes.end))
     return replace(
         entry,
         path=corner.path.then(entry.path.slice(corner.enter, entry.path.end)),
         limits=corner.limits.then(entry.limits.slice(corner.enter, entry.path.end)),
         blend=corner,
+        axes=axes,
     )
 
 

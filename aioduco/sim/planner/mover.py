@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
+from aioduco.sim.planner.axes import carry
 from aioduco.sim.planner.errors import PlanError
 from aioduco.sim.planner.lookahead import Entry, append
 from aioduco.sim.planner.segments import Segment
 from aioduco.sim.planner.timing import fastest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
@@ -116,12 +117,18 @@ class Mover:
         self._s = 0.0  # distance along the active motion's path
         self._v = 0.0  # ds/dt
         self._elapsed = 0.0  # time that the active motion has moved
-        self._law_piece = self._path_piece = 0
+        self._law_piece = self._path_piece = self._axes_piece = 0
+        self._axes: dict[int, float] = {}
 
     @property
     def setpoint(self) -> SetPoint:
         """The latest set-point."""
         return self._setpoint
+
+    @property
+    def axes(self) -> Mapping[int, float]:
+        """Where external axes shall be by number [rad or m], as far as they have been moved."""
+        return self._axes
 
     @property
     def active(self) -> int | None:
@@ -181,6 +188,8 @@ class Mover:
         segment = plan(start.copy())
         if np.abs(segment.q_start - start).max() > 1e-9:
             raise PlanError("parameter", "the motion does not begin where the one before it ends")
+        if segment.axes is not None:
+            segment = carry(segment, self._left_by_queue())
         running = self._queue[0] if self._queue else None
         speed = self._law.speed(self._s) if self._law is not None else 0.0
         self._queue = append(self._queue, key, segment, self._s, speed)
@@ -258,7 +267,7 @@ class Mover:
         assert entry.limits is not None
         self._law = fastest(entry.limits, entry.back, s, speed)
         self._s, self._time = s, 0.0
-        self._law_piece = self._path_piece = 0
+        self._law_piece = self._path_piece = self._axes_piece = 0
 
     def _at_rest_by_law(self) -> bool:
         # At its start the law stands itself, so that there is nothing to ramp up to.
@@ -335,14 +344,30 @@ class Mover:
         self._began = False
         self._s = self._v = 0.0
         self._setpoint = SetPoint.at_rest(entry.segment.q_end)
+        self._axes.update(_ends(entry))
         if self._stopping:
             self._drop()
         return False
 
+    def _left_by_queue(self) -> dict[int, float]:
+        """Tell where the motions in the queue leave external axes."""
+        return {number: end for entry in self._queue for number, end in _ends(entry).items()}
+
     def _set(self, s: float, v: float, a: float) -> None:
-        path = self._queue[0].path
+        entry = self._queue[0]
+        path, axes = entry.path, entry.axes
         assert path is not None
         self._s, self._v = s, v
         self._path_piece = path.piece(s, self._path_piece)
         self._elapsed += self._cycle
         self._setpoint = SetPoint(*path.state(self._path_piece, s, v, a))
+        if axes is not None and entry.segment.axes is not None:
+            self._axes_piece = axes.piece(s, self._axes_piece)
+            at: list[float] = axes.state(self._axes_piece, s, v, a)[0].tolist()
+            self._axes.update(zip(entry.segment.axes.numbers, at, strict=True))
+
+
+def _ends(entry: Entry) -> dict[int, float]:
+    """Tell where a motion leaves external axes."""
+    move = entry.segment.axes
+    return {} if move is None else dict(zip(move.numbers, move.end.tolist(), strict=True))

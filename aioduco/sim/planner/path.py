@@ -41,8 +41,8 @@ class Path:
 
     @classmethod
     def straight(cls, q0: Array, q1: Array, length: float) -> Path:
-        """Go straight in joint space from q0 to q1 [rad] while s goes from zero to `length`."""
-        coefficients = np.zeros((6, 6))
+        """Go straight from q0 to q1, of any number of axes, while s goes from zero to `length`."""
+        coefficients = np.zeros((6, len(q0)))
         coefficients[0] = q0
         coefficients[1] = q1 - q0
         return cls([0.0, length], [0.0], [1.0 / length], [coefficients])

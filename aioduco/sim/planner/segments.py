@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
+    from aioduco.sim.planner.axes import AxesMove
     from aioduco.sim.planner.curves import Curve
     from aioduco.sim.planner.timing import Limits
     from aioduco.sim.planner.weaving import Weave
@@ -35,6 +36,7 @@ __all__ = [
     "line_move",
     "spiral_move",
     "spline_move",
+    "stay",
 ]
 
 _STILL = 1e-9  # a motion shorter than this stays where it is [rad, m]
@@ -57,6 +59,7 @@ class Segment:
         a: acceleration asked for [m/s², or rad/s²].
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         curve: of the tool centre point; None for a joint move.
+        axes: what external axes do meanwhile; None if they stay where they are.
     """
 
     arm: Arm
@@ -69,6 +72,7 @@ class Segment:
     a: float
     tool: Array
     curve: Curve | None = None
+    axes: AxesMove | None = None
 
     @property
     def length(self) -> float:
@@ -87,6 +91,12 @@ class Segment:
         assert self.path is not None
         poses: Array = fkine(self.arm.geometry, self.path.sample(s)[:, 0]) @ self.tool
         return poses
+
+
+def stay(arm: Arm, q: Array) -> Segment:
+    """Stay where the arm is, at joints q [rad]."""
+    q = np.array(q, dtype=float)
+    return Segment(arm, None, None, q, q, 0.0, 1.0, 1.0, np.eye(4))
 
 
 def joint_move(

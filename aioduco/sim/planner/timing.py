@@ -44,6 +44,14 @@ class Limits(NamedTuple):
     brake: list[float]
     waits: tuple[tuple[float, float], ...] = ()
 
+    def least(self, other: Limits) -> Limits:
+        """Give what is within both these limits and others at the same nodes, of joints alone."""
+        return self._replace(
+            ceiling=list(map(min, self.ceiling, other.ceiling)),
+            push=list(map(min, self.push, other.push)),
+            brake=list(map(min, self.brake, other.brake)),
+        )
+
     def waiting(self, stops: Sequence[tuple[float, float]]) -> Limits:
         """Give these limits with stops, each at the node nearest to a distance, for a time [s]."""
         nodes, ceiling = self.nodes, list(self.ceiling)

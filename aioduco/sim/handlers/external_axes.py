@@ -1,0 +1,278 @@
+"""External axes: schemes, and motions of axes and arm (外部轴, manual 1.3.14)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from aioduco._wire.rpc import EAxissInfo
+from aioduco.models.enums import TaskState
+from aioduco.sim.external_axes import Axis
+from aioduco.sim.handlers import arguments
+from aioduco.sim.handlers.base import mismatch
+from aioduco.sim.handlers.paths import PathSection
+from aioduco.sim.planner.segments import stay
+from aioduco.sim.refusal import Rejected
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from aioduco._wire.rpc import EAxisParam, EAxisSchemeParam, Op
+    from aioduco.sim.controller import Controller
+    from aioduco.sim.motion import Plan
+    from aioduco.sim.planner.segments import Segment
+
+    Vector = NDArray[np.float64]
+
+_FARTHEST = 1e4  # stands for a way without an end [rad or m]
+_FASTEST = 1e4  # stands for a speed without a limit [rad/s or m/s]
+#: the manual's ranges begin at zero, other than those of movel
+_TOOL_SPEED = (1e-9, 5.0, "m/s")
+_TOOL_ACCELERATION = (1e-9, math.inf, "m/s²")
+
+
+class ExternalAxisHandlers(PathSection):
+    """add_eaxis_scheme to get_eaxis_info, move_eaxis to move_circle_eaxis, move_jog_eaxis."""
+
+    # -- what is set up ------------------------------------------------------------------------
+
+    def set_eaxis_param(self, num: int, param: EAxisParam, block: bool) -> int:
+        """Set an axis up; what drives and encoders need plays no part here."""
+
+        def command(controller: Controller) -> int:
+            controller.external_axes.set_axis(num, _axis(param))
+            return controller.finish("set_eaxis_param")
+
+        return self._task("set_eaxis_param", block, command)
+
+    def set_eaxiss_scheme_param(self, num: int, param: EAxisSchemeParam, block: bool) -> int:
+        """Say which axes belong to a scheme; where they stand plays no part here."""
+
+        def command(controller: Controller) -> int:
+            controller.external_axes.link(num, param.axis_link)
+            return controller.finish("set_eaxiss_scheme_param")
+
+        return self._task("set_eaxiss_scheme_param", block, command)
+
+    def add_eaxis_scheme(self, num: int, block: bool) -> int:
+        """Add a scheme, which is called "scheme<num>" and has no axes yet."""
+
+        def command(controller: Controller) -> int:
+            controller.external_axes.add(num)
+            return controller.finish("add_eaxis_scheme")
+
+        return self._task("add_eaxis_scheme", block, command)
+
+    def delete_eaxis_scheme(self, num: int, block: bool) -> int:
+        """Delete a scheme that is not active."""
+
+        def command(controller: Controller) -> int:
+            controller.external_axes.delete(num)
+            return controller.finish("delete_eaxis_scheme")
+
+        return self._task("delete_eaxis_scheme", block, command)
+
+    def enable_eaxis_scheme(self, scheme_name: str) -> int:
+        """启动外部轴方案."""
+
+        def command(controller: Controller) -> int:
+            controller.external_axes.enable(scheme_name)
+            return controller.finish("enable_eaxis_scheme")
+
+        return self._task("enable_eaxis_scheme", True, command)
+
+    def disable_eaxis_scheme(self, scheme_name: str) -> int:
+        """结束外部轴方案, while nothing moves."""
+
+        def command(controller: Controller) -> int:
+            if not controller.idle:
+                raise Rejected(TaskState.ILLEGAL, "motions are running")
+            controller.external_axes.disable(scheme_name)
+            return controller.finish("disable_eaxis_scheme")
+
+        return self._task("disable_eaxis_scheme", True, command)
+
+    def get_eaxis_info(self) -> list[EAxissInfo]:
+        """Each scheme, whether it is active, and where its first axis is."""
+        states = self._runtime.external_axes.states()
+        return [EAxissInfo(name, int(active), at) for name, active, at in states]
+
+    # -- motions -------------------------------------------------------------------------------
+
+    def move_eaxis(
+        self, scheme_name: str, epose: Sequence[float], v: float, block: bool, op: Op
+    ) -> int:
+        """The axes alone; the arm stays where it is."""
+
+        def plan() -> Plan:
+            return self._with(lambda start: stay(self._arm, start), scheme_name, epose, v)
+
+        return self._motion("move_eaxis", plan, op, block, line=False)
+
+    def move_jog_eaxis(self, name: str, direction: int, vel: float, block: bool) -> int:
+        """The first axis of a scheme, until stop_manual_move or the end of its way."""
+
+        def command(controller: Controller) -> int:
+            if direction not in (-1, 1):
+                raise mismatch(f"direction is {direction}, but must be -1 or 1")
+            share = arguments.positive("vel", vel, 100.0, "%") / 100.0
+            axes = controller.external_axes.jog(name, direction, share)
+            return controller.jog(
+                "move_jog_eaxis", lambda start: replace(stay(self._arm, start), axes=axes)
+            )
+
+        return self._task("move_jog_eaxis", block, command)
+
+    def movej2_eaxis(
+        self,
+        joints_list: Sequence[float],
+        v: float,
+        a: float,
+        rad: float,
+        scheme_name: str,
+        epose: Sequence[float],
+        eaxis_v: float,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """To joints, with the axes."""
+
+        def plan() -> Plan:
+            moved = self._to_joints(joints_list, self._joint_pace(v, a, def_acc), rad)
+            return self._with(moved, scheme_name, epose, eaxis_v)
+
+        return self._motion("movej2_eaxis", plan, op, block, line=False)
+
+    def movej2_pose_eaxis(
+        self,
+        p: Sequence[float],
+        v: float,
+        a: float,
+        rad: float,
+        qnear: Sequence[float],
+        tool: str,
+        wobj: str,
+        scheme_name: str,
+        epose: Sequence[float],
+        eaxis_v: float,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """To a pose of the tool by the joints, with the axes."""
+
+        def plan() -> Plan:
+            pace = self._joint_pace(v, a, def_acc)
+            moved = self._to_pose(p, qnear, tool, wobj, pace, rad)
+            return self._with(moved, scheme_name, epose, eaxis_v)
+
+        return self._motion("movej2_pose_eaxis", plan, op, block, line=False)
+
+    def movel_eaxis(
+        self,
+        p: Sequence[float],
+        v: float,
+        a: float,
+        rad: float,
+        qnear: Sequence[float],
+        tool: str,
+        wobj: str,
+        scheme_name: str,
+        epose: Sequence[float],
+        eaxis_v: float,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """Along a line, with the axes."""
+
+        def plan() -> Plan:
+            pace = self._line_pace(v, a, def_acc, _TOOL_SPEED, _TOOL_ACCELERATION)
+            moved = self._to_line(p, qnear, tool, wobj, pace, rad)
+            return self._with(moved, scheme_name, epose, eaxis_v)
+
+        return self._motion("movel_eaxis", plan, op, block, line=False)
+
+    def movec_eaxis(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        v: float,
+        a: float,
+        rad: float,
+        qnear: Sequence[float],
+        tool: str,
+        wobj: str,
+        scheme_name: str,
+        epose: Sequence[float],
+        eaxis_v: float,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+        mode: int,
+    ) -> int:
+        """Along an arc, with the axes."""
+
+        def plan() -> Plan:
+            pace = self._line_pace(v, a, def_acc, _TOOL_SPEED, _TOOL_ACCELERATION)
+            moved = self._to_arc(p1, p2, mode, qnear, tool, wobj, pace, rad)
+            return self._with(moved, scheme_name, epose, eaxis_v)
+
+        return self._motion("movec_eaxis", plan, op, block, line=False)
+
+    def move_circle_eaxis(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        v: float,
+        a: float,
+        rad: float,
+        mode: int,
+        qnear: Sequence[float],
+        tool: str,
+        wobj: str,
+        scheme_name: str,
+        epose: Sequence[float],
+        eaxis_v: float,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """Once round a circle, with the axes."""
+
+        def plan() -> Plan:
+            pace = self._line_pace(v, a, def_acc, _TOOL_SPEED, _TOOL_ACCELERATION)
+            moved = self._round(p1, p2, mode, qnear, tool, wobj, pace, rad)
+            return self._with(moved, scheme_name, epose, eaxis_v)
+
+        return self._motion("move_circle_eaxis", plan, op, block, line=False)
+
+    # -- what they share -----------------------------------------------------------------------
+
+    def _with(self, plan: Plan, scheme_name: str, epose: Sequence[float], eaxis_v: float) -> Plan:
+        """A motion of the arm, with which the axes of a scheme go to their positions."""
+        target = arguments.numbers("epose", epose, 3)
+        speed = arguments.positive("eaxis_v", eaxis_v, _FASTEST, "rad/s or m/s")
+        external = self._runtime.external_axes
+        external.check_active(scheme_name)
+
+        def both(start: Vector) -> Segment:
+            return replace(plan(start), axes=external.to(scheme_name, target, speed))
+
+        return both
+
+
+def _axis(param: EAxisParam) -> Axis:
+    """What of an axis's parameters has a meaning here; reference values that are 0 are limits."""
+    limits = param.position_limit or (-_FARTHEST, _FARTHEST)
+    lower, upper = arguments.numbers("position_limit", limits, 2)
+    fastest = arguments.positive("max_velo", param.max_velo, _FASTEST, "rad/s or m/s")
+    steepest = arguments.positive("max_acc", param.max_acc, math.inf, "rad/s² or m/s²")
+    speed = arguments.number("ref_velo", param.ref_velo, 0.0, fastest, "rad/s or m/s")
+    change = arguments.number("ref_acc", param.ref_acc, 0.0, steepest, "rad/s² or m/s²")
+    return Axis(lower, upper, fastest, change or steepest, steepest, speed)
