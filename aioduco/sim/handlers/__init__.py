@@ -1,7 +1,7 @@
 """What the simulated controller answers: a class for each section of the manual.
 
-Together they are every function of the wire. What none of them has is answered by an
-application error, never by a made-up value.
+Together they are every function of the wire. What none of them has is refused by an application
+error with its reason, never answered by a made-up value.
 """
 
 from __future__ import annotations
@@ -36,10 +36,8 @@ if TYPE_CHECKING:
 __all__ = ["Handlers"]
 
 
-def _not_simulated(name: str, _args: tuple[Any, ...]) -> NoReturn:
-    if name in NOT_PUBLIC:
-        raise Refusal(f"{name} is not simulated: the vendor does not publish {NOT_PUBLIC[name]}")
-    raise Refusal(f"{name} is not simulated yet")
+def _refused(name: str, _args: tuple[Any, ...]) -> NoReturn:
+    raise Refusal(f"{name} is not simulated: the vendor does not publish {NOT_PUBLIC[name]}")
 
 
 class Handlers(
@@ -71,7 +69,7 @@ class Handlers(
 
     def __init__(self, context: Context) -> None:
         super().__init__(context)
-        rpc.RpcClient.__init__(self, _not_simulated)
+        rpc.RpcClient.__init__(self, _refused)
 
 
 def handlers(context: Context) -> rpc.Handler:
