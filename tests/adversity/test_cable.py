@@ -14,14 +14,23 @@ from aioduco.sim import Simulator
 from aioduco.testing import Ending, FaultProxy, eventually_async, no_leaks
 
 from .arm import idle, see_it_stand, unrest
+from .guards import BOTH, one_guard
 from .program import LEFT, RIGHT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from aioduco.supervision.settings import GuardKind
+
 #: s
 HEARTBEAT = 0.4
 BRAKING = 0.6
+
+
+@pytest.fixture(scope="module", autouse=True)
+def guards() -> Iterator[None]:
+    with one_guard():
+        yield
 
 
 @pytest.fixture
@@ -37,15 +46,18 @@ def proxy(sim: Simulator) -> Iterator[FaultProxy]:
         yield proxy
 
 
-def connect(proxy: FaultProxy, heartbeat: float = HEARTBEAT) -> aioduco.Robot:
+def connect(
+    proxy: FaultProxy, guard: GuardKind | None, heartbeat: float = HEARTBEAT
+) -> aioduco.Robot:
     return aioduco.connect(
         proxy.host,
         proxy.port,
         call_timeout=0.3,
         connect_timeout=0.3,
         heartbeat=heartbeat,
-        stop_timeout=1.0,
-        standstill_timeout=1.0,
+        stop_timeout=0.5,
+        standstill_timeout=0.5,
+        guard=guard,
     )
 
 
@@ -60,12 +72,15 @@ def cut(proxy: FaultProxy) -> None:
     proxy.cut(Ending.RESET)
 
 
-@pytest.mark.parametrize("pull", [freeze, cut])
+@pytest.mark.parametrize(("pull", "guard"), [(freeze, None), (cut, "process")])
 async def test_for_good(
-    sim: Simulator, proxy: FaultProxy, pull: Callable[[FaultProxy], None]
+    sim: Simulator,
+    proxy: FaultProxy,
+    pull: Callable[[FaultProxy], None],
+    guard: GuardKind | None,
 ) -> None:
     async def program() -> None:
-        async with connect(proxy) as robot:
+        async with connect(proxy, guard) as robot:
             await robot.bring_up()
             task = await robot.motion.movej2(LEFT, v=0.2, a=4.0).start()
             await eventually_async(lambda: sim.moving)
@@ -90,12 +105,15 @@ async def test_for_good(
     }
 
 
-@pytest.mark.parametrize("pull", [freeze, cut])
+@pytest.mark.parametrize(("pull", "guard"), [(freeze, "process"), (cut, None)])
 async def test_for_a_moment(
-    sim: Simulator, proxy: FaultProxy, pull: Callable[[FaultProxy], None]
+    sim: Simulator,
+    proxy: FaultProxy,
+    pull: Callable[[FaultProxy], None],
+    guard: GuardKind | None,
 ) -> None:
     """Shorter than the heartbeat time: the arm goes on, and the program with it."""
-    async with connect(proxy, heartbeat=2.0) as robot:
+    async with connect(proxy, guard, heartbeat=2.0) as robot:
         await robot.bring_up()
         task = await robot.motion.movej2(LEFT, v=0.4, a=4.0).start()
         await eventually_async(lambda: sim.moving)
@@ -108,11 +126,15 @@ async def test_for_a_moment(
 
 
 @pytest.mark.parametrize("pull", [freeze, cut])
+@BOTH
 async def test_for_longer_than_the_heartbeat(
-    sim: Simulator, proxy: FaultProxy, pull: Callable[[FaultProxy], None]
+    sim: Simulator,
+    proxy: FaultProxy,
+    pull: Callable[[FaultProxy], None],
+    guard: GuardKind | None,
 ) -> None:
     """The controller has stopped the arm; the program learns so, and may go on."""
-    async with connect(proxy) as robot:
+    async with connect(proxy, guard) as robot:
         await robot.bring_up()
         task = await robot.motion.movej2(LEFT, v=0.2, a=4.0).start()
         await eventually_async(lambda: sim.moving)

@@ -13,13 +13,18 @@ from aioduco.sim import Simulator
 from aioduco.testing import Resources, cancel_at_every_await, eventually_async
 
 from .arm import see_it_stand, unrest
+from .guards import one_guard
 from .program import LEFT, RIGHT
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Awaitable, Callable, Iterator
 
+    from aioduco.supervision.settings import GuardKind
+    from aioduco.supervision.task import OnCancel
     from aioduco.testing import Cancelled
     from aioduco.testing.cancel import How
+
+    Script = Callable[[aioduco.Robot], Awaitable[None]]
 
 
 @pytest.fixture(scope="module")
@@ -28,40 +33,83 @@ def sim() -> Iterator[Simulator]:
         yield sim
 
 
+@pytest.fixture(scope="module", autouse=True)
+def guards() -> Iterator[None]:
+    with one_guard():
+        yield
+
+
+async def move(robot: aioduco.Robot) -> None:
+    """Motions one by one, one beside another call, one tied to a block."""
+    motion = robot.motion
+    await motion.movej2(LEFT, v=2.0, a=8.0)
+    task = await motion.movej2(RIGHT, v=2.0, a=8.0).start()
+    await robot.io.set_standard_digital_out(1, value=True)
+    await task.wait()
+    with suppress(TaskStopped):
+        async with motion.movej2(LEFT, v=0.5, a=4.0):
+            await robot.pause()
+            await robot.resume()
+            await robot.stop()
+
+
+async def hold(robot: aioduco.Robot) -> None:
+    """Motions that go on until they are told to end, and a mode in which the arm gives way."""
+    motion = robot.motion
+    async with motion.speedj([0.2, 0.0, 0.0, 0.0, 0.0, 0.0], a=4.0, time=30.0):
+        await robot.feed.latest()
+    async with motion.teach_mode():
+        await robot.io.set_standard_digital_out(1, value=True)
+    await motion.movej2(RIGHT, v=2.0, a=8.0)
+
+
+async def look_and_recover(robot: aioduco.Robot) -> None:
+    """Readers of the state and of events, a program left paused, power gone and back."""
+    with robot.events.subscribe():
+        await robot.feed.latest()
+        await robot.motion.movej2(LEFT, v=0.5, a=4.0).start()
+        await robot.wait_for(lambda sample: sample.status.joint_speeds[0] != 0.0)
+        await robot.pause()
+        await robot.recover()
+        await robot.system.power_off()
+        await robot.recover()
+
+
 class Program:
-    """Does one of everything that moves an arm.
+    """Opens a robot, makes it ready, and does what a script says.
 
     Attributes:
         through: whether it came to the end of its block, so that only leaving it was left.
     """
 
-    def __init__(self, sim: Simulator) -> None:
+    def __init__(
+        self,
+        sim: Simulator,
+        script: Script,
+        *,
+        guard: GuardKind | None = None,
+        on_cancel: OnCancel = "stop",
+    ) -> None:
         self._sim = sim
+        self._script = script
+        self._guard = guard
+        self._on_cancel: OnCancel = on_cancel
         self.through = False
 
     async def __call__(self) -> None:
         self.through = False
-        async with aioduco.connect(self._sim.host, self._sim.port) as robot:
+        async with aioduco.connect(
+            self._sim.host, self._sim.port, guard=self._guard, on_cancel=self._on_cancel
+        ) as robot:
             await robot.bring_up()
-            motion = robot.motion
-            await motion.movej2(LEFT, v=2.0, a=8.0)
-            task = await motion.movej2(RIGHT, v=2.0, a=8.0).start()
-            await robot.io.set_standard_digital_out(1, value=True)
-            await task.wait()
-            with suppress(TaskStopped):
-                async with motion.movej2(LEFT, v=0.5, a=4.0):
-                    await robot.pause()
-                    await robot.resume()
-                    await robot.stop()
+            await self._script(robot)
             self.through = True
 
 
-@pytest.mark.parametrize("how", ["scope", "task"])
-@pytest.mark.parametrize("again", [0, 3])
-async def test_the_arm_stands_after_a_cancellation_at_any_await(
-    sim: Simulator, how: How, again: int
+async def cancelled_everywhere(
+    sim: Simulator, program: Program, how: How, again: int, step: int = 1
 ) -> None:
-    program = Program(sim)
+    """Cancel a program at every await, or at each so many, and look what it leaves."""
     await program()
     await eventually_async(lambda: not sim.connections)
     before = Resources.now()
@@ -77,4 +125,39 @@ async def test_the_arm_stands_after_a_cancellation_at_any_await(
             what=lambda: f"{run} left {Resources.now().beyond(before)} and {unrest(sim)}",
         )
 
-    assert await cancel_at_every_await(program, check, how=how, again=again) > 20
+    runs = await cancel_at_every_await(program, check, how=how, again=again, step=step)
+    assert runs * step > 20
+
+
+@pytest.mark.parametrize("how", ["scope", "task"])
+@pytest.mark.parametrize("again", [0, 3])
+async def test_the_arm_stands_after_a_cancellation_at_any_await(
+    sim: Simulator, how: How, again: int
+) -> None:
+    await cancelled_everywhere(sim, Program(sim, move), how, again)
+
+
+@pytest.mark.parametrize(
+    ("script", "how", "again", "guard", "on_cancel", "step"),
+    [
+        (move, "task", 3, "process", "stop", 3),
+        (move, "scope", 0, "process", "stop", 3),
+        (move, "scope", 0, None, "pause", 3),
+        (move, "task", 1, None, "detach", 3),
+        (hold, "task", 0, None, "stop", 3),
+        (hold, "scope", 1, "process", "stop", 4),
+        (look_and_recover, "task", 1, None, "stop", 3),
+        (look_and_recover, "scope", 0, "process", "stop", 4),
+    ],
+)
+async def test_whatever_the_program_does_and_however_it_is_watched(
+    sim: Simulator,
+    script: Script,
+    how: How,
+    again: int,
+    guard: GuardKind | None,
+    on_cancel: OnCancel,
+    step: int,
+) -> None:
+    program = Program(sim, script, guard=guard, on_cancel=on_cancel)
+    await cancelled_everywhere(sim, program, how, again, step)

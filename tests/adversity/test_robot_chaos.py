@@ -29,6 +29,7 @@ from aioduco.testing import (
 )
 
 from .arm import idle, see_it_stand, unrest
+from .guards import one_guard
 from .menu import MENU
 
 if TYPE_CHECKING:
@@ -39,6 +40,12 @@ TRUTHFUL: tuple[Fault, ...] = tuple(
     fault for fault in MENU if not (isinstance(fault, ApplicationError) and fault.forward)
 )
 ROUNDS = 4
+
+
+@pytest.fixture(scope="module", autouse=True)
+def guards() -> Iterator[None]:
+    with one_guard():
+        yield
 
 
 @pytest.fixture
@@ -98,6 +105,7 @@ class Mover:
 async def test_the_arm_stands_whenever_the_program_has_given_up(
     sim: Simulator, part: int, faults: int, seed: int, totals: Counter[str]
 ) -> None:
+    """Every second part with the guard, whose connections meet the same faults."""
     rng = random.Random(f"{seed}/{part}")
     mover = Mover(sim, rng)
     with FaultProxy(sim.host, sim.port, seed=seed) as proxy:
@@ -111,6 +119,7 @@ async def test_the_arm_stands_whenever_the_program_has_given_up(
                     heartbeat=0.3,
                     stop_timeout=1.0,
                     standstill_timeout=2.0,
+                    guard="process" if part % 2 else None,
                 ) as robot:
                     await robot.bring_up()
                     proxy.schedule(storm(seed * 10_000 + part * 1_000 + session))

@@ -17,11 +17,20 @@ from aioduco.sim import Simulator
 from aioduco.testing import no_leaks
 
 from .arm import see_it_stand
+from .guards import one_guard
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
 
+    from aioduco.supervision.settings import GuardKind
+
 MOTIONS = 25
+
+
+@pytest.fixture(scope="module", autouse=True)
+def guards() -> Iterator[None]:
+    with one_guard():
+        yield
 
 
 @pytest.fixture
@@ -78,7 +87,8 @@ async def test_every_motion_ends_truly_and_the_arm_stands(
 ) -> None:
     rng = random.Random(f"{seed}/{part}")
     with anyio.fail_after(40):
-        async with aioduco.connect(sim.host, sim.port) as robot:
+        guard: GuardKind | None = "process" if part % 2 else None
+        async with aioduco.connect(sim.host, sim.port, guard=guard) as robot:
             await robot.bring_up()
             players = Players(sim, robot, rng)
             async with anyio.create_task_group() as group:

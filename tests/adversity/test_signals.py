@@ -8,18 +8,25 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import anyio
+from client.bench import HOME, Bench
 
+import aioduco
 from aioduco._wire.lane import Lane
 from aioduco.testing import FaultProxy, RecordingServer, no_leaks
 
 from .calls import ANSWERS, METHODS, Book, Call, Lag, make
+from .guards import BOTH
 from .test_lane_chaos import opened
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from types import FrameType
 
+    from aioduco.supervision.settings import GuardKind
+
 STOPS = 400
+#: stops of a robot
+NOW = 80
 
 
 @contextmanager
@@ -67,3 +74,34 @@ async def test_a_stop_from_a_signal_handler_is_answered_wherever_it_interrupts(s
         assert stops.outcomes == {"answered": sum(stops.outcomes.values())}
         for book in (stops, *books):
             book.check(server, lag)
+
+
+@BOTH
+async def test_stop_now_from_a_signal_handler_of_a_busy_program(guard: GuardKind | None) -> None:
+    async with no_leaks():
+        with Bench() as bench:
+            async with aioduco.connect(bench.host, bench.port, guard=guard) as robot:
+                stopped = 0
+
+                def stop(signum: int, frame: FrameType | None) -> None:
+                    nonlocal stopped
+                    robot.stop_now()
+                    stopped += 1
+
+                async def read() -> None:
+                    while stopped < NOW:
+                        await robot.io.get_standard_digital_out(1)
+
+                async def move() -> None:
+                    while stopped < NOW:
+                        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+                        await task.wait()
+
+                with interrupting(stop, every=0.005):
+                    async with anyio.create_task_group() as tasks:
+                        tasks.start_soon(read)
+                        tasks.start_soon(read)
+                        tasks.start_soon(move)
+                assert robot.statistics().stops >= NOW
+            assert len(bench.received("stop")) >= NOW
+            assert not bench.moving()

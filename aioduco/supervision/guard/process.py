@@ -54,6 +54,8 @@ ORPHAN_LIMIT = 30.0
 _PRIORITY = 1
 #: length of a slice of a processor [ns]: the shortest that there is
 _SLICE = 100_000
+#: what a request is answered by that came to nothing since the robot is gone
+_RELEASED = "the robot was released meanwhile"
 #: seconds for a heartbeat's thread to end
 _GRACE = 1.0
 
@@ -131,6 +133,14 @@ class Ward:
             self.heartbeat.join(_GRACE)
 
 
+class _Arrival:
+    """A robot whose connections are being opened: it may be released before they are."""
+
+    def __init__(self) -> None:
+        self.scope = anyio.CancelScope()
+        self.over = anyio.Event()
+
+
 class Guard:
     """Looks after the robots of one program.
 
@@ -141,6 +151,7 @@ class Guard:
     def __init__(self, program: socket.socket) -> None:
         self._program = program
         self._wards: dict[int, Ward] = {}
+        self._arrivals: dict[int, _Arrival] = {}
 
     def tell(self, message: Message) -> None:
         """Send a message to the program; one that does not read loses it, one that is gone too."""
@@ -178,8 +189,10 @@ class Guard:
                     self._wards[robot].life.stamp = stamp
             case Stop():
                 tasks.start_soon(self._stop, message)
-            case Watch():
-                tasks.start_soon(self._watch, message)
+            case Watch(robot):
+                # Here and not in the task: a release that follows at once must find it.
+                self._arrivals[robot] = arrival = _Arrival()
+                tasks.start_soon(self._watch, message, arrival)
             case Rearm(robot):
                 ward = self._wards.get(robot)
                 if ward is not None and ward.heartbeat is not None:
@@ -189,22 +202,27 @@ class Guard:
             case Done() | Beat():
                 raise ValueError(f"a program sent {message!r} to its guard")
 
-    async def _watch(self, request: Watch) -> None:
+    async def _watch(self, request: Watch, arrival: _Arrival) -> None:
         ward = Ward(request, self)
-        try:
-            await ward.open()
-        except DucoError as exc:
-            self.tell(Done(request.token, shortened(str(exc))))
-            return
-        self._wards[request.robot] = ward
-        self.tell(Done(request.token, ""))
+        error = _RELEASED
+        with arrival.scope:
+            try:
+                await ward.open()
+            except DucoError as exc:
+                error = shortened(str(exc))
+            else:
+                error = ""
+                self._wards[request.robot] = ward
+        self._arrivals.pop(request.robot, None)
+        arrival.over.set()
+        self.tell(Done(request.token, error))
 
     async def _stop(self, request: Stop) -> None:
         ward = self._wards.get(request.robot)
         if ward is None:
             self.tell(Done(request.token, "the guard does not know this robot"))
             return
-        error = "the robot was released meanwhile"
+        error = _RELEASED
         with anyio.CancelScope() as scope:
             ward.stopping.add(scope)
             try:
@@ -218,6 +236,9 @@ class Guard:
         self.tell(Done(request.token, error))
 
     async def _release(self, request: Release) -> None:
+        if (arrival := self._arrivals.get(request.robot)) is not None:
+            arrival.scope.cancel()
+            await arrival.over.wait()
         ward = self._wards.pop(request.robot, None)
         if ward is not None:
             await ward.aclose()

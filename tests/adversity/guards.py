@@ -1,0 +1,32 @@
+"""What is tested with and without the guard."""
+
+from __future__ import annotations
+
+import threading
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import pytest
+
+from aioduco.supervision.guard.link import Answer, shared
+from aioduco.supervision.guard.messages import Release
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+#: a test that is run without the guard, and with it
+BOTH = pytest.mark.parametrize("guard", [None, "process"], ids=["alone", "guard"])
+
+
+@contextmanager
+def one_guard() -> Iterator[None]:
+    """While this lasts, all robots with a guard have the same: it is started once."""
+    link = shared.acquire()
+    try:
+        there = threading.Event()
+        # it answers to what it does not know, too, as soon as it runs
+        assert link.ask(lambda token: Release(0, token), Answer(there.set))
+        assert there.wait(30.0)
+        yield
+    finally:
+        shared.release(link)

@@ -1,0 +1,72 @@
+"""A blocked event loop: for a moment the motion goes on, for too long the arm is stopped."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+
+import aioduco
+from aioduco.errors import HeartbeatLost, TaskStopped
+from aioduco.models.enums import Outcome
+from aioduco.sim import Simulator
+from aioduco.testing import eventually, eventually_async, no_leaks
+
+from .arm import idle, unrest
+from .guards import BOTH, one_guard
+from .program import LEFT
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from aioduco.supervision.settings import GuardKind
+
+#: s for which the loop is blocked, well below the limit, which is one second if nothing is said
+SHORT = 0.3
+
+
+@pytest.fixture(scope="module", autouse=True)
+def guards() -> Iterator[None]:
+    with one_guard():
+        yield
+
+
+@pytest.fixture
+def sim() -> Iterator[Simulator]:
+    # as fast as the wall: stalls are
+    with no_leaks(), Simulator(speed=1.0) as sim:
+        yield sim
+
+
+@BOTH
+async def test_a_short_stall_lets_the_motion_go_on(sim: Simulator, guard: GuardKind | None) -> None:
+    async with aioduco.connect(sim.host, sim.port, guard=guard) as robot:
+        await robot.bring_up()
+        task = await robot.motion.movej2(LEFT, v=0.6, a=8.0).start()
+        await eventually_async(lambda: sim.moving)
+        time.sleep(SHORT)  # noqa: ASYNC251  # it is what is to be tested
+        assert sim.moving
+        assert await task is Outcome.FINISHED
+        figures = robot.heartbeat
+        assert figures is not None
+        assert (figures.stalls, figures.losses) == (0, 0)
+
+
+@BOTH
+async def test_a_long_stall_stops_the_arm(sim: Simulator, guard: GuardKind | None) -> None:
+    # The heartbeat alone would be too late: whoever sees the stall stops the arm.
+    async with aioduco.connect(
+        sim.host, sim.port, guard=guard, heartbeat=60.0, loop_stall_limit=0.5
+    ) as robot:
+        await robot.bring_up()
+        task = await robot.motion.movej2(LEFT, v=0.1, a=4.0).start()
+        await eventually_async(lambda: sim.moving)
+        # waits without an await: the loop is blocked until the arm stands
+        eventually(lambda: idle(sim) and not sim.moving, what=lambda: unrest(sim))
+        with pytest.raises(TaskStopped):
+            await task
+        with pytest.raises(HeartbeatLost):
+            await robot.motion.movej2(LEFT, v=0.5, a=4.0)
+        await robot.rearm_heartbeat()
+        assert await robot.motion.movej2(LEFT, v=2.0, a=8.0) is Outcome.FINISHED
