@@ -159,7 +159,28 @@ class ControllerError(DucoError):
 
 
 class UnknownFunction(ControllerError):
-    """The controller does not have this function: its software is older than the function."""
+    """The controller does not have this function: its software is older than the function.
+
+    Nothing was done. What came before the function is on the page of the functions.
+
+    Attributes:
+        version: the version of the controller's software; empty if it is not known.
+    """
+
+    def __init__(self, function: str, message: str, code: int = 1, *, version: str = "") -> None:
+        self.version = version
+        known = f", version {version}," if version else ""
+        super().__init__(
+            function,
+            f"this controller{known} has no such function, and did nothing ({message}); "
+            "its software is older than the function",
+            code,
+        )
+        self._message = message
+
+    def of(self, version: str) -> UnknownFunction:
+        """The same error, of a controller whose version is known."""
+        return UnknownFunction(self.function, self._message, self.code, version=version)
 
 
 class Refused(DucoError):

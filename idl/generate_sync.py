@@ -203,6 +203,17 @@ class Generator:
             lines.append("        return answer")
         return lines
 
+    def property(self, owner: type, name: str) -> list[str]:
+        """The lines of one property."""
+        source = self.source(owner.__module__)
+        node = source.function(owner.__name__, name)
+        if node.returns is None:
+            raise SystemExit(f"{owner.__name__}.{name} does not say what it is")
+        returns = self.need(node.returns, source, default=False)
+        lines = ["", "    @property", f"    def {name}(self) -> {returns}:"]
+        lines += _doc(inspect.getdoc(getattr(owner, name)), motion=False)
+        return [*lines, f"        told: {returns} = self._section.{name}", "        return told"]
+
     def arguments(self, args: ast.arguments, source: Source) -> tuple[list[str], list[str]]:
         """What is declared, and what is handed on."""
         declared: list[str] = []
@@ -259,6 +270,10 @@ class Generator:
                 continue
             for name, attribute in vars(base).items():
                 if name.startswith("_") or name in seen:
+                    continue
+                if isinstance(attribute, property):
+                    seen.add(name)
+                    lines += self.property(base, name)
                     continue
                 if not inspect.isfunction(attribute):
                     raise SystemExit(f"{base.__name__}.{name}: no rule for this")

@@ -80,10 +80,11 @@ class ReplyReader:
     neither, so after a time-out its next call returns the answer to the one before.
     """
 
-    __slots__ = ("_function", "_scanner", "_sequence", "_start", "failed")
+    __slots__ = ("_function", "_result", "_scanner", "_sequence", "_start", "failed")
 
     def __init__(self, function: Function, sequence: int) -> None:
         self._function = function
+        self._result = function.result
         self._sequence = _sequence(sequence)
         self._scanner: StructScanner | None = None
         self._start = 0
@@ -103,7 +104,17 @@ class ReplyReader:
         """
         if self._scanner is None:
             self._scanner = self._header(data)
-        return self._scanner is not None and self._scanner.whole(data)
+        if self._scanner is None:
+            return False
+        try:
+            return self._scanner.whole(data)
+        except Malformed:
+            older = self._function.older
+            if self.failed or older is None or self._result is older:
+                raise
+            self._result = older
+            self._scanner = StructScanner(older.thrift_spec, self._start)
+            return self._scanner.whole(data)
 
     def _header(self, data: bytes | bytearray) -> StructScanner | None:
         head = self._function.head
@@ -143,10 +154,9 @@ class ReplyReader:
             protocol.read_struct(error)
             text = _text(error.message) if error.message else str(error)
             if error.type == TApplicationException.UNKNOWN_METHOD:
-                text = f"the controller has no such function ({text})"
                 raise UnknownFunction(function.name, text, error.type)
             raise ControllerError(function.name, text, error.type)
-        result = function.result()
+        result = self._result()
         protocol.read_struct(result)
         if function.void:
             return None

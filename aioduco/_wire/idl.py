@@ -26,6 +26,18 @@ _ZERO: dict[int, Any] = {
     TType.LIST: list,
     TType.MAP: dict,
 }
+#: results whose fields older controllers number otherwise: the struct's fields, counted from 1
+_OLDER = {
+    "getRobotIOStatus": (
+        "analogCurrentOutputs",
+        "analogVoltageOutputs",
+        "digitalInputs",
+        "digitalOutputs",
+        "toolIOIn",
+        "toolIOOut",
+        "toolButton",
+    )
+}
 _WHOLE = {TType.BYTE, TType.I16, TType.I32, TType.I64}
 
 
@@ -36,6 +48,7 @@ class Function:
         name: the name on the wire.
         args: class of the argument struct; an instance takes the fields as attributes.
         result: class of the result struct; the value is its attribute `success`.
+        older: the same with the fields as older controllers number them; None if they do not.
         parameters: names of the parameters, in the order of their field ids.
         checks: for each parameter the check whether a value fits its type.
         whole: positions of the parameters that are whole numbers.
@@ -49,6 +62,7 @@ class Function:
         "checks",
         "head",
         "name",
+        "older",
         "parameters",
         "result",
         "texts",
@@ -61,6 +75,7 @@ class Function:
         self.name: str = name
         self.args: Any = getattr(service, f"{name}_args")
         self.result: Any = getattr(service, f"{name}_result")
+        self.older: Any = _older(self.result, _OLDER[name]) if name in _OLDER else None
         entries = list(self.args.thrift_spec.values())
         self.parameters: tuple[str, ...] = tuple(entry[1] for entry in entries)
         self.checks: tuple[Check, ...] = tuple(check_of(*type_of(entry)) for entry in entries)
@@ -109,6 +124,19 @@ def functions() -> dict[str, Function]:
 def _structs(module: Any) -> list[Any]:
     structs: list[Any] = module.__thrift_meta__["structs"]
     return structs
+
+
+def _older(result: Any, names: tuple[str, ...]) -> Any:
+    """A result class for the fields of a struct in another order.
+
+    What is read into it is an instance of the present struct, too: fields that did not come have
+    their zero values.
+    """
+    kind, name, struct, required = result.thrift_spec[0]
+    entries = {entry[1]: entry for entry in struct.thrift_spec.values()}
+    spec = {number: entries[each] for number, each in enumerate(names, 1)}
+    older = type(struct.__name__, (struct,), {"thrift_spec": spec, "__slots__": ()})
+    return type(result.__name__, (result,), {"thrift_spec": {0: (kind, name, older, required)}})
 
 
 def _has_text(part: Any) -> bool:

@@ -11,25 +11,20 @@ import anyio
 from anyio.lowlevel import checkpoint_if_cancelled
 
 from aioduco._wire import codec, idl
-from aioduco._wire.handoff import AwaitedCall, BlockingCall, Deadlines, Farewell, Home, doorbell
+from aioduco._wire.blocking import Blocking
+from aioduco._wire.handoff import AwaitedCall, Deadlines, Farewell, Home, doorbell
 from aioduco._wire.pool import Pool
 from aioduco._wire.rpc import AsyncRpc
-from aioduco._wire.semantics import Kind, kind
 from aioduco._wire.source import Source
-from aioduco._wire.worker import Dropped, Worker
-from aioduco.errors import CallTimeout, ConnectError, ConnectionLost, NotSent, OutcomeUnknown
+from aioduco._wire.worker import Dropped, Worker, hung
+from aioduco.errors import ConnectError, ConnectionLost, NotSent, UnknownFunction
 from aioduco.trace import CallFinished, emit
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from aioduco.trace import Trace
 
 #: seconds that `aclose` waits for threads; each comes back at once unless it hangs in the system
 _CLOSE_LIMIT: Final = 1.0
-
-#: seconds after which `call_from_thread` sends a stop on a second connection as well
-_STOP_PATIENCE: Final = 0.1
 
 #: threads per connection that may be on their way out at one time; they could hang in the system
 _LEAVING_LIMIT: Final = 4
@@ -90,6 +85,9 @@ class Lane:
         call_timeout: most seconds that a call takes if nothing else is said, the wait for a
             connection included.
         trace: a hook that sees each call and each connection.
+
+    Attributes:
+        version: version of the controller's software, for errors; empty as long as it is not known.
     """
 
     def __init__(
@@ -108,15 +106,16 @@ class Lane:
         self.port = port
         self.call_timeout = call_timeout
         self.rpc: AsyncRpc = AsyncRpc(self.call)
+        self.version: str = ""
         self._trace = trace
         self._state = LaneState.NEW
         self._functions = idl.functions()
         self._connections = Source(name, host, port, connect_timeout, trace)
         self._pool: Pool[Worker, AwaitedCall] = Pool(size, self._connections.worker)
+        self._blocking = Blocking(self._pool, self._connections)
         self._home = Home()
         self._deadlines = Deadlines(self._expired)
         self._leaving: list[Worker] = []
-        self._ring: Callable[[], None] = _nobody
         self._calls = 0
         self._failed = 0
         self._abandoned = 0
@@ -163,7 +162,7 @@ class Lane:
         if self._state is not LaneState.NEW:
             raise RuntimeError(f"{self!r} can be opened once")
         self._state = LaneState.OPEN
-        self._ring = doorbell(self._dispatch)
+        self._blocking.released = doorbell(self._dispatch)
         deadline = time.monotonic() + self._connections.connect_timeout
         try:
             await self._carry_out(AwaitedCall(self._home, None, b"", deadline, self._finished))
@@ -195,7 +194,7 @@ class Lane:
                 worker.join(_CLOSE_LIMIT)
         for call in self._deadlines.calls:
             # its thread hangs, and will find the connection given up when it comes back
-            call.fail(_hung(call.name, Dropped.UNKNOWN))
+            call.fail(hung(call.name, Dropped.UNKNOWN))
         self._deadlines.stop()
 
     def within(self, timeout: float | None) -> AsyncRpc:
@@ -273,6 +272,8 @@ class Lane:
                 self._failed += 1
             elif not isinstance(exc, Exception):
                 self._give_up(call)
+            elif isinstance(exc, UnknownFunction):
+                raise exc.of(self.version) from None
             raise
         finally:
             self._deadlines.discard(call)
@@ -326,7 +327,7 @@ class Lane:
             dropped = self._drop(worker, call, "its thread hangs")
             # if it is over, its notice is on the way to the loop, which was too busy for it
             if dropped is not Dropped.OVER:
-                call.fail(_hung(call.name, dropped))
+                call.fail(hung(call.name, dropped))
 
     def call_from_thread(self, name: str, args: tuple[Any, ...], timeout: float | None) -> Any:
         """Call a function of the wire and block until its answer is there.
@@ -357,7 +358,7 @@ class Lane:
         value: Any = None
         error: BaseException | None = None
         try:
-            value = self._block(function, encoded, deadline)
+            value = self._blocking.call(function, encoded, deadline)
         except BaseException as exc:
             self._failed += isinstance(exc, ConnectionLost | ConnectError)
             error = exc
@@ -368,59 +369,3 @@ class Lane:
                 event = CallFinished(end, self.name, name, args, value, error, end - begin)
                 emit(self._trace, event)
         return value
-
-    def _block(self, function: idl.Function, encoded: bytes, deadline: float | None) -> Any:
-        for worker in tuple(self._pool.workers):
-            if worker.claim():
-                break
-        else:
-            return self._alone(function, encoded, deadline)
-        call = BlockingCall(function, encoded, deadline, self._ring)
-        try:
-            worker.submit(call)
-        except RuntimeError:
-            # the system has no more threads
-            return self._alone(function, encoded, deadline)
-        if kind(function.name) is Kind.STOP:
-            return self._insist(call, function)
-        try:
-            answered = call.wait()
-        except BaseException:
-            worker.abandon(call, "the call was interrupted")
-            raise
-        if not answered:
-            raise _hung(function.name, worker.abandon(call, "its thread hangs"))
-        return call.outcome()
-
-    def _insist(self, call: BlockingCall, function: idl.Function) -> Any:
-        """Have a stop carried out that is under way: if it hangs, by a second one."""
-        if call.wait(_STOP_PATIENCE):
-            return call.outcome()
-        try:
-            return self._alone(function, call.arguments, call.deadline)
-        except (ConnectError, ConnectionLost):
-            if call.wait():
-                return call.outcome()
-            raise _hung(function.name, Dropped.UNKNOWN) from None
-
-    def _alone(self, function: idl.Function, encoded: bytes, deadline: float | None) -> Any:
-        """Call on a connection of the calling thread's own."""
-        connection = self._connections.make()
-        try:
-            connection.open(deadline)
-            return connection.exchange(function, encoded, deadline)
-        finally:
-            connection.close()
-
-
-def _hung(name: str, dropped: Dropped) -> ConnectionLost:
-    """What the caller of a call is told whose thread does not come back."""
-    if dropped is Dropped.UNSENT:
-        return NotSent(f"{name} was not sent: no connection could be made in time")
-    if kind(name) is Kind.READ:
-        return CallTimeout(f"{name}: its thread did not come back in time")
-    return OutcomeUnknown(name, "its thread did not come back in time")
-
-
-def _nobody() -> None:
-    """Nobody waits before the lane is open."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 from aioduco._wire.handoff import Call
 from aioduco._wire.lifecycle import ConnectionState, Progress
 from aioduco._wire.semantics import Kind, kind
-from aioduco.errors import ConnectError, ConnectionLost, NotSent, OutcomeUnknown
+from aioduco.errors import CallTimeout, ConnectError, ConnectionLost, NotSent, OutcomeUnknown
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -265,3 +265,17 @@ def may_send_again(function: Function, progress: Progress) -> bool:
         return kind(function.name).repeatable
     # an answer that broke off was an answer, but a stop is to be sure
     return kind(function.name) is Kind.STOP
+
+
+def hung(name: str, dropped: Dropped) -> ConnectionLost:
+    """What the caller of a call is told whose thread does not come back.
+
+    Args:
+        name: the function that was called.
+        dropped: what became of the call.
+    """
+    if dropped is Dropped.UNSENT:
+        return NotSent(f"{name} was not sent: no connection could be made in time")
+    if kind(name) is Kind.READ:
+        return CallTimeout(f"{name}: its thread did not come back in time")
+    return OutcomeUnknown(name, "its thread did not come back in time")

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco.api.section import Section
+
+if TYPE_CHECKING:
+    from aioduco.models.version import ControllerVersion
 
 __all__ = ["RobotType", "Version"]
 
@@ -30,10 +33,18 @@ class Version(Section):
 
     __slots__ = ()
 
+    @property
+    def controller(self) -> ControllerVersion:
+        """The version of the controller's software, as it was told while connecting.
+
+        Unknown before that, and if the controller does not tell.
+        """
+        return self._supervisor.version
+
     async def get_robot_version(self) -> str:
         """Read the version of the controller's software (控制器版本).
 
-        Manual section 1.3.16.
+        `controller` has it already. Manual section 1.3.16.
         """
         return await self._rpc.get_robot_version()
 

@@ -47,8 +47,11 @@ class Lines(Protocol):
         ...
 
 
-async def open_lines(lines: Lines) -> None:
-    """Open every lane, ask one question, have a guard if wanted, and beat the heart once.
+async def open_lines(lines: Lines) -> str:
+    """Open every lane, ask two questions, have a guard if wanted, and beat the heart once.
+
+    Returns:
+        The version of the controller's software; empty if it does not tell.
 
     Raises:
         ConnectError: the host is unknown, the port is closed, or nothing answers.
@@ -62,6 +65,7 @@ async def open_lines(lines: Lines) -> None:
         await lane.open()
     try:
         await lines.poll.call("get_robot_state", ())
+        version = await _version(lines.poll)
         await lines.under_guard()
         if lines.heartbeat is not None:
             lines.heartbeat.start()
@@ -87,6 +91,15 @@ async def open_lines(lines: Lines) -> None:
             f"what answers there is no controller, or one that is still starting ({exc}); "
             "the controller's port is 7003",
         ) from exc
+    return version
+
+
+async def _version(lane: Lane) -> str:
+    try:
+        version: str = await lane.call("get_robot_version", ())
+    except ControllerError:
+        return ""  # it does not tell, which older ones may not
+    return version
 
 
 async def _heard(heartbeat: Heart, timeout: float) -> None:

@@ -13,6 +13,7 @@ from aioduco._wire.connection import Connection
 from aioduco._wire.handoff import doorbell
 from aioduco._wire.lane import Lane
 from aioduco.errors import DucoError, RobotStateError, StopUnconfirmed
+from aioduco.models.version import ControllerVersion
 from aioduco.supervision.background import Background
 from aioduco.supervision.changes import LoopBlocked
 from aioduco.supervision.control import Control
@@ -87,6 +88,7 @@ class Supervisor:
         settings: times and limits.
 
     Attributes:
+        version: the version of the controller's software.
         calls: the lane of all calls that are neither motions nor supervision.
         patient: the calls of that lane, with reads that wait for a lost connection.
         poll: the lane on which tasks and the arm's standstill are asked about.
@@ -104,6 +106,7 @@ class Supervisor:
         self.host = host
         self.port = port
         self.settings = settings
+        self.version: ControllerVersion = ControllerVersion("")
         self.samples: Samples = Samples()
         self.calls: Lane = self._lane("call", size=settings.pool_size)
         self.patient: Patience = Patience(self.calls)
@@ -227,11 +230,13 @@ class Supervisor:
         if self._opened or self._closed:
             raise RuntimeError("a robot can be opened once; call aioduco.connect again")
         try:
-            await open_lines(self)
+            self.version = ControllerVersion(await open_lines(self))
         except BaseException:
             self._closed = True
             await insist(self._close_lines)
             raise
+        for lane in self.lanes:
+            lane.version = self.version.text
         self._opened = True
         self._background.start(self._live(time.monotonic()), "aioduco sign of life")
         self._background.start(self.keeper.poller.run(), "aioduco poller")

@@ -126,7 +126,11 @@ async def test_a_controller_whose_heartbeat_hangs(bench: Bench) -> None:
 async def test_what_is_opened_and_what_is_sent(bench: Bench) -> None:
     async with aioduco.connect(bench.host, bench.port) as robot:
         assert bench.connections == 7
-        assert {call.method for call in bench.received()} <= {"get_robot_state", "rpc_heartbeat"}
+        assert {call.method for call in bench.received()} <= {
+            "get_robot_state",
+            "get_robot_version",
+            "rpc_heartbeat",
+        }
         figures = robot.statistics()
         assert set(figures.lanes) == {"stop", "control", "poll", "motion", "feed", "call"}
         assert figures.lanes["stop"].calls == 0

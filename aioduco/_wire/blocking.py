@@ -1,0 +1,95 @@
+"""Calls that a thread or a signal handler waits for, without a lock and without an event loop."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from aioduco._wire.handoff import BlockingCall
+from aioduco._wire.semantics import Kind, kind
+from aioduco._wire.worker import Dropped, hung
+from aioduco.errors import ConnectError, ConnectionLost
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco._wire.idl import Function
+    from aioduco._wire.pool import Pool
+    from aioduco._wire.source import Source
+    from aioduco._wire.worker import Worker
+
+#: seconds after which a stop is sent on a second connection as well
+_STOP_PATIENCE: Final = 0.1
+
+
+class Blocking:
+    """The blocking calls of one lane.
+
+    A call takes a connection of the lane if one is free, else one of its own: it never waits
+    behind another call.
+
+    Args:
+        pool: the lane's threads.
+        connections: where a connection of its own comes from.
+
+    Attributes:
+        released: called on the thread that has become free again.
+    """
+
+    def __init__(self, pool: Pool[Worker, Any], connections: Source) -> None:
+        self._pool = pool
+        self._connections = connections
+        self.released: Callable[[], None] = _nobody
+
+    def call(self, function: Function, arguments: bytes, deadline: float | None) -> Any:
+        """Call a function of the wire and block until its answer is there.
+
+        Args:
+            function: the function.
+            arguments: its encoded arguments.
+            deadline: time of `time.monotonic()` by which the answer must be there, or None.
+        """
+        for worker in tuple(self._pool.workers):
+            if worker.claim():
+                break
+        else:
+            return self._alone(function, arguments, deadline)
+        call = BlockingCall(function, arguments, deadline, self.released)
+        try:
+            worker.submit(call)
+        except RuntimeError:
+            # the system has no more threads
+            return self._alone(function, arguments, deadline)
+        if kind(function.name) is Kind.STOP:
+            return self._insist(call, function)
+        try:
+            answered = call.wait()
+        except BaseException:
+            worker.abandon(call, "the call was interrupted")
+            raise
+        if not answered:
+            raise hung(function.name, worker.abandon(call, "its thread hangs"))
+        return call.outcome()
+
+    def _insist(self, call: BlockingCall, function: Function) -> Any:
+        """Have a stop carried out that is under way: if it hangs, by a second one."""
+        if call.wait(_STOP_PATIENCE):
+            return call.outcome()
+        try:
+            return self._alone(function, call.arguments, call.deadline)
+        except (ConnectError, ConnectionLost):
+            if call.wait():
+                return call.outcome()
+            raise hung(function.name, Dropped.UNKNOWN) from None
+
+    def _alone(self, function: Function, arguments: bytes, deadline: float | None) -> Any:
+        """Call on a connection of the calling thread's own."""
+        connection = self._connections.make()
+        try:
+            connection.open(deadline)
+            return connection.exchange(function, arguments, deadline)
+        finally:
+            connection.close()
+
+
+def _nobody() -> None:
+    """Nobody waits before the lane is open."""
