@@ -20,14 +20,11 @@ class Pace:
     Args:
         cycle: simulated time of one cycle [s].
         speed: simulated seconds in a real one; inf for as fast as possible.
-
-    Attributes:
-        speed: another one counts from the next `begin`.
     """
 
     def __init__(self, cycle: float, speed: float) -> None:
         self.slipped: float = 0.0
-        self.speed: float = checked_speed(speed)
+        self._speed = checked_speed(speed)
         self._cycle = cycle
         self._period = 0.0
         self._start = 0.0
@@ -39,10 +36,16 @@ class Pace:
         As fast as possible has no meaning while nothing happens: such a clock goes at the speed
         of real time while idle.
         """
-        speed = 1.0 if idle and math.isinf(self.speed) else self.speed
+        speed = 1.0 if idle and math.isinf(self._speed) else self._speed
         self._period = self._cycle / speed
         self._start = now
         self._count = 0
+
+    def change(self, speed: float, now: float, *, idle: bool) -> None:
+        """Go on at a speed, with a schedule anew from `now` [s] if it is another one."""
+        if speed != self._speed:
+            self._speed = speed
+            self.begin(now, idle=idle)
 
     def delay(self, now: float) -> float:
         """Real time until the next cycle is due [s]; negative when it is late."""

@@ -19,12 +19,14 @@ def test_cycles_are_due_on_an_absolute_schedule() -> None:
         pace.ran()
 
 
-def test_another_speed_counts_from_the_next_beginning() -> None:
+def test_another_speed_begins_the_schedule_anew() -> None:
     pace = Pace(0.001, math.inf)
     pace.begin(0.0)
-    pace.speed = 0.5
-    assert pace.delay(0.0) == 0.0
-    pace.begin(7.0)
+    pace.change(math.inf, 5.0, idle=False)
+    assert pace.delay(5.0) == 0.0
+    pace.change(0.5, 7.0, idle=False)
+    assert pace.delay(7.0) == pytest.approx(0.002)
+    pace.change(0.5, 7.001, idle=False)
     assert pace.delay(7.0) == pytest.approx(0.002)
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
+
+import pytest
 
 from aioduco._wire.rpc import Op
 from aioduco.models.enums import TaskState
@@ -10,6 +13,8 @@ from aioduco.models.pose import Pose
 from aioduco.sim.simulator import READY, Simulator
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from .conftest import Program
 
 
@@ -38,6 +43,27 @@ def test_acceleration_optimization_shortens_a_motion(sim: Simulator, robot: Prog
     assert duration(sim, robot, 0.0, 3.9) < 2.0
     assert robot.disable_acc_optimization() == TaskState.FINISHED
     assert duration(sim, robot, 3.0, 3.9) > 2.4
+
+
+def test_vibration_control_takes_time_if_the_simulator_is_told(
+    connect: Callable[..., Program],
+) -> None:
+    with Simulator(speed=math.inf, vibration_time=0.3) as sim:
+        robot = connect(sim)
+        robot.bring_up()
+        # At 1 rad/s and 2 rad/s² each of the ten takes 0.45 s.
+        for switch, least, most in (
+            (robot.enable_vibration_control, 7.4, 9.0),
+            (robot.disable_vibration_control, 4.4, 6.0),
+        ):
+            assert switch() == TaskState.FINISHED
+            begin = sim.time
+            for n in range(9):
+                robot.to(0.1 * (1 - n % 2), *READY[1:], block=False)
+            assert robot.to(*READY) == TaskState.FINISHED
+            assert least <= sim.time - begin < most
+    with pytest.raises(ValueError, match="vibration_time"):
+        Simulator(vibration_time=-0.1)
 
 
 def test_a_line_through_a_singularity_is_gone_around(sim: Simulator, robot: Program) -> None:

@@ -99,11 +99,21 @@ class Mover:
         arm: the arm.
         q: joints at the start [rad]. Shape (6,).
         cycle: time between two ticks [s].
+        settling: how long a motion that stands at its end goes on before it is finished [s].
     """
 
-    def __init__(self, arm: Arm, q: Array, cycle: float = 0.001) -> None:
+    def __init__(
+        self,
+        arm: Arm,
+        q: Array,
+        cycle: float = 0.001,
+        *,
+        settling: Callable[[], float] = lambda: 0.0,
+    ) -> None:
         self._arm = arm
         self._cycle = cycle
+        self._settling = settling
+        self._stood = 0.0  # time since the active motion stands at its end
         self._speed = 1.0
         self._pausing = False
         self._events: list[Event] = []
@@ -256,7 +266,7 @@ class Mover:
     def _begin(self) -> None:
         entry = self._queue[0]
         self._began = True
-        self._elapsed = 0.0
+        self._elapsed = self._stood = 0.0
         self._events.append(Event(entry.key, "started"))
         if entry.path is not None:
             self._follow(0.0, 0.0)
@@ -283,6 +293,8 @@ class Mover:
         assert law is not None
         if time >= law.duration:
             end = law.end_speed
+            if self._settles(law):
+                return
             if self._finish():
                 self._enter_blend(end, end * self._speed)
                 self._track(time - law.duration)
@@ -307,6 +319,8 @@ class Mover:
             s = self._s + 0.5 * (self._v + v) * self._cycle
         if s >= law.end:
             end, beyond = law.end_speed, s - law.end
+            if self._settles(law):
+                return
             if self._finish():
                 ratio = self._enter_blend(end, v)
                 self._set(beyond * ratio, self._v, 0.0)
@@ -328,10 +342,19 @@ class Mover:
         assert corner is not None
         self._events.append(Event(self._queue[0].key, "started"))
         self._began = True
-        self._elapsed = 0.0
+        self._elapsed = self._stood = 0.0
         self._follow(law_speed * corner.ratio, 0.0)
         self._v = v * corner.ratio
         return corner.ratio
+
+    def _settles(self, law: Law) -> bool:
+        """Stand at the end of the active motion for a while; whether it goes on to."""
+        if law.end_speed > 0.0 or self._stopping or self._stood >= self._settling() - 1e-9:
+            return False
+        self._stood += self._cycle
+        self._time, self._tracking = law.duration, True
+        self._set(law.end, 0.0, 0.0)
+        return True
 
     def _finish(self) -> bool:
         """End the active motion, and tell whether the next one takes over by a blend."""

@@ -317,6 +317,47 @@ def test_half_the_speed_takes_twice_the_time() -> None:
     assert half.tool_speed().max() == pytest.approx(0.125, rel=1e-3)
 
 
+def settling() -> Recorder:
+    return Recorder(Mover(FIVE, HOME, CYCLE, settling=lambda: 0.3))
+
+
+@pytest.mark.parametrize("speed", [1.0, 0.4])
+def test_motions_to_a_stand_may_settle_there(speed: float) -> None:
+    plain, slow = Recorder(), settling()
+    for run in (plain, slow):
+        run.mover.set_speed(speed)
+        run.mover.append(1, line(0.1, 0.0, r=0.05))
+        run.mover.append(2, line(0.1, 0.2))
+        run.mover.append(3, joints(0.0))
+        run.until_rest()
+        run.hangs_together()
+    assert slow.kinds == plain.kinds
+    assert plain.kinds[:2] == [(1, "started"), (1, "blended")]
+    # Twice 0.3 s: the motion that blends has no end of its own.
+    assert len(slow.setpoints) - len(plain.setpoints) == pytest.approx(600, abs=4)
+
+
+def test_a_pause_and_a_stop_while_it_settles() -> None:
+    run = settling()
+    run.mover.append(1, joints(0.1))
+    run.until(1, "started")
+    run.tick(2000)
+    assert run.kinds == [(1, "started"), (1, "finished")]
+    run.mover.append(2, joints(0.2))
+    while run.mover.progress < 1.0:
+        run.tick()
+    run.mover.pause()
+    run.tick(500)
+    assert not run.mover.moving
+    run.mover.resume()
+    run.tick(10)
+    assert run.mover.moving
+    run.mover.stop()
+    run.tick()
+    assert run.kinds[2:] == [(2, "started"), (2, "stopped")]
+    np.testing.assert_allclose(run.mover.setpoint.q, turned(0.2), atol=1e-9)
+
+
 def test_speeds_that_change_on_the_way_keep_to_the_limits() -> None:
     run = Recorder()
     run.mover.append(1, line(0.0, 0.3, v=0.2, a=0.5))
