@@ -24,8 +24,14 @@ __all__ = ["Box", "Cylinder", "Pad", "Rod", "Sphere", "Table", "Thing"]
 Colour = tuple[float, float, float]
 
 _WOOD, _STEEL, _RED, _RUBBER = (0.72, 0.6, 0.45), (0.6, 0.63, 0.66), (0.8, 0.3, 0.2), (0.2,) * 3
-# As stiff as a step of 1 ms allows: what gives way is to be the spring, not the surface.
-_HARD = {"solref": "0.004 1", "solimp": "0.99 0.999 0.0005", "priority": "1"}
+# How surfaces touch; of two the one with the higher priority says so. As stiff as a step of 1 ms
+# allows, without bouncing:
+_LOOSE = {"solref": "0.004 1", "solimp": "0.99 0.999 0.0005", "priority": "1"}
+# What slides on it under load must not lose touch. MuJoCo takes friction times speed times the
+# contact's damping from the force between things that slide, so that is low, and it bounces a bit:
+_FIXED = {"solref": "0.05 0.2", "solimp": "0.5 0.5 0.001", "priority": "2"}
+# What gives way is to be the spring, not the surface.
+_SPRUNG = {**_LOOSE, "priority": "3"}
 _PERIOD = 0.004  # of what vibrates, over 2π: a step of 1 ms still follows it [s]
 
 
@@ -84,12 +90,15 @@ class Thing(ABC):
     def _geom(self, body: ET.Element, kind: str, size: Iterable[float], **more: str) -> None:
         look = {"rgba": _text((*self.colour, 1.0)), "mass": _text((self.mass,))}
         shape = {"type": kind, "size": _text(size)}
-        ET.SubElement(body, "geom", {**_HARD, **look, **shape, **more})
+        surface = _LOOSE if self.mass > 0.0 else _FIXED
+        ET.SubElement(body, "geom", {**surface, **look, **shape, **more})
 
-    def _plate(self, body: ET.Element, size: tuple[float, float, float]) -> None:
+    def _plate(
+        self, body: ET.Element, size: tuple[float, float, float], surface: dict[str, str]
+    ) -> None:
         """A box whose top is where the body is."""
         half = tuple(0.5 * length for length in size)
-        self._geom(body, "box", half, pos=_text((0, 0, -half[2])), mass="0")
+        self._geom(body, "box", half, pos=_text((0, 0, -half[2])), mass="0", **surface)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -201,7 +210,7 @@ class Pad(Thing):
 
     def _shapes(self, body: ET.Element) -> None:
         plate = _sprung(body, self.stiffness, self.damping, self.travel, self.name)
-        self._plate(plate, self.size)
+        self._plate(plate, self.size, _SPRUNG)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -232,7 +241,7 @@ class Table(Thing):
         top = body
         if self.stiffness is not None:
             top = _sprung(body, self.stiffness, self.damping, 0.05, self.name)
-        self._plate(top, (*self.size, 0.02))
+        self._plate(top, (*self.size, 0.02), _FIXED if top is body else _SPRUNG)
         self._legs(body, float(self.at[2]) if self.height is None else self.height)
 
     def _legs(self, body: ET.Element, height: float) -> None:
