@@ -306,9 +306,7 @@ class Runtime:
         self._pace.begin(time.perf_counter())
         while not self._closing:
             now = time.perf_counter()
-            if self._pace.speed != self._speed:
-                self._pace.speed = self._speed
-                self._pace.begin(now, idle=idle)
+            self._pace.change(self._speed, now, idle=idle)
             if idle:
                 if self._wake.wait(_STRIDE):
                     self._wake.clear()
