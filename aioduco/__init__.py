@@ -43,6 +43,7 @@ from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
 from aioduco.models.realtime import RealtimeMode, RealtimePoint
 from aioduco.models.state import IOStatus, RobotStates, RobotStatus
 from aioduco.models.units import deg, mm
+from aioduco.models.version import ControllerVersion
 from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.robot import Robot, connect
 from aioduco.streaming.gains import ServoGains
@@ -104,6 +105,7 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     "StreamStatistics",
     "Tolerances",
     # states
+    "ControllerVersion",
     "HeartbeatState",
     "IOStatus",
     "OperationMode",

@@ -161,7 +161,7 @@ class ControllerError(DucoError):
 class UnknownFunction(ControllerError):
     """The controller does not have this function: its software is older than the function.
 
-    Nothing was done. What came before the function is on the page of the functions.
+    Nothing was done. The documentation's table of functions says which ones older controllers lack.
 
     Attributes:
         version: the version of the controller's software; empty if it is not known.

@@ -3,8 +3,9 @@
     python docs/functions.py            write the page
     python docs/functions.py --check    compare the whole text with what is committed
 
-The wire and its meanings come from `idl/robot.thrift`, the manual's names from
-`tests/data/manual-3.8.json`, our names from the methods in `aioduco/api/` and `aioduco/robot.py`.
+The wire and its meanings come from `idl/robot.thrift`, the manuals' names from
+`tests/data/manual-3.8.json` and `manual-4.3.json`, what older controllers lack from
+`wire-older.json` there, our names from the methods in `aioduco/api/` and `aioduco/robot.py`.
 """
 
 from __future__ import annotations
@@ -15,19 +16,58 @@ import json
 import re
 import sys
 from pathlib import Path
+from typing import Any
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 PAGE = HERE / "functions.md"
 IDL = ROOT / "idl" / "robot.thrift"
-MANUAL = ROOT / "tests" / "data" / "manual-3.8.json"
+DATA = ROOT / "tests" / "data"
 
 HEAD = """# Functions
 
 Every function of the manual (version 3.8, sections 1.3.1 to 1.3.16) and of the wire, and its name
 here. Names are those of the wire; where the manual has another one, it stands in brackets. The
 parameter `block` does not appear here: a motion is awaited, or started and followed.
+
+The last column says which controllers lack the function: *oldest* and *older* are two generations
+of the vendor's client that public repositories carry; which versions of the controller's software
+they belong to is not known. A call of a function that a controller lacks raises
+[`UnknownFunction`](reference/errors.md), which names the controller's version, and does nothing.
+`robot.version.controller` has it from connecting on. What older controllers take otherwise, and
+what [manual 4.3](#manual-43) adds, is at the end of the page.
 Written by `docs/functions.py`."""
+
+OLDER = """
+## Older controllers
+
+They pass over parameters and fields that they do not know, and say nothing of it: what is in this
+table has no effect there.
+
+| function | oldest and older | oldest alone |
+|---|---|---|"""
+
+OLDER_REST = """
+`combine_motion_config` and `set_hand_teach_parameter` have parameters of another type there: these
+are passed over and count as zero, so do not call them on such a controller. `Op.on_stop` is not
+known to the oldest: **an output that a stop is to switch is not switched**. `getRobotIOStatus` of
+the oldest has fewer lists, numbered otherwise: it is read as it is meant, with the missing lists
+empty."""
+
+NEWER = """
+## Manual 4.3
+
+What manual 4.3 has beyond 3.8. Only functions whose place on the wire is known can be called: the
+wire is numbered, and no public source has the numbers of the others.
+
+| function | here | what it does |
+|---|---|---|"""
+
+CHANGED = """
+And what it describes otherwise:
+
+| what | change |
+|---|---|"""
 
 #: what this package does in another way than by a function of the same name
 ELSEWHERE = {
@@ -83,28 +123,72 @@ def ours() -> dict[str, str]:
     return found
 
 
+def lacking() -> dict[str, str]:
+    """Function -> which older controllers lack it."""
+    older = {name: set(one["lacks"]) for name, one in _data("wire-older")["versions"].items()}
+    every = set.union(*older.values())
+    return {name: ", ".join(one for one in older if name in older[one]) for name in every}
+
+
+def older() -> list[str]:
+    """The rows of the parameters that older controllers do not know."""
+    wire = _data("wire")["methods"]
+    unknown: dict[str, dict[str, list[str]]] = {}
+    for generation, one in _data("wire-older")["versions"].items():
+        for name, method in one["methods"].items():
+            places = {tuple(place) for place in method["args"]}
+            missing = [place[2] for place in wire[name]["args"] if tuple(place) not in places]
+            unknown.setdefault(name, {})[generation] = [one for one in missing if one != "block"]
+    rows = []
+    for name in sorted(unknown):
+        both = unknown[name].get("older", [])
+        oldest = [one for one in unknown[name].get("oldest", []) if one not in both]
+        if both or oldest:
+            shown = (", ".join(f"`{one}`" for one in each) for each in (both, oldest))
+            rows.append(f"| `{name}` | {' | '.join(shown)} |")
+    return rows
+
+
+def newer(names: dict[str, str]) -> list[str]:
+    """The rows of what manual 4.3 adds, and of what it changes."""
+    data = _data("manual-4.3")
+    rows = [
+        f"| `{one['name']}` | {names.get(one['name'], 'not callable')} | {one['meaning']} |"
+        for one in data["new"]
+    ]
+    changed = [f"| {one['item']} | {one['change'].replace('|', ',')} |" for one in data["changed"]]
+    return [*rows, CHANGED, *changed]
+
+
+def _data(name: str) -> Any:
+    return json.loads((DATA / f"{name}.json").read_text(encoding="utf-8"))
+
+
 def page() -> str:
     """The whole text of the page."""
-    functions = json.loads(MANUAL.read_text(encoding="utf-8"))["functions"]
+    functions = _data("manual-3.8")["functions"]
+    lacks = lacking()
     manual = {entry["wire"]: entry["name"] for entry in functions if entry["wire"]}
     names = ours()
     lines = [HEAD]
     for head, entries in sections().items():
         number = head.split()[0]
         lines.append(f"\n## {head[0].upper()}{head[1:]}\n")
-        lines += ["| function | here | what it does |", "|---|---|---|"]
+        lines += ["| function | here | what it does | missing |", "|---|---|---|---|"]
         for name, about in entries:
             printed = manual.get(name)
             shown = f"`{name}`" + (f" (`{printed}`)" if printed not in {name, None} else "")
-            lines.append(f"| {shown} | {names.get(name) or ELSEWHERE.get(name, '')} | {about} |")
+            here = names.get(name) or ELSEWHERE.get(name, "")
+            lines.append(f"| {shown} | {here} | {about} | {lacks.get(name, '')} |")
         if number == "1.3.1":
             lines += [
-                f"| `{name}` | {here} | Not on the wire. |"
+                f"| `{name}` | {here} | Not on the wire. | |"
                 for name, here in CLIENT_SIDE.items()
                 if name != "get_version"
             ]
         if number == "1.3.16":
-            lines.append(f"| `get_version` | {CLIENT_SIDE['get_version']} | Not on the wire. |")
+            lines.append(f"| `get_version` | {CLIENT_SIDE['get_version']} | Not on the wire. | |")
+    lines += [OLDER, *older(), OLDER_REST, NEWER, *newer(names)]
     return "\n".join(lines) + "\n"
 
 
