@@ -29,7 +29,6 @@ class Cabinet:
         modbus: signals and slaves of the controller's Modbus.
         project: its files.
         teach_speed: [%].
-        collision_level: 0 for off, 1 to 5.
         pendant_enabled: whether the pendant's keys are.
         encoder_count: of the external encoder.
         dynamics: parameters of the dynamic calibration, as they were set.
@@ -45,7 +44,6 @@ class Cabinet:
     modbus: ModbusSignals = field(default_factory=ModbusSignals)
     project: Project = field(default_factory=Project)
     teach_speed: int = 100
-    collision_level: int = 3
     pendant_enabled: bool = True
     encoder_count: int = 0
     dynamics: list[list[float]] = field(default_factory=list)

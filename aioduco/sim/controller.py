@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState, TaskState
+from aioduco.sim.collision import Observer
 from aioduco.sim.cycle import Drive, Sensed, View
 from aioduco.sim.execution import Execution
 from aioduco.sim.external_axes import ExternalAxes
@@ -77,17 +78,17 @@ class Controller:
         self.optimization: Optimization = Optimization()
         self.weaving: Weaving = Weaving()
         self.external_axes: ExternalAxes = ExternalAxes()
+        self.collisions: Observer = Observer(np.full(6, np.inf))
         self.recorder: Recorder = Recorder()
         self.mode: OperationMode = OperationMode.AUTO
         self.halted: bool = False
         self._power = Power(self.tasks)
         self._motion = Motion(self.tasks, mover, q)
         self._execution = Execution(self.tasks)
-        self._sensed = Sensed(0.0, 0.0, q, _ZEROS, _ZEROS)
+        self._sensed = Sensed(0.0, 0.0, q, _ZEROS, _ZEROS, _ZEROS)
         self.force: ForceTasks = ForceTasks(self.tasks, self._motion, force, self._sensed)
         self._fault: SafetyState | None = None
         self._emergency_stop = False
-        self._collision_axis = 0
         self._at_rest = True
         self._standstill = Standstill()
         self._errors: deque[str] = deque(maxlen=20)
@@ -147,7 +148,7 @@ class Controller:
             self.mode,
             self.moving,
             self._emergency_stop,
-            self._collision_axis,
+            self.collisions.axis,
             int(self._fault is not None),
             tuple(self._errors),
             self._speed,
@@ -302,15 +303,17 @@ class Controller:
         self._emergency_stop = False
 
     def collide(self, joint: int) -> None:
-        """A joint, 1 to 6, has detected a collision."""
+        """A joint, 1 to 6, has detected a collision: the arm stands where it is, and yields."""
         if self._power.state is not RobotState.ENABLE:
             return
-        self._collision_axis = joint
+        self.collisions.axis = joint
         self.fault(SafetyState.STOP2, f"Joint {joint} 检测到碰撞")
+        if not self.force.active:  # it has moved the set-points away from those of the motions
+            self._motion.yield_to(self._sensed.q)
 
     def reset_collision(self) -> None:
         """Take back the warning; the safety stop stays."""
-        self._collision_axis = 0
+        self.collisions.axis = 0
 
     # -- the cycle ---------------------------------------------------------------------------
 
@@ -336,7 +339,11 @@ class Controller:
         self._power_went(before, self._power.state)
         if self._power.state is not RobotState.ENABLE:
             self.force.cut()
+            self.collisions.reset()
             return Drive(SetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
+        joint = self.collisions.update(sensed.time, sensed.external)
+        if joint and self._fault is None:
+            self.collide(joint)
         setpoint = self._motion.tick(sensed.time, sensed.q, sensed.qd, at_rest=self._at_rest)
         self.external_axes.positions.update(self._motion.axes)
         setpoint = self.force.tick(setpoint, sensed)
@@ -369,7 +376,7 @@ class Controller:
             self._errors.clear()
 
     def _clear_fault(self) -> None:
-        self._collision_axis = 0
+        self.collisions.axis = 0
         self._fault = SafetyState.STOP0 if self._emergency_stop else None
 
     def _halt(self, state: TaskState, message: str, control: int | None = None) -> None:

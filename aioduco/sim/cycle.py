@@ -30,6 +30,7 @@ class Sensed:
         qd: actual joint speeds [rad/s]. Shape (6,).
         wrench: signal of the force sensor: what acts on the flange, in its frame, the weight of
             what it carries included [N, N m]. Shape (6,).
+        external: torques that the motion needed beyond those of the drives [N m]. Shape (6,).
     """
 
     time: float
@@ -37,6 +38,7 @@ class Sensed:
     q: Vector
     qd: Vector
     wrench: Vector
+    external: Vector
 
 
 @dataclass(frozen=True, slots=True)

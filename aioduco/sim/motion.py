@@ -237,6 +237,14 @@ class Motion:
         endless = self._follower is not None
         self.stop(TaskState.FINISHED if endless else TaskState.INTERRUPT, message)
 
+    def yield_to(self, q: Vector) -> None:
+        """Stand at q [rad], where the arm is, instead of slowing down along the path.
+
+        Only what is being stopped may end like this: the tasks end when the arm stands.
+        """
+        assert self._phase is Phase.STOPPING or not self._queue
+        self._leave(q)
+
     def cut(self, message: str, q: Vector) -> None:
         """The brakes fall at q [rad]: every motion ends with an error, wherever the arm is."""
         self._ending = (TaskState.ERROR, message)

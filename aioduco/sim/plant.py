@@ -49,12 +49,28 @@ class Plant(Protocol):
         ...
 
     @property
+    def target_torque(self) -> Vector:
+        """Torques that the set-point's motion needs [N m]. Shape (6,)."""
+        ...
+
+    @property
+    def external_torque(self) -> Vector:
+        """Torques that the motion needed beyond those of the drives [N m]. Shape (6,)."""
+        ...
+
+    @property
     def still(self) -> bool:
         """Whether nothing else in the scene moves."""
         ...
 
     def load(self, mass: float, centre: Sequence[float]) -> None:
-        """Mount a load at the flange [kg, m]."""
+        """Mount a load at the flange, and tell the drives about it [kg, m]."""
+
+    def carry(self, mass: float, centre: Sequence[float]) -> None:
+        """Mount a load at the flange, of which the drives know nothing [kg, m]."""
+
+    def tell(self, mass: float, centre: Sequence[float]) -> None:
+        """Tell the drives about a load [kg, m]."""
 
     def brake(self, on: bool) -> None:
         """Put the brakes on, or release them."""

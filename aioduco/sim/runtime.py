@@ -64,6 +64,8 @@ class Snapshot:
         setpoint: what the drives follow.
         view: the controller's state.
         wrench: what acts on the flange, in its frame, the load's weight included [N, N m].
+        target_torque: what the set-point's motion needs [N m]. Shape (6,).
+        external_torque: of what pushes at the joints from outside, as observed [N m]. Shape (6,).
         joint_temperature, board_temperature: of joints and drive boards [°C]. Shape (6,) each.
     """
 
@@ -75,6 +77,8 @@ class Snapshot:
     setpoint: SetPoint
     view: View
     wrench: Vector
+    target_torque: Vector
+    external_torque: Vector
     joint_temperature: Vector
     board_temperature: Vector
 
@@ -127,6 +131,8 @@ class Runtime:
         self._pushed: Sequence[float] = _NO_PUSH
         self._load: tuple[float, Sequence[float]] = (0.0, (0.0, 0.0, 0.0))
         self._loaded: tuple[float, Sequence[float]] = self._load
+        self._carry: tuple[float, Sequence[float]] | None = None
+        self._carried: tuple[float, Sequence[float]] | None = None
         q = plant.q
         self._drive = Drive(SetPoint.at_rest(q), brake=True)
         self._snapshot = Snapshot(
@@ -138,6 +144,8 @@ class Runtime:
             self._drive.setpoint,
             controller.view(),
             plant.wrench,
+            plant.target_torque,
+            plant.external_torque,
             self._warmth.joints,
             self._warmth.boards,
         )
@@ -256,8 +264,13 @@ class Runtime:
         self._wake.set()
 
     def load(self, mass: float, centre: Sequence[float]) -> None:
-        """Mount a load at the flange [kg, m], and tell the drives about it."""
+        """Tell the drives about a load [kg, m], and mount it unless `carry` has mounted another."""
         self._load = (mass, tuple(centre))
+        self._wake.set()
+
+    def carry(self, mass: float, centre: Sequence[float]) -> None:
+        """Mount a load at the flange [kg, m], whatever the drives are told."""
+        self._carry = (mass, tuple(centre))
         self._wake.set()
 
     def set_speed(self, speed: float) -> None:
@@ -326,9 +339,13 @@ class Runtime:
                 if self._pushed is not self._push:
                     self._pushed = self._push
                     self._plant.push(self._pushed)
+                if self._carried is not self._carry and self._carry is not None:
+                    self._carried = self._carry
+                    self._plant.carry(*self._carried)
                 if self._loaded is not self._load:
                     self._loaded = self._load
-                    self._plant.load(*self._loaded)
+                    mount = self._plant.load if self._carried is None else self._plant.tell
+                    mount(*self._loaded)
                 self._plant.step(self._drive.setpoint)
             self._count += cycles
             self._pace.ran(cycles)
@@ -349,7 +366,8 @@ class Runtime:
             self._warmth.tick(at - self._warm_at, torque, powered=powered)
             self._warm_at = at
         with self._lock:
-            self._drive = self._controller.tick(Sensed(at, time.monotonic(), q, qd, wrench))
+            sensed = Sensed(at, time.monotonic(), q, qd, wrench, plant.external_torque)
+            self._drive = self._controller.tick(sensed)
             view = self._controller.view()
             self._snapshot = Snapshot(
                 at,
@@ -360,6 +378,8 @@ class Runtime:
                 self._drive.setpoint,
                 view,
                 wrench,
+                plant.target_torque,
+                self._controller.collisions.torque,
                 self._warmth.joints,
                 self._warmth.boards,
             )
@@ -385,6 +405,7 @@ class Runtime:
         """Whether the arm has stood for so long that physics would change nothing."""
         changing = self._controller.busy or self._braked is not self._drive.brake
         changing = changing or self._pushed is not self._push or any(self._pushed)
-        changing = changing or self._loaded is not self._load or not self._plant.still
+        changing = changing or self._loaded is not self._load
+        changing = changing or self._carried is not self._carry or not self._plant.still
         self._quiet = 0 if changing else self._quiet + cycles
         return self._quiet * self.cycle >= _SETTLING

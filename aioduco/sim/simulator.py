@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import anyio
@@ -14,6 +15,7 @@ from aioduco.kinematics import arm as arm_of
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim.cabinet import Cabinet
 from aioduco.sim.clock import checked_speed
+from aioduco.sim.collision import Observer
 from aioduco.sim.controller import Controller
 from aioduco.sim.external_axes import ExternalAxes
 from aioduco.sim.force.control import ForceControl
@@ -24,6 +26,7 @@ from aioduco.sim.planner.mover import Mover
 from aioduco.sim.runtime import Runtime
 from aioduco.sim.scene.xml import mjcf_of
 from aioduco.sim.server import Server
+from aioduco.sim.status_port import StatusPort, frame_of
 from aioduco.sim.values import SystemValues
 from aioduco.sim.world import World
 
@@ -68,6 +71,8 @@ class Simulator:
         model: the arm, such as "gcr5_910"; `aioduco.kinematics.models()` lists them.
         host: address to listen on; loopback unless told otherwise.
         port: TCP port; 0 picks a free one, which `port` then tells.
+        status_port: TCP port that status frames are pushed on, 2001 on a real controller; 0 picks
+            a free one, which `status_port` then tells; None for no such port.
         speed: simulated seconds in a real one; `math.inf` for as fast as possible.
         seed: of everything random in the simulation.
         joints: where the arm stands at the start [rad]; None for the elbow bent, flange down.
@@ -97,6 +102,7 @@ class Simulator:
         *,
         host: str = "127.0.0.1",
         port: int = 0,
+        status_port: int | None = None,
         speed: float = 1.0,
         seed: int = 0,
         joints: JointsLike | None = None,
@@ -123,6 +129,8 @@ class Simulator:
         self.cabinet.project.add(programs or {})
         self.external_axes: ExternalAxes = ExternalAxes(external_axes)
         self._address = (host, port)
+        self._status_address = status_port
+        self._status: StatusPort | None = None
         self._halted = threading.Event()
         self._on_shutdown = on_shutdown
         self._server: Server | None = None
@@ -164,6 +172,7 @@ class Simulator:
         force = ForceControl(self.arm, CYCLE, gravity(self.mounting))
         controller = Controller(mover, self._start, force)
         controller.external_axes = self.external_axes
+        controller.collisions = Observer(np.array(self.arm.effort))
         runtime = Runtime(
             controller,
             world,
@@ -183,8 +192,19 @@ class Simulator:
             f"SIM{self.seed:08d}",
             self.cabinet,
         )
-        server = Server(handlers(context), host=self._address[0], port=self._address[1])
+        answering = handlers(context)
+        server = Server(answering, host=self._address[0], port=self._address[1])
         server.start()
+        if self._status_address is not None:
+            status = StatusPort(
+                partial(frame_of, answering), host=self.host, port=self._status_address
+            )
+            try:
+                status.start()
+            except OSError:
+                server.close()
+                raise
+            self._status = status
         self._server, self._runtime, self._controller = server, runtime, controller
         runtime.start()
         return self
@@ -196,6 +216,9 @@ class Simulator:
         if runtime is None or server is None:
             return
         runtime.release()
+        if self._status is not None:
+            self._status.close()
+            self._status = None
         try:
             server.close()
         finally:
@@ -253,6 +276,11 @@ class Simulator:
     def port(self) -> int:
         """The TCP port that is listened on; 0 before the start if any will do."""
         return self._address[1] if self._server is None else self._server.port
+
+    @property
+    def status_port(self) -> int | None:
+        """The TCP port of status frames; None if there is none."""
+        return self._status_address if self._status is None else self._status.port
 
     @property
     def connections(self) -> int:
@@ -360,7 +388,7 @@ class Simulator:
         if not 1 <= joint <= 6:
             raise ValueError(f"joint is {joint}, but must be from 1 to 6")
         with self._running().command() as controller:
-            if self.cabinet.collision_level:
+            if controller.collisions.level:
                 controller.collide(joint)
 
     def push(self, wrench: Sequence[float]) -> None:
@@ -372,6 +400,21 @@ class Simulator:
         if len(wrench) != 6:
             raise ValueError(f"wrench has {len(wrench)} numbers, but must have 6")
         self._running().push(wrench)
+
+    def load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        """Hang a load on the flange, whatever the program says is there.
+
+        Until this is called, what hangs there is what the program tells by `set_load_data`. From
+        then on the two are apart: a controller that was told wrongly takes the difference for a
+        force from outside, as a real one does.
+
+        Args:
+            mass: of the load, a point without inertia of its own [kg]; zero for none.
+            centre: its centre of mass in the frame of the flange [m].
+        """
+        if not (math.isfinite(mass) and mass >= 0.0) or len(centre) != 3:
+            raise ValueError(f"a load of {mass} kg at {centre} cannot be")
+        self._running().carry(mass, centre)
 
     def drop_connections(self) -> int:
         """Cut every connection, as a pulled cable would; how many there were."""
@@ -393,6 +436,8 @@ class Simulator:
         """The controller's network came up (True), went down for a restart, or for good (None)."""
         if self._server is not None:
             self._server.refuse(not up, last_answers=up is None)
+        if self._status is not None:
+            self._status.refuse(not up)
         if up is None:
             self._halted.set()
             self._on_shutdown()

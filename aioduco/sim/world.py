@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.models.pose import Pose
+from aioduco.sim.dynamics import Dynamics, mount
 from aioduco.sim.mjcf import SERVOS, mjcf
 from aioduco.sim.scene.compose import compose
 
@@ -24,7 +25,6 @@ else:
 __all__ = ["World"]
 
 _BRAKE = 0.5  # torque of a brake, of its drive's; an assumption
-_NOTHING = 1e-6  # mass that stands for none [kg]
 _STILL = 1e-3  # speed that counts as none [m/s, rad/s]
 
 
@@ -59,12 +59,15 @@ class World:
     ) -> None:
         self.arm = arm
         self.mounting: Pose = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if mounting is None else mounting
-        self.model: Any = compose(mjcf(arm, timestep, self.mounting), scene, tool)
+        bare = mjcf(arm, timestep, self.mounting)
+        self.model: Any = compose(bare, scene, tool)
         self.data: Any = mujoco.MjData(self.model)
+        # What the servos know: tool and load as they were told, and nothing of the scene.
+        self._known = Dynamics(compose(bare, None, tool))
         self._stiffness = self.model.actuator_gainprm[:6, 0].copy()
         self._damping = -self.model.actuator_biasprm[:6, 2] / self._stiffness
         self._timestep = timestep
-        self._change: Array = self._stiffness * self._damping * timestep
+        self._drag: Array = self._stiffness * self._damping
         self._effort = np.array(arm.effort)
         self._hold: Array = _BRAKE * self._effort
         # The arm's share of what MuJoCo keeps; it comes first.
@@ -78,7 +81,7 @@ class World:
         self._force: Array = data.actuator_force[:6]
         self._sensor: Array = data.sensordata[:6]
         self._others: Array = data.qvel[6:]
-        self._wanted, self._feed = np.zeros(self.model.nv), np.empty(self.model.nv)
+        self._target = self._torque = self._external = np.zeros(6)
         self._flange = self.model.site("flange").id
         self._turn = self.mounting.matrix[:3, :3]
         self._base = self.mounting.inverse().matrix
@@ -90,6 +93,7 @@ class World:
         mujoco.mj_resetData(self.model, self.data)
         self._q[:] = q
         self._ctrl[:] = q
+        self._target = self._torque = self._external = np.zeros(6)
         mujoco.mj_forward(self.model, self.data)
 
     def step(self, setpoint: SetPoint) -> None:
@@ -98,20 +102,26 @@ class World:
         if self._braked:
             # The brakes carry the weight, as far as they reach: MuJoCo's friction would creep.
             np.clip(self._bias, -self._hold, self._hold, out=self._applied)
-        else:
-            # Mass matrix and forces are those of the last step's beginning: a millisecond old.
-            self._wanted[:6] = setpoint.qdd
-            mujoco.mj_mulM(self.model, data, self._feed, self._wanted)
-            feed = self._feed[:6]
-            feed += self._bias
-            feed /= self._stiffness
-            # MuJoCo pulls at the joint where the step begins, and damps the speed that the step
-            # ends with, which is its mean speed: both are taken from the set-point of the end.
-            feed += setpoint.q + (self._damping - self._timestep) * setpoint.qd
-            feed -= (0.5 * self._timestep) * (self._damping - self._timestep) * setpoint.qdd
-            self._ctrl[:] = feed
+            mujoco.mj_step(self.model, data)
+            self._target = self._torque = self._external = np.zeros(6)
+            return
+        known = self._known
+        known.at(data.qpos, data.qvel)
+        self._target = known.torque(setpoint.qdd).copy()
+        # MuJoCo pulls at the joint where the step begins, and damps the speed that the step
+        # ends with, which is its mean speed: both are taken from the set-point of the end.
+        lead = self._damping - self._timestep
+        ahead = setpoint.q + lead * setpoint.qd - (0.5 * self._timestep) * lead * setpoint.qdd
+        self._ctrl[:] = self._target / self._stiffness + ahead
+        before = data.qvel.copy()
         # Releases the GIL for its few microseconds: what waits for it may come in between.
         mujoco.mj_step(self.model, data)
+        change = data.qvel - before
+        # MuJoCo gives the torques for the speed that the step began with, but integrates them with
+        # the damping at the speed that it ended with, unless the drive is at its limit.
+        force = self._force
+        self._torque = force - self._drag * change[:6] * (np.abs(force) < self._effort)
+        self._external = known.torque(change / self._timestep) - self._torque
 
     def load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
         """Mount a load at the flange, and tell the servos about it.
@@ -120,12 +130,17 @@ class World:
             mass: of the load, a point without inertia of its own [kg]; zero takes it off.
             centre: its centre of mass in the frame of the flange [m].
         """
-        body = self.model.body("flange")
-        body.mass[:] = max(mass, _NOTHING)
-        body.ipos[:] = centre
-        # What follows from the masses is computed on a copy, since it is left at the zero pose.
-        mujoco.mj_setConst(self.model, mujoco.MjData(self.model))
+        self.carry(mass, centre)
+        self.tell(mass, centre)
+
+    def carry(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        """Mount a load at the flange, of which the servos know nothing [kg, m]."""
+        mount(self.model, mass, centre)
         mujoco.mj_forward(self.model, self.data)
+
+    def tell(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        """Tell the servos about a load, whether or not it is there [kg, m]."""
+        self._known.load(mass, centre)
 
     def push(self, wrench: Sequence[float]) -> None:
         """Push at the flange from now on.
@@ -179,12 +194,21 @@ class World:
     @property
     def torque(self) -> Array:
         """Torques of the drives in the last step [N m]. Shape (6,)."""
-        # MuJoCo gives them for the speed that the step began with, but integrates them with the
-        # damping at the speed that it ended with, unless the drive is at its limit.
-        torque = self._force.copy()
-        if not self._braked:
-            torque -= self._change * self._qdd * (np.abs(torque) < self._effort)
-        return torque
+        return self._torque
+
+    @property
+    def target_torque(self) -> Array:
+        """Torques that the set-point needs, as far as the servos know [N m]. Shape (6,)."""
+        return self._target
+
+    @property
+    def external_torque(self) -> Array:
+        """What the arm's motion in the last step needed beyond its drives' torques [N m].
+
+        The torques of whatever pushes at the arm, and what is wrong about the load that the servos
+        know of. Shape (6,).
+        """
+        return self._external
 
     @property
     def wrench(self) -> Array:

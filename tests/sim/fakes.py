@@ -182,6 +182,7 @@ class Bench:
         self.controller = controller_of(FakeMover)
         self.q = HOME.copy()
         self.wrench = np.zeros(6)
+        self.external = np.zeros(6)
         self.cycle = 0
         self.drive: Drive | None = None
 
@@ -197,7 +198,8 @@ class Bench:
     def tick(self, cycles: int = 1) -> None:
         for _ in range(cycles):
             self.cycle += 1
-            sensed = Sensed(self.time, self.time, self.q, np.zeros(6), self.wrench)
+            still = np.zeros(6)
+            sensed = Sensed(self.time, self.time, self.q, still, self.wrench, self.external)
             drive = self.controller.tick(sensed)
             if not drive.brake:
                 self.q = drive.setpoint.q

@@ -32,6 +32,7 @@ class Follower:
     def __init__(self) -> None:
         self.q = HOME.copy()
         self.qd = self.qdd = self.torque = self.wrench = np.zeros(6)
+        self.target_torque = self.external_torque = np.zeros(6)
         self.steps = 0
         self.broken = False
         self.braked: list[bool] = []
@@ -47,6 +48,12 @@ class Follower:
         self.braked.append(on)
 
     still = True
+
+    def carry(self, mass: float, centre: Sequence[float]) -> None:
+        self.carried = (mass, tuple(centre))
+
+    def tell(self, mass: float, centre: Sequence[float]) -> None:
+        self.told = (mass, tuple(centre))
 
     def push(self, wrench: Sequence[float]) -> None:
         self.pushed = tuple(wrench)

@@ -119,7 +119,8 @@ def test_pause_and_resume(sim: Simulator, robot: Program) -> None:
 def test_too_large_a_step_at_too_large_an_acceleration_is_a_position_deviation(
     sim: Simulator, robot: Program
 ) -> None:
-    stretched = (0.0, math.pi / 2, 0.1, 0.0, -1.5, 0.0)
+    stretched = (0.0, math.pi / 2, -0.1, 0.0, -1.5, 0.0)
+    assert robot.set_load_data([5.0, 0.0, 0.0, 0.0]) == TaskState.FINISHED
     assert robot.to(*stretched) == TaskState.FINISHED
     gentle = servoj(robot, (1.0, *stretched[1:]), 2.0, 2.0)
     assert ended(sim, robot, gentle) == TaskState.FINISHED

@@ -45,6 +45,14 @@ class StateHandlers(Section):
         """各关节力矩 [N m]."""
         return _list(self._runtime.snapshot.torque)
 
+    def get_target_joints_torque(self) -> list[float]:
+        """各关节目标力矩: what the commanded motion needs, as the controller knows it [N m]."""
+        return _list(self._runtime.snapshot.target_torque)
+
+    def get_ext_torque(self) -> list[float]:
+        """关节观测外力矩: what pushes at the joints from outside [N m]."""
+        return _list(self._runtime.snapshot.external_torque)
+
     def get_target_joints_position(self) -> list[float]:
         """各关节的规划角度 [rad]."""
         return _list(self._runtime.snapshot.setpoint.q)

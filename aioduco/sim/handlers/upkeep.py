@@ -36,10 +36,11 @@ class SettingsHandlers(Section):
     def collision_detect(self, value: int) -> int:
         """碰撞检测等级: 0 for off, 1 to 5."""
 
-        def change() -> None:
-            self._cabinet.collision_level = int(number("level", value, 0, 5, "in whole numbers"))
+        def command(controller: Controller) -> int:
+            controller.collisions.level = int(number("level", value, 0, 5, "in whole numbers"))
+            return controller.finish("collision_detect")
 
-        return self._keep("collision_detect", change)
+        return self._task("collision_detect", True, command)
 
     def set_teach_pendant(self, enable: bool) -> int:
         """启用或禁用示教器的物理按键."""

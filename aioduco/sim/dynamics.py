@@ -1,0 +1,92 @@
+"""What the controller knows of its arm: lengths, masses, and the load that it was told of."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.models.rotation import Array
+
+    mujoco: Any  # its bindings are compiled, without types
+else:
+    import mujoco
+
+__all__ = ["NOTHING", "Dynamics", "mount"]
+
+NOTHING = 1e-6
+"""Mass that stands for none [kg]."""
+
+
+def mount(model: Any, mass: float, centre: Sequence[float]) -> None:
+    """Change what the flange of a model carries.
+
+    Args:
+        model: of MuJoCo, with a body "flange" of no other mass.
+        mass: of the load, a point without inertia of its own [kg].
+        centre: its centre of mass in the frame of the flange [m].
+    """
+    body = model.body("flange")
+    body.mass[:] = max(mass, NOTHING)
+    body.ipos[:] = centre
+    # What follows from the masses is computed on a copy, since it is left at the zero pose.
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+
+
+class Dynamics:
+    """The forces that a motion needs, by a model that stands apart from the world.
+
+    Nothing touches it and nothing holds it: what the world does to the arm on top is what the
+    controller finds out by comparison.
+
+    Args:
+        model: of MuJoCo: the arm with its tool, without a scene. It is changed.
+    """
+
+    def __init__(self, model: Any) -> None:
+        off = mujoco.mjtDisableBit
+        model.opt.disableflags |= (
+            off.mjDSBL_CONSTRAINT | off.mjDSBL_ACTUATION | off.mjDSBL_SENSOR | off.mjDSBL_CONTACT
+        )
+        self._model, self._data = model, mujoco.MjData(model)
+        self._count: int = model.nv
+        self._qpos: Array = self._data.qpos
+        self._qvel: Array = self._data.qvel
+        self._bias: Array = self._data.qfrc_bias
+        self._acceleration, self._product = np.zeros(model.nv), np.zeros(model.nv)
+
+    def load(self, mass: float, centre: Sequence[float]) -> None:
+        """Take a load into account [kg, m]."""
+        mount(self._model, mass, centre)
+
+    def at(self, qpos: Array, qvel: Array) -> None:
+        """Take the state for which torques are asked from now on.
+
+        Args:
+            qpos: positions, those of the arm and its tool first [rad].
+            qvel: speeds, likewise [rad/s].
+        """
+        self._qpos[:] = qpos[: self._qpos.size]
+        self._qvel[:] = qvel[: self._count]
+        mujoco.mj_fwdPosition(self._model, self._data)
+        mujoco.mj_fwdVelocity(self._model, self._data)
+
+    def torque(self, acceleration: Array) -> Array:
+        """Give the torques that the arm needs for accelerations, and against its weight [N m].
+
+        Args:
+            acceleration: of the joints, or of everything that moves [rad/s²].
+
+        Returns:
+            Shape (6,), valid until the next call.
+        """
+        count = min(acceleration.size, self._count)
+        self._acceleration[:count] = acceleration[:count]
+        self._acceleration[count:] = 0.0
+        mujoco.mj_mulM(self._model, self._data, self._product, self._acceleration)
+        self._product += self._bias
+        needed: Array = self._product[:6]
+        return needed

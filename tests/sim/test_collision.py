@@ -1,0 +1,225 @@
+"""Collisions: found in the torques, by level; the arm stands, says so, and can be led away."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+import aioduco
+from aioduco.kinematics import Arm, arm, models
+from aioduco.models.enums import RobotState, SafetyState, TaskState
+from aioduco.sim.collision import LEVELS, SMOOTHING, Observer
+from aioduco.sim.planner.mover import Mover, SetPoint
+from aioduco.sim.planner.segments import joint_move
+from aioduco.sim.scene import Box
+from aioduco.sim.simulator import READY, Simulator
+from aioduco.sim.world import World
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from .conftest import Program
+
+HOME = np.array(READY)
+FIVE = arm("gcr5_910")
+EFFORT = np.array([100.0, 100.0, 100.0, 50.0, 50.0, 50.0])
+#: in the way of the forearm when joint 1 turns from zero to the left
+WALL = Box(at=(0.45, 0.5, 0.3), size=(0.4, 0.1, 0.6))
+LEFT = (1.2, *READY[1:])
+
+
+# -- the observer ------------------------------------------------------------------------------
+
+
+def observed(observer: Observer, external: list[float], cycles: int) -> list[int]:
+    start = 0.0 if observer._time is None else observer._time  # where the last torques ended
+    return [
+        observer.update(start + 0.001 * i, np.array(external)) for i in range(1, cycles + 1)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("level", [1, 2, 3, 4, 5])
+def test_a_torque_beyond_the_levels_share_is_a_collision(level: int) -> None:
+    observer = Observer(EFFORT)
+    observer.level = level
+    below, above = 0.95 * LEVELS[level], 1.2 * LEVELS[level]
+    assert not any(observed(observer, [0, 0, 0, 0, -50.0 * below, 0], 200))
+    found = observed(observer, [0, 0, 0, 0, -50.0 * above, 0], 200)
+    assert set(found) == {0, 5}
+    assert found.index(5) < 4 * SMOOTHING / 0.001
+
+
+def test_levels_are_more_sensitive_one_after_the_other() -> None:
+    assert sorted(LEVELS) == [0, 1, 2, 3, 4, 5]
+    assert list(LEVELS.values()) == sorted(LEVELS.values(), reverse=True)
+
+
+def test_the_joint_with_the_largest_share_is_named() -> None:
+    observer = Observer(EFFORT)
+    assert observed(observer, [60.0, 0, 0, 0, 0, 45.0], 100)[-1] == 6
+
+
+def test_level_0_sees_torques_and_no_collision() -> None:
+    observer = Observer(EFFORT)
+    observer.level = 0
+    assert not any(observed(observer, [1e3] * 6, 100))
+    assert observer.torque == pytest.approx([1e3] * 6, rel=1e-3)
+    observer.reset()
+    assert observer.torque == pytest.approx([0.0] * 6)
+
+
+def test_a_blow_of_a_cycle_is_smoothed() -> None:
+    observer = Observer(EFFORT)
+    observer.level = 5
+    assert not any(observed(observer, [0.0] * 6, 10))
+    assert observed(observer, [50.0] * 6, 1) == [0]
+
+
+# -- torques of the simulated arm --------------------------------------------------------------
+
+
+@pytest.mark.parametrize("model", models())
+def test_ordinary_motions_are_no_collision_at_the_most_sensitive_level(model: str) -> None:
+    any_arm: Arm = arm(model)
+    world, mover = World(any_arm, q=HOME), Mover(any_arm, HOME)
+    world.load(0.5 * float(model.partition("_")[0][3:]), (0.0, 0.02, 0.08))
+    v, a = max(any_arm.velocity), max(any_arm.acceleration)
+    goal = HOME + np.array([1.0, 0.3, -0.4, 0.8, 1.0, 1.5])
+    mover.append(1, lambda q: joint_move(any_arm, q, goal, v, a, 0.1))
+    mover.append(2, lambda q: joint_move(any_arm, q, HOME, v, a))
+    effort = np.array(any_arm.effort)
+    most = 0.0
+    while mover.moving:
+        world.step(mover.tick().setpoint)
+        most = max(most, float((np.abs(world.external_torque) / effort).max()))
+    assert most < 0.1 * LEVELS[5]
+    assert np.abs(world.torque).max() > 1.0
+
+
+def test_a_push_is_observed_as_the_torques_it_makes() -> None:
+    world = World(FIVE, q=HOME)
+    push = np.array([20.0, -10.0, 5.0, 0.5, 1.0, -0.5])
+    world.push(push.tolist())
+    for _ in range(1000):
+        world.step(SetPoint.at_rest(HOME))
+    made = FIVE.jacobian(world.q).T @ push
+    np.testing.assert_allclose(world.external_torque, made, atol=0.1)
+    # At rest the target is the weight, and the drives give what is left.
+    np.testing.assert_allclose(world.target_torque - made, world.torque, atol=0.1)
+
+
+def test_a_load_that_was_not_told_is_a_torque_from_outside() -> None:
+    world = World(FIVE, q=HOME)
+    world.carry(2.0)
+    for _ in range(1000):
+        world.step(SetPoint.at_rest(HOME))
+    weight = np.array([0.0, 0.0, -2.0 * 9.81, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(world.external_torque, FIVE.jacobian(HOME).T @ weight, atol=0.1)
+    sagged = np.abs(world.q - HOME).max()
+    assert 1e-4 < sagged < 0.02
+    world.tell(2.0)
+    for _ in range(1000):
+        world.step(SetPoint.at_rest(HOME))
+    np.testing.assert_allclose(world.external_torque, np.zeros(6), atol=0.01)
+    assert np.abs(world.q - HOME).max() < 1e-5
+
+
+# -- over the wire -----------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def cell() -> Iterator[Simulator]:
+    with Simulator(speed=math.inf, scene=[WALL]) as sim:
+        yield sim
+
+
+async def test_an_arm_that_runs_into_a_box_stands_and_is_led_away(cell: Simulator) -> None:
+    async with aioduco.connect(cell.host, cell.port) as robot:
+        await robot.recover()
+        await robot.motion.movej2(READY, v=1.0, a=2.0)
+        with pytest.raises(aioduco.TaskFailed, match=r"Joint \d 检测到碰撞"):
+            await robot.motion.movej2(LEFT, v=0.5, a=2.0)
+        stood = cell.joints[0]
+        assert 0.05 < stood < 1.1
+        status = await robot.state.getRobotStatus()
+        assert status.collision
+        assert status.collision_axis in range(1, 7)
+        assert status.state is RobotState.ENABLE
+        states = await robot.state.get_robot_state()
+        assert states.safety is SafetyState.STOP2
+        assert any("检测到碰撞" in error for error in await robot.state.get_last_error())
+        # It yields where it stands: what still pushes is less than what was a collision.
+        most = LEVELS[3] * np.array(cell.arm.effort)
+        assert (np.abs(await robot.state.get_ext_torque()) < most).all()
+        with pytest.raises(aioduco.TaskIllegal):
+            await robot.motion.movej2(READY, v=0.5, a=2.0)
+        await robot.settings.collision_detection_reset()
+        assert not (await robot.state.getRobotStatus()).collision
+        await robot.recover()
+        await robot.motion.movej2(READY, v=0.5, a=2.0)
+        assert cell.joints == pytest.approx(READY, abs=1e-3)
+
+
+def test_without_detection_it_pushes_until_the_position_deviates(
+    cell: Simulator, connect: Callable[..., Program]
+) -> None:
+    robot = connect(cell)
+    robot.power_off(True)
+    robot.bring_up()
+    robot.to(*READY)
+    assert robot.collision_detect(0) == TaskState.FINISHED
+    assert robot.to(*LEFT, v=0.5) == TaskState.ERROR
+    assert robot.get_robot_state()[:3] == [RobotState.POWER_OFF, 0, SafetyState.STOP0]
+    assert "position deviation" in robot.get_last_error()[-1]
+    assert robot.collision_detect(3) == TaskState.FINISHED
+    assert robot.power_off(True) == TaskState.FINISHED
+    robot.bring_up()
+    assert robot.to(*READY) == TaskState.FINISHED
+
+
+def test_a_more_sensitive_level_stops_it_with_less_force(
+    connect: Callable[..., Program],
+) -> None:
+    forces = []
+    for level in (1, 5):
+        with Simulator(speed=math.inf) as sim:
+            robot = connect(sim)
+            robot.bring_up()
+            assert robot.collision_detect(level) == TaskState.FINISHED
+            force = 0.0
+            while not robot.getRobotStatus().collision:
+                force += 20.0
+                sim.push([0.0, force, 0.0, 0.0, 0.0, 0.0])
+                start = sim.time
+                sim.wait_until(lambda start=start: sim.time > start + 0.1)  # type: ignore[misc]
+            forces.append(force)
+    assert forces[1] < 0.5 * forces[0] < 200.0
+
+
+def test_a_wrong_load_is_an_offset_and_at_a_sensitive_level_a_collision(
+    connect: Callable[..., Program],
+) -> None:
+    with Simulator(speed=math.inf) as sim:
+        robot = connect(sim)
+        robot.bring_up()
+        sim.load(5.0)
+        start = sim.time
+        sim.wait_until(lambda: sim.time > start + 0.5)
+        weight = [0.0, 0.0, -5.0 * 9.81, 0.0, 0.0, 0.0]
+        offset = sim.arm.jacobian(sim.joints).T @ weight
+        assert robot.get_ext_torque() == pytest.approx(offset, abs=0.5)
+        assert robot.set_load_data([5.0, 0.0, 0.0, 0.0]) == TaskState.FINISHED
+        start = sim.time
+        sim.wait_until(lambda: sim.time > start + 0.5)
+        assert robot.get_ext_torque() == pytest.approx([0.0] * 6, abs=0.1)
+        assert robot.get_target_joints_torque() == pytest.approx(
+            robot.get_actual_joints_torque(), abs=0.3
+        )
+        robot.set_load_data([0.0] * 4)
+        robot.collision_detect(5)
+        sim.wait_until(lambda: sim.view.collision_axis == 4)
+        with pytest.raises(ValueError, match="cannot be"):
+            sim.load(-1.0)
