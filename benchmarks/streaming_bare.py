@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -65,9 +66,10 @@ print(json.dumps([*late, missed]))
 
 
 class BareLoop:
-    """The loop, in a process of its own, while the block runs."""
+    """The loop, in a process of its own on one processor, while the block runs."""
 
-    def __init__(self, rate: float) -> None:
+    def __init__(self, rate: float, core: int) -> None:
+        self._core = core
         self._period = round(1e9 / rate)
         self._late: list[int] = []
         self.missed = 0
@@ -78,6 +80,7 @@ class BareLoop:
         self._process = subprocess.Popen(
             [*self._command(), str(self._period)], stdin=subprocess.PIPE, stdout=self._output
         )
+        os.sched_setaffinity(self._process.pid, {self._core})
         return self
 
     def _command(self) -> list[str]:

@@ -25,17 +25,18 @@ from typing import TYPE_CHECKING, Any
 
 from _common import arguments, percentile, print_table, scheduling, write_results
 
-import aioduco
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.supervision.command import MotionCommand
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    import aioduco
+
 # the sample call of each function is the tests' own
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-_cases: Any = importlib.import_module("api.cases")
-cases: Callable[[], tuple[Any, ...]] = _cases.cases
+cases: Callable[[], tuple[Any, ...]] = importlib.import_module("api.cases").cases
+robot_on: Callable[[Any], aioduco.Robot] = importlib.import_module("api.nowhere").robot_on
 
 #: most microseconds for functions of up to so many arguments
 LIMIT_US = 15.0
@@ -45,46 +46,15 @@ ARGUMENTS = 8
 WORST = 20
 
 
-class NoLane:
-    """Answers each call at once."""
+async def measure(case: Any, times: int) -> dict[str, Any]:
+    """The figures of one function, on a robot of its own: some remember what they were told."""
+    answers = {case.name: case.answer, "robotmoving": False} | case.also
 
-    def __init__(self) -> None:
-        self.answers: dict[str, Any] = {}
+    async def answer(name: str, _args: tuple[Any, ...]) -> Any:
+        return answers[name]
 
-    async def call(self, name: str, _args: tuple[Any, ...], _timeout: object = None) -> Any:
-        return self.answers[name]
-
-
-class NoLauncher:
-    """Takes each command for carried out."""
-
-    async def perform(self, *_: Any) -> None:
-        return
-
-    async def conduct(self, *_: Any) -> int:
-        return 4
-
-
-async def no_end(*_: Any) -> None:
-    """End nothing, since nothing goes on."""
-
-
-def robot_on(lane: NoLane) -> aioduco.Robot:
-    """A robot that is taken for open, and whose calls go nowhere."""
-    robot = aioduco.connect("192.0.2.1")
-    supervisor: Any = robot._supervisor
-    supervisor.calls.call = lane.call
-    supervisor.launcher = NoLauncher()
-    supervisor.keeper.end = no_end
-    supervisor.check_open = lambda _: None
-    return robot
-
-
-async def measure(case: Any, robot: aioduco.Robot, lane: NoLane, times: int) -> dict[str, Any]:
-    """The figures of one function."""
-    lane.answers |= {case.name: case.answer, "robotmoving": False} | case.also
-    client = getattr(AsyncRpc(lane.call), case.name)
-    wrapped: Callable[..., Any] = case.method(robot)
+    client = getattr(AsyncRpc(answer), case.name)
+    wrapped: Callable[..., Any] = case.method(robot_on(answer))
     direct, ours = [], []
     clock = time.perf_counter_ns
     for _ in range(times):
@@ -124,13 +94,8 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 async def run(times: int) -> list[dict[str, Any]]:
-    rows = []
-    for case in cases():
-        if not case.section:
-            continue  # stop, pause, resume, abort of the robot: supervision from end to end
-        lane = NoLane()  # a robot each: some remember what they were told
-        rows.append(await measure(case, robot_on(lane), lane, times))
-    return rows
+    """All functions but stop, pause, resume, abort, which are supervision from end to end."""
+    return [await measure(case, times) for case in cases() if case.section]
 
 
 def main() -> None:

@@ -1,0 +1,132 @@
+"""Each example of a stream runs to its end, leads the arm, and says nothing but what it should."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from aioduco.sim import Simulator
+from aioduco.testing import eventually
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from aioduco.sim.process import SimulatorProcess
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+NUMBERED = sorted(EXAMPLES.glob("1?_*.py"))
+CLOSED = r"<StreamStatistics ENDED \(CLOSED\): \d+ sent"
+
+#: what each says at its end
+SAYS = {
+    "10_sine.py": CLOSED,
+    "12_policy.py": CLOSED,
+    "13_play_npy.py": r"200 points in [\d.]+ s\nlargest distance from the path: 0\.0",
+    "14_realtime_velocity.py": rf"moved by -0\.\d+ -0\.\d+ \+0\.\d+ .*rad\n{CLOSED}",
+}
+
+
+@pytest.fixture(scope="module")
+def sim() -> Iterator[SimulatorProcess]:
+    with Simulator.spawn() as sim:
+        yield sim
+
+
+def run(name: str, *arguments: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-W", "error", str(EXAMPLES / name), *arguments],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=50,
+    )
+    assert (done.stderr, done.returncode) == ("", 0)
+    return done.stdout
+
+
+@pytest.mark.parametrize("name", SAYS)
+def test_on_a_given_address(sim: SimulatorProcess, tmp_path: Path, name: str) -> None:
+    given = [sim.host, "--port", str(sim.port), "--seconds", "0.4"]
+    if name == "13_play_npy.py":
+        file = tmp_path / "path.npy"
+        times = np.linspace(2.0, 2.6, 200)
+        rows = np.tile([0.0, 0.0, 1.57, 0.0, -1.57, 0.0], (200, 1))
+        rows[:, 5] = 0.1 * np.sin(np.linspace(0, np.pi, 200)) ** 2
+        np.save(file, np.column_stack([times, rows]))
+        given.insert(0, str(file))
+    assert re.search(SAYS[name], run(name, *given))
+
+
+def test_without_an_address_on_a_simulated_arm() -> None:
+    assert re.search(SAYS["10_sine.py"], run("10_sine.py", "--seconds", "0.2"))
+
+
+def test_teleoperation_by_keys_from_a_pipe() -> None:
+    with Simulator() as sim:
+        program = subprocess.Popen(
+            [
+                *(sys.executable, "-W", "error", str(EXAMPLES / "11_teleoperation.py")),
+                *(sim.host, "--port", str(sim.port)),
+            ],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        assert program.stdin is not None
+        assert program.stdout is not None
+        assert "q ends" in program.stdout.readline()
+        before = sim.joints.array
+        program.stdin.write("w")
+        program.stdin.flush()
+        eventually(lambda: np.abs(sim.joints.array - before).max() > 5e-3)
+        # One key, not held: it stands again.
+        eventually(lambda: not sim.moving)
+        said, complaints = program.communicate("q", timeout=20)
+        assert (complaints, program.returncode) == ("", 0)
+        assert "the tool stands at Pose(" in said
+        assert not sim.moving
+
+
+def test_a_gamepad_is_read_as_the_system_writes_it(tmp_path: Path) -> None:
+    """A pipe stands for the device: events of eight bytes each."""
+    script = (
+        "import os, runpy, struct, sys, anyio\n"
+        "Pad = runpy.run_path(sys.argv[1])['Pad']\n"
+        "os.mkfifo(sys.argv[2])\n"
+        "pad_side = os.open(sys.argv[2], os.O_RDWR)\n"
+        "pad = Pad(sys.argv[2])\n"
+        "async def main():\n"
+        "    async with anyio.create_task_group() as tasks:\n"
+        "        tasks.start_soon(pad.read)\n"
+        "        os.write(pad_side, struct.pack('IhBB', 0, -32767, 2, 1))\n"
+        "        while pad.direction == (0, 0, 0):\n"
+        "            await anyio.lowlevel.checkpoint()\n"
+        "        print(pad.direction)\n"
+        "        os.write(pad_side, struct.pack('IhBB', 0, 1, 1, 0))\n"
+        "    print(pad.direction)\n"
+        "anyio.run(main)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, str(EXAMPLES / "11_teleoperation.py"), str(tmp_path / "js")],
+        check=True,
+        capture_output=True,
+        text=True,
+        timeout=20,
+    )
+    assert done.stdout.splitlines() == ["(1.0, 0.0, 0.0)", "None"]
+
+
+def test_each_is_short_opens_with_its_goal_and_is_run_here() -> None:
+    assert {path.name for path in NUMBERED} == {*SAYS, "11_teleoperation.py"}
+    for path in NUMBERED:
+        lines = path.read_text(encoding="utf-8").splitlines()
+        assert len(lines) < 130, path
+        assert lines[0].startswith('"""'), path
+        assert f"    python {path.name}  " in "\n".join(lines[:6]), path
