@@ -240,7 +240,7 @@ class ForceControl:
         return guard.exceeded(guard.axes.seen(force, self._offset.flange))
 
     def _judge(self, sensed: Sensed, *, running: bool) -> Outcome | None:
-        if not running:
+        if not running or self.conditions.verdict is not None:
             self.conditions.rest()
             return None
         verdict = self.conditions.tick(sensed.time, lambda what: self.measure(what, sensed))

@@ -56,7 +56,7 @@ def _jacobian(chain: Array) -> Array:
 
 def _turned(a: float, b: float, c: float, time: float) -> Array:
     """Give the rotation matrix of some time at an angular speed [rad/s]."""
-    rate = math.sqrt(a * a + b * b + c * c)
+    rate = math.sqrt(a * a + b * b + c * c) or 1.0
     a, b, c = a / rate, b / rate, c / rate
     sine, cosine = math.sin(rate * time), math.cos(rate * time)
     d = 1.0 - cosine
@@ -86,6 +86,7 @@ class Offset:
         self._shift: Array = _NOWHERE
         self._turn: Array = _STRAIGHT
         self._speed = (0.0,) * 6
+        self._twist: Sequence[float] = (0.0,) * 6
         self._none = True
         self._last = SetPoint.at_rest(np.zeros(6))
         self._at: Array = np.zeros(6)
@@ -105,6 +106,7 @@ class Offset:
     def begin(self, setpoint: SetPoint) -> None:
         """Begin without an offset, at a set-point of the motions."""
         self.fold()
+        self._twist = (0.0,) * 6
         self._last = setpoint
         self.flange = self._frames(setpoint.q)[6, :3, :3]
 
@@ -117,16 +119,18 @@ class Offset:
         """Move the tool's tip for one cycle.
 
         Args:
-            twist: its speed [m/s], then its angular speed [rad/s], in the base frame.
+            twist: its speed at the end of it [m/s], then its angular speed [rad/s], in the base.
             tip: the tip in the flange's frame [m]. Shape (3,).
         """
         u, v, w, a, b, c = twist
-        step = self._cycle * np.array((u, v, w))
-        if a or b or c:
+        mean = [0.5 * (before + now) for before, now in zip(self._twist, twist, strict=True)]
+        self._twist = twist
+        step = self._cycle * np.array(mean[:3])
+        if a or b or c or any(mean[3:]):
             # Turned about the tip: the flange goes round it.
             arm = self.flange @ tip
             x, y, z = arm.tolist()
-            turned = _turned(a, b, c, self._cycle)
+            turned = _turned(mean[3], mean[4], mean[5], self._cycle)
             step += arm - turned @ arm
             self._turn = turned @ self._turn
             u, v, w = u - (b * z - c * y), v - (c * x - a * z), w - (a * y - b * x)
