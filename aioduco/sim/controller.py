@@ -366,6 +366,7 @@ class Controller:
             self.halted = name == "shutdown"
             if name != "power_off":
                 self.heartbeat.disarm()
+                self.recorder.stop()
 
     def _power_went(self, before: RobotState, now: RobotState) -> None:
         if now is RobotState.ENABLE and before is not RobotState.ENABLE:
