@@ -13,6 +13,8 @@ from aioduco.models.pose import Pose
 from aioduco.sim.recording import BY_POSITION, BY_TIME, CAPACITY, Recorder, Track
 from aioduco.sim.simulator import READY, Simulator
 
+from .fakes import Bench
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from concurrent.futures import Future
@@ -137,6 +139,17 @@ def test_a_recorder_of_a_standing_arm() -> None:
     recorder.stop()
     assert len(kept[0].joints) == 1
     assert not recorder.tick(1.0, np.ones(6))
+
+
+def test_a_restart_ends_the_recording() -> None:
+    bench, kept = Bench().enabled(), list[Track]()
+    bench.controller.recorder.start(Track("", ""), BY_TIME, 0.01, tuple, kept.append)
+    bench.tick(15)
+    assert bench.ended(bench.controller.change_power("power_off")) == TaskState.FINISHED
+    assert bench.controller.recorder.active
+    assert bench.ended(bench.controller.change_power("restart")) == TaskState.FINISHED
+    assert not bench.controller.recorder.active
+    assert len(kept[0].joints) >= 2
 
 
 # -- replay --------------------------------------------------------------------------------------
