@@ -16,7 +16,7 @@ NAMES = {
     "ForceFrame ForceLogic GuardedForce Jog Load "
     "JogDirections JogFrame OutputMode RealtimeMode RealtimePoint WeavePlane WeaveShape",
     "streams": "JointTrajectory LaneOptions ServoGains StreamStatistics Tolerances",
-    "states": "HeartbeatState IOStatus OperationMode ProgramState RobotState RobotStates "
+    "states": "ControllerVersion HeartbeatState IOStatus OperationMode ProgramState RobotState RobotStates "
     "RobotStatus SafetyState Snapshot TaskState events",
     "errors": " ".join(errors.__all__),
 }
