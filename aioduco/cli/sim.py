@@ -29,6 +29,12 @@ def sim(
     port: Annotated[
         int, typer.Option(min=0, max=65535, help="Port to listen on. 0: a free one.")
     ] = 7003,
+    status_port: Annotated[
+        int | None,
+        typer.Option(
+            min=0, max=65535, help="Push status frames on this port too; 2001 as a controller."
+        ),
+    ] = None,
     speed: Annotated[
         float, typer.Option(min=0.01, max=1000.0, help="Times faster than the wall clock.")
     ] = 1.0,
@@ -45,7 +51,13 @@ def sim(
     with _bell() as (heard, ring):
         try:
             simulator = Simulator(
-                model, host=host, port=port, speed=speed, programs=programs, on_shutdown=ring
+                model,
+                host=host,
+                port=port,
+                status_port=status_port,
+                speed=speed,
+                programs=programs,
+                on_shutdown=ring,
             )
         except ValueError as error:
             typer.echo(str(error), err=True)
@@ -53,7 +65,8 @@ def sim(
         try:
             simulator.start()
         except OSError as error:
-            typer.echo(f"cannot listen on {host}:{port}: {error.strerror or error}", err=True)
+            ports = f"{port}" if status_port is None else f"{port} and {status_port}"
+            typer.echo(f"cannot listen on {host}:{ports}: {error.strerror or error}", err=True)
             raise typer.Exit(1) from None
         with contextlib.closing(simulator):
             typer.echo(f"simulated {model} on {simulator.host}:{simulator.port}; Ctrl-C ends it")

@@ -28,7 +28,8 @@ def main(argument: str = "{}") -> int:
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: None)
     with Simulator(**options, on_shutdown=lambda: others.send(b"x")) as sim:
-        ready = json.dumps({"host": sim.host, "port": sim.port, "pid": os.getpid()})
+        ports = {"port": sim.port, "status_port": sim.status_port}
+        ready = json.dumps({"host": sim.host, **ports, "pid": os.getpid()})
         sys.stdout.write(f"{ready}\n")
         sys.stdout.flush()
         with selectors.DefaultSelector() as selector:

@@ -33,6 +33,7 @@ class SimulatorProcess:
     Attributes:
         host: address that the simulator listens on.
         port: its TCP port.
+        status_port: that of status frames; None if there is none.
         process: the process, for tests that kill it.
     """
 
@@ -44,6 +45,7 @@ class SimulatorProcess:
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
         self.host: str = ""
         self.port: int = 0
+        self.status_port: int | None = None
 
     @property
     def pid(self) -> int:
@@ -72,6 +74,7 @@ class SimulatorProcess:
             self.close()
             raise
         self.host, self.port = ready["host"], ready["port"]
+        self.status_port = ready["status_port"]
         return self
 
     def close(self) -> None:

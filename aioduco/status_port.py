@@ -1,0 +1,102 @@
+"""The controller's status port: about ten frames a second, without being asked (TCP 2001).
+
+    async with StatusPort("192.168.1.10") as port:
+        async for frame in port:
+            print(frame.joint_position[:6])
+
+It needs no call and no connection of the robot's, so a monitor can run beside any program. It is
+not documented by the vendor: what is known of it is in `aioduco.models.status_frame`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import anyio
+from anyio.streams.buffered import BufferedByteReceiveStream
+
+from aioduco.errors import ConnectError, ConnectionLost
+from aioduco.models.status_frame import FRAME_SIZE, PORT, RATE, StatusFrame
+
+if TYPE_CHECKING:
+    from types import TracebackType
+    from typing import Self
+
+    from anyio.abc import SocketStream
+
+__all__ = ["StatusFrame", "StatusPort"]
+
+
+class StatusPort:
+    """A connection to the status port; iterating gives each frame as it comes.
+
+    A program that takes frames more slowly than they come gets them late, and a controller may
+    close its connection.
+
+    Args:
+        host: address of the controller.
+        port: its status port.
+        timeout: the longest wait for the connection, and for each frame [s].
+    """
+
+    def __init__(self, host: str, port: int = PORT, *, timeout: float = 3.0) -> None:
+        if not timeout > 1.0 / RATE:
+            raise ValueError(f"timeout is {timeout} s, but a frame comes every {1.0 / RATE} s")
+        self.host = host
+        self.port = port
+        self.timeout = timeout
+        self._stream: SocketStream | None = None
+        self._frames: BufferedByteReceiveStream | None = None
+
+    def __repr__(self) -> str:
+        state = "closed" if self._stream is None else "open"
+        return f"<{type(self).__name__} {self.host}:{self.port} {state}>"
+
+    async def __aenter__(self) -> Self:
+        try:
+            with anyio.fail_after(self.timeout):
+                self._stream = await anyio.connect_tcp(self.host, self.port)
+        except TimeoutError as exc:
+            reason = f"no answer within {self.timeout} s"
+            raise ConnectError(self.host, self.port, reason) from exc
+        except OSError as exc:
+            raise ConnectError(self.host, self.port, str(exc)) from exc
+        self._frames = BufferedByteReceiveStream(self._stream)
+        return self
+
+    async def __aexit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if self._stream is not None:
+            stream, self._stream, self._frames = self._stream, None, None
+            await anyio.aclose_forcefully(stream)
+
+    async def frame(self) -> StatusFrame:
+        """Wait for the next frame.
+
+        Returns:
+            The frame.
+
+        Raises:
+            ConnectionLost: The connection ended or was not open; or nothing came in time, and it
+                is no longer known how old what comes next is. Open a new one.
+        """
+        if self._frames is None:
+            raise ConnectionLost(f"{self!r}: open it by `async with`")
+        try:
+            with anyio.fail_after(self.timeout):
+                data = await self._frames.receive_exactly(FRAME_SIZE)
+        except TimeoutError as exc:
+            raise ConnectionLost(f"{self!r}: no frame within {self.timeout} s") from exc
+        except (anyio.IncompleteRead, anyio.EndOfStream, anyio.BrokenResourceError) as exc:
+            raise ConnectionLost(f"{self!r}: the controller closed the connection") from exc
+        return StatusFrame.decode(data)
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> StatusFrame:
+        return await self.frame()
