@@ -67,6 +67,12 @@ PURE = {
     "_wire/lifecycle.py",
     "_wire/pool.py",
     "_wire/semantics.py",
+    "sim/controller.py",
+    "sim/execution.py",
+    "sim/motion.py",
+    "sim/recording.py",
+    "sim/standstill.py",
+    "sim/warmth.py",
 }
 IMPURE = {"socket", "threading", "time", "queue", "anyio", "asyncio", "pathlib", "os"}
 
