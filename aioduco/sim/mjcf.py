@@ -58,7 +58,7 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None) -> str:
     ET.SubElement(option, "flag", eulerdamp="disable")
     visual = ET.SubElement(root, "visual")
     ET.SubElement(
-        visual, "global", offwidth="1280", offheight="960", azimuth="130", elevation="-20"
+        visual, "global", offwidth="1920", offheight="1080", azimuth="130", elevation="-20"
     )
     ET.SubElement(visual, "headlight", diffuse="0.5 0.5 0.5", ambient="0.3 0.3 0.3")
     asset = ET.SubElement(root, "asset")
@@ -85,6 +85,13 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None) -> str:
         world, "body", name="base", pos=_text(place[:3]),
         quat=_text(quaternion_from_matrix(place.matrix[:3, :3])),
     )  # fmt: skip
+    if any(place):
+        # Off the floor the base stands on a plate, which arms do not pass through either.
+        half = 0.3 * arm.reach
+        ET.SubElement(
+            parent, "geom", name="plate", type="box", size=_text((half, half, 0.01)),
+            pos="0 0 -0.02", rgba="0.6 0.63 0.66 1",
+        )  # fmt: skip
     _solid(parent, links[0], "base")
     actuator = ET.Element("actuator")
     for i, link in enumerate(links[1:], start=1):

@@ -21,6 +21,11 @@ class Plant(Protocol):
     """The physics, as far as the runtime needs them. Each array is a new one."""
 
     @property
+    def positions(self) -> Vector:
+        """Positions of everything that moves, the joints first."""
+        ...
+
+    @property
     def q(self) -> Vector:
         """Joints [rad]. Shape (6,)."""
         ...

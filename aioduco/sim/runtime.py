@@ -66,6 +66,7 @@ class Snapshot:
         wrench: what acts on the flange, in its frame, the load's weight included [N, N m].
         target_torque: what the set-point's motion needs [N m]. Shape (6,).
         external_torque: of what pushes at the joints from outside, as observed [N m]. Shape (6,).
+        positions: of everything that moves, the joints first [rad, m].
         joint_temperature, board_temperature: of joints and drive boards [°C]. Shape (6,) each.
     """
 
@@ -79,6 +80,7 @@ class Snapshot:
     wrench: Vector
     target_torque: Vector
     external_torque: Vector
+    positions: Vector
     joint_temperature: Vector
     board_temperature: Vector
 
@@ -146,6 +148,7 @@ class Runtime:
             plant.wrench,
             plant.target_torque,
             plant.external_torque,
+            plant.positions,
             self._warmth.joints,
             self._warmth.boards,
         )
@@ -358,7 +361,8 @@ class Runtime:
 
     def _tick(self) -> None:
         plant = self._plant
-        q, qd, qdd, torque = plant.q, plant.qd, plant.qdd, plant.torque
+        positions = plant.positions
+        q, qd, qdd, torque = positions[:6], plant.qd, plant.qdd, plant.torque
         wrench = plant.wrench
         at = self._count * self.cycle
         if at - self._warm_at >= _WARMING:
@@ -380,6 +384,7 @@ class Runtime:
                 wrench,
                 plant.target_torque,
                 self._controller.collisions.torque,
+                positions,
                 self._warmth.joints,
                 self._warmth.boards,
             )

@@ -14,6 +14,7 @@ import numpy as np
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim.cabinet import Cabinet
+from aioduco.sim.camera import Camera, towards
 from aioduco.sim.clock import checked_speed
 from aioduco.sim.collision import Observer
 from aioduco.sim.controller import Controller
@@ -23,6 +24,7 @@ from aioduco.sim.handlers import handlers
 from aioduco.sim.handlers.base import Context
 from aioduco.sim.mounting import gravity, mounting_of
 from aioduco.sim.planner.mover import Mover
+from aioduco.sim.render import Studio
 from aioduco.sim.runtime import Runtime
 from aioduco.sim.scene.xml import mjcf_of
 from aioduco.sim.server import Server
@@ -136,6 +138,7 @@ class Simulator:
         self._server: Server | None = None
         self._runtime: Runtime | None = None
         self._controller: Controller | None = None
+        self._studio: Studio | None = None
 
     def __repr__(self) -> str:
         state = f"on {self.host}:{self.port}" if self._server is not None else "not running"
@@ -206,6 +209,7 @@ class Simulator:
                 raise
             self._status = status
         self._server, self._runtime, self._controller = server, runtime, controller
+        self._studio = Studio(world.model)
         runtime.start()
         return self
 
@@ -224,6 +228,9 @@ class Simulator:
         finally:
             runtime.close()
             self._runtime = self._controller = None
+            studio, self._studio = self._studio, None
+            if studio is not None:
+                studio.close()
 
     def __enter__(self) -> Self:
         return self.start()
@@ -307,6 +314,44 @@ class Simulator:
     def joints(self) -> Joints:
         """Actual joints [rad]."""
         return Joints.of(self._running().snapshot.q)
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """Positions of everything that moves, for `render`: the joints, the tool, the scene."""
+        return self._running().snapshot.positions.copy()
+
+    def render(
+        self,
+        *,
+        width: int = 640,
+        height: int = 480,
+        camera: Camera | str | None = None,
+        positions: NDArray[np.float64] | None = None,
+    ) -> NDArray[np.uint8]:
+        """Draw a picture of the arm and what is around it, without a display.
+
+        It is drawn in a thread of its own, while the simulation goes on.
+
+        Args:
+            width: of the picture, at most 1920 [pixels].
+            height: of the picture, at most 1080 [pixels].
+            camera: from where it is seen: a `Camera`, or the name of one in the scene; None for
+                one that sees the whole arm.
+            positions: what is to be drawn, as `positions` gave it at another instant; None for now.
+
+        Returns:
+            Red, green, blue. Shape (height, width, 3).
+
+        Raises:
+            ParameterError: The picture is too large, or there is no such camera.
+            RenderError: This computer has no OpenGL that draws off screen.
+        """
+        self._running()
+        if self._studio is None:
+            raise RuntimeError("this simulator is not running")
+        seen = towards(self.arm, self.mounting) if camera is None else camera
+        shown = self.positions if positions is None else positions
+        return self._studio.picture(shown, width, height, seen)
 
     @property
     def moving(self) -> bool:

@@ -177,6 +177,12 @@ class World:
         return float(self.data.time)
 
     @property
+    def positions(self) -> Array:
+        """Positions of everything that moves, the joints first [rad, m]."""
+        positions: Array = self.data.qpos.copy()
+        return positions
+
+    @property
     def q(self) -> Array:
         """Joint angles [rad]. Shape (6,)."""
         return self._q.copy()

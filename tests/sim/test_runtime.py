@@ -49,6 +49,10 @@ class Follower:
 
     still = True
 
+    @property
+    def positions(self) -> Vector:
+        return self.q.copy()
+
     def carry(self, mass: float, centre: Sequence[float]) -> None:
         self.carried = (mass, tuple(centre))
 

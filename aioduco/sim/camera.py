@@ -1,0 +1,50 @@
+"""Where a picture of the simulated arm is taken from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aioduco.errors import ParameterError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.kinematics import Arm
+    from aioduco.models.pose import Pose
+
+__all__ = ["Camera", "towards"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Camera:
+    """A camera that looks at a point.
+
+    Attributes:
+        target: the point, in the world's frame [m].
+        distance: from it [m].
+        azimuth: direction in which it looks, about the world's z axis from its x axis [rad].
+        elevation: of that direction above the horizon; below zero it looks down [rad].
+    """
+
+    target: Sequence[float] = (0.3, 0.0, 0.4)
+    distance: float = 2.0
+    azimuth: float = math.radians(130.0)
+    elevation: float = math.radians(-18.0)
+
+    def __post_init__(self) -> None:
+        numbers = [*self.target, self.distance, self.azimuth, self.elevation]
+        if len(self.target) != 3 or not all(map(math.isfinite, numbers)):
+            raise ParameterError("target", self.target, "three finite numbers, as the others")
+        if self.distance <= 0.0:
+            raise ParameterError("distance", self.distance, "above 0 m")
+
+
+def towards(arm: Arm, mounting: Pose) -> Camera:
+    """Give the camera that sees the whole arm, wherever it reaches in front of its base."""
+    middle = np.array([0.3 * arm.reach, 0.0, 0.5 * arm.reach, 1.0])
+    target = (mounting.matrix @ middle)[:3]
+    return Camera(target=tuple(target.tolist()), distance=2.3 * arm.reach)
