@@ -13,6 +13,7 @@ import anyio
 
 from aioduco.errors import DucoError, PersonNeeded, RobotStateError, StaleState, TaskError
 from aioduco.models.enums import ProgramState, RobotState, SafetyState
+from aioduco.supervision.times import SECONDS
 
 if TYPE_CHECKING:
     from aioduco.models.state import RobotStates
@@ -141,8 +142,9 @@ async def recover(supervisor: Supervisor, timeout: float) -> RobotStates:
 
 
 async def _go(supervisor: Supervisor, decide: BringUp, timeout: float) -> RobotStates:
+    limit = SECONDS("timeout", timeout)
     due = time.monotonic()
-    until = due + timeout
+    until = due + limit
     seen = "nothing was heard of it"
     while due < until:
         try:

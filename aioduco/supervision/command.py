@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, get_args
+
+from aioduco.errors import ParameterError
+from aioduco.supervision.task import OnCancel
+from aioduco.supervision.times import SECONDS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Sequence
@@ -12,7 +16,7 @@ if TYPE_CHECKING:
 
     from aioduco.models.enums import Outcome
     from aioduco.supervision.held import Held
-    from aioduco.supervision.task import OnCancel, Task
+    from aioduco.supervision.task import Task
 
 __all__ = ["Command", "HeldMotion", "MotionCommand"]
 
@@ -103,12 +107,17 @@ class MotionCommand:
                 "pause", or "detach" (it moves on); None for what the robot was opened with.
 
         Raises:
+            ParameterError: an argument is out of range; nothing was sent.
             Refused: the controller refused it.
             RobotStateError: the robot is being closed, or its heartbeat does not beat.
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             ConnectionLost: it was not sent.
         """
         self.hand_over()
+        if deadline is not None:
+            deadline = SECONDS("deadline", deadline)
+        if on_cancel is not None and on_cancel not in get_args(OnCancel):
+            raise ParameterError("on_cancel", on_cancel, '"stop", "pause" or "detach"')
         return await self._launcher.launch(self.command, deadline=deadline, on_cancel=on_cancel)
 
     def __await__(self) -> Generator[Any, Any, Outcome]:

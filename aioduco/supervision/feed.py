@@ -20,6 +20,7 @@ import anyio
 from aioduco.errors import DucoError, RobotStateError, StaleState
 from aioduco.models.state import IOStatus, RobotStates, RobotStatus, Sample
 from aioduco.supervision.buffer import Buffer, Policy
+from aioduco.supervision.times import SECONDS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -230,8 +231,11 @@ class Feed:
             timeout: seconds for which to wait; None for as long as it takes.
 
         Raises:
+            ParameterError: the time is not above 0.
             TimeoutError: none came in time.
         """
+        if timeout is not None:
+            timeout = SECONDS("timeout", timeout)
         with anyio.fail_after(timeout), self.subscribe() as subscription:
             async for snapshot in subscription:
                 if predicate(snapshot):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self, cast
 
 from aioduco._wire import idl
+from aioduco.sim.refusal import Refusal
 from aioduco.sim.server import Server
 
 if TYPE_CHECKING:
@@ -127,7 +128,7 @@ class RecordingServer:
         return answer(*args) if callable(answer) else answer
 
 
-class _NoAnswer(Exception):
+class _NoAnswer(Refusal):
     """A function was called that the script does not have."""
 
 

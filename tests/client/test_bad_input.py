@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 import aioduco
-from aioduco import Joints, Op, Pose, output
+from aioduco import Joints, Op, ParameterError, Pose, output
 from client.bench import HOME, POSE
 
 if TYPE_CHECKING:
@@ -114,3 +115,37 @@ def test_bad_settings_are_refused_by_name(arguments: dict[str, Any], parameter: 
     with pytest.raises(aioduco.ParameterError) as caught:
         aioduco.connect(**{"host": "127.0.0.1", **arguments})
     assert caught.value.parameter == parameter
+
+
+#: times that nobody can wait for
+BAD_TIMES = (math.nan, math.inf, -1.0, 0.0, True, "1", [1.0])
+
+
+@pytest.mark.parametrize("time", BAD_TIMES, ids=str)
+async def test_a_bad_time_is_refused_and_nothing_is_sent(
+    robot: aioduco.Robot, bench: Bench, time: Any
+) -> None:
+    """Every function of the robot, of a motion and of the feed that waits for so long."""
+    timed = {
+        name: function
+        for thing in (robot, robot.feed)
+        for name, function in inspect.getmembers(thing, callable)
+        if not name.startswith("_") and "timeout" in inspect.signature(function).parameters
+    }
+    assert set(timed) == {"bring_up", "recover", "rearm_heartbeat", "stop_now", "wait_for"}
+    for name, function in timed.items():
+        others = (lambda _: False,) if name == "wait_for" else ()
+        with pytest.raises(ParameterError) as raised:
+            await _awaited(function(*others, timeout=time))
+        assert raised.value.parameter == "timeout"
+    motion = robot.motion.movej2(HOME, 1.0, 1.0)
+    with pytest.raises(ParameterError, match="deadline"):
+        await motion.start(deadline=time)
+    with pytest.raises(ParameterError, match="on_cancel"):
+        await motion.start(on_cancel=time)
+    assert not bench.commands
+
+
+async def _awaited(made: Any) -> None:
+    if inspect.isawaitable(made):
+        await made
