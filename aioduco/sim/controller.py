@@ -391,6 +391,7 @@ class Controller:
         self._execution.end(TaskState.ERROR, message)
         self._execution.settle(Phase.IDLE)
         self._power.cut(message)
+        self.force.cut()
 
     def _lose_heartbeat(self) -> None:
         """A lost program leaves a standing arm. It is no safety stop: the next one may move."""

@@ -101,7 +101,9 @@ class Conditions:
         """
         if not self._logic or self.verdict is not None:
             return self.verdict
-        logic = {each: how for each, how in self._logic.items() if each in self._conditions}
+        logic: dict[Quantity, int] = {
+            each: how for each, how in self._logic.items() if each in self._conditions
+        }
         held = {each: self._held(each, time, now(each)) for each in logic}
         late = {each: not held[each] and self._is_late(each, time) for each in logic}
         together = [each for each, how in logic.items() if how == _AND]

@@ -151,24 +151,26 @@ class Offset:
         last = self._last
         if setpoint.q is self._at and not (any(self._speed) or last.qd.any() or setpoint.qd.any()):
             return last
-        wanted = self._frames(setpoint.q)
+        nominal = self._frames(setpoint.q)
         speed = np.array(self._speed)
         if setpoint.qd.any():
-            linear, angular = motion_of(wanted, setpoint.qd)
+            linear, angular = motion_of(nominal, setpoint.qd)
             speed[:3] += linear
             speed[3:] += self._turn @ angular
-        flange = self._turn @ wanted[6, :3, :3]
+        flange = self._turn @ nominal[6, :3, :3]
         guess = last.q + self._cycle * (last.qd + 0.5 * self._cycle * last.qdd)
         chain = frames(self._arm.geometry, guess)
         (_, c, d), (e, _, f), (g, h, _) = (flange @ chain[6, :3, :3].T).tolist()
-        x, y, z = (wanted[6, :3, 3] + self._shift - chain[6, :3, 3]).tolist()
+        x, y, z = (nominal[6, :3, 3] + self._shift - chain[6, :3, 3]).tolist()
         # One step of Newton's method from where the last cycle led: there is no error to be seen.
-        error = (x, y, z, 0.5 * (h - f), 0.5 * (d - g), 0.5 * (e - c))
+        wanted = np.empty((6, 2))
+        wanted[:, 0] = (x, y, z, 0.5 * (h - f), 0.5 * (d - g), 0.5 * (e - c))
+        wanted[:, 1] = speed
         try:
-            steps = np.linalg.solve(_jacobian(chain), np.array((error, speed)).T)
+            steps = np.linalg.solve(_jacobian(chain), wanted)
         except np.linalg.LinAlgError as exc:
             raise OutOfReach("force control comes to a singularity") from exc
-        q, qd = guess + steps[:, 0], steps[:, 1]
+        q, qd = guess + steps[:, 0], np.array(steps[:, 1], dtype=float)
         self._check(q, qd)
         self._last = SetPoint(q, qd, (qd - last.qd) / self._cycle)
         self._speed = (0.0,) * 6
