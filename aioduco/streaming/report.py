@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -168,7 +169,7 @@ def times_table(title: str, rows: Sequence[tuple[str, Percentiles]]) -> Table:
 
 
 def plot(statistics: StreamStatistics | dict[str, Any], path: str | Path) -> None:
-    """Draw the histograms of a stream as a PNG. Needs matplotlib.
+    """Draw the histograms of a stream as a PNG, on logarithmic scales. Needs matplotlib.
 
     Args:
         statistics: the statistics, or what `StreamStatistics.save` wrote, read back.
@@ -178,23 +179,53 @@ def plot(statistics: StreamStatistics | dict[str, Any], path: str | Path) -> Non
 
     found = statistics if isinstance(statistics, dict) else statistics.as_dict()
     shown = [name for name in HISTOGRAMS if found["buckets"].get(name)]
-    figure = Figure(figsize=(8, 2.2 * max(1, len(shown))), layout="constrained")
+    figure = Figure(figsize=(9, 2.0 * max(1, len(shown)) + 0.6), layout="constrained")
+    ended = f" ({found['reason']})" if found["reason"] != "NONE" else ""
+    figure.suptitle(
+        f"{found['state']}{ended}: {found['ticks']} ticks, {found['sent']} set-points sent, "
+        f"{found['missed']} ticks missed, {found['starved']} starved",
+        fontsize="medium",
+    )
     for index, name in enumerate(shown):
         axes = figure.add_subplot(len(shown), 1, index + 1)
-        scale = 1.0 if name == "depth" else 1e-3
-        lows, highs, counts = zip(*found["buckets"][name], strict=True)
-        edges = [(low * scale, high * scale) for low, high in zip(lows, highs, strict=True)]
-        axes.bar(
-            [low for low, _ in edges],
-            counts,
-            width=[high - low for low, high in edges],
-            align="edge",
+        depth = name == "depth"
+        _draw(axes, found["buckets"][name], scale=1.0 if depth else 1e-3, log=not depth)
+        axes.set_title(
+            f"{name.replace('_', ' ')}: {_MEANINGS[name]}", fontsize="medium", loc="left"
         )
-        axes.set_yscale("log")
-        axes.set_title(f"{name}: {_MEANINGS[name]}", fontsize="medium", loc="left")
-        axes.set_xlabel("points" if name == "depth" else "µs")
-        figures = found["queue" if name == "depth" else name]
-        scale = 1.0 if name == "depth" else 1e6
-        for percentile in ("p50", "p99", "p999"):
-            axes.axvline(figures[percentile] * scale, linewidth=0.8, linestyle="--", color="black")
+        axes.set_xlabel("points" if depth else "µs")
+        axes.set_ylabel("times")
+        figures = found["queue" if depth else name]
+        scale = 1.0 if depth else 1e6
+        for label, key in (("p50", "p50"), ("p99", "p99"), ("p99.9", "p999"), ("max", "max")):
+            value = figures[key] * scale
+            axes.axvline(value, linewidth=0.8, linestyle="--", color="black")
+            axes.annotate(
+                f"{label} {value:,.0f}",
+                (value, 0.5 if key == "p999" else 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(2, -2),
+                textcoords="offset points",
+                rotation=90,
+                va="top",
+                fontsize="x-small",
+            )
     figure.savefig(path, dpi=120)
+
+
+def _draw(axes: Any, buckets: Sequence[Sequence[int]], *, scale: float, log: bool) -> None:
+    """One histogram; buckets are put together so that the bars can be seen."""
+    bars: dict[int, tuple[float, float, int]] = {}
+    for low, high, count in buckets:
+        # Eight bars per octave of times; depths are few, so each has its own.
+        place = round(8 * math.log2(max(low, 1))) if log else low
+        before = bars.get(place, (low * scale, high * scale, 0))
+        bars[place] = (before[0], high * scale, before[2] + count)
+    lows, highs, counts = zip(*bars.values(), strict=True)
+    widths = [high - low for low, high in zip(lows, highs, strict=True)]
+    axes.bar(lows, counts, width=widths, align="edge")
+    axes.set_yscale("log")
+    axes.set_ylim(bottom=0.7)
+    if log:
+        axes.set_xscale("log")
+        axes.xaxis.set_major_formatter("{x:,.0f}")

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco.errors import ConnectionLost, DucoError, StopUnconfirmed, TaskUnknown
+from aioduco.errors import ConnectionLost, DucoError, Refused, StopUnconfirmed, TaskUnknown
+from aioduco.models.enums import TaskState
 from aioduco.supervision.control import STANDSTILL_EVERY, Control
 from aioduco.supervision.insist import insist
 from aioduco.supervision.lifecycle import TaskLifecycle
@@ -61,6 +62,8 @@ class Keeper:
         loose: whether a motion may be running that is not followed. A stop ends that.
         modes: modes that the controller is in because of this program, in which the arm gives
             way or follows: the function that ends each, and its arguments.
+        standing_modes: modes that outlast a stop, and may be left only while the arm stands: the
+            functions that end them. They are left on the way out.
         unfollowed: motions on their way that are answered only at their ends.
         streams: the open streams; whatever brings the arm to rest ends them first.
     """
@@ -75,8 +78,9 @@ class Keeper:
         self.poller: Poller = Poller(poll, self)
         self.loose: bool = False
         self.modes: dict[str, tuple[bool, ...]] = {}
+        self.standing_modes: set[str] = set()
         self.unfollowed = 0
-        self.streams = Streams()
+        self.streams: Streams = Streams()
 
     @property
     def stops(self) -> int:
@@ -97,15 +101,43 @@ class Keeper:
             StopUnconfirmed: it is not known that it stands.
         """
         settings = self._settings
+        await self.send_stop(settings.stop_timeout)
+        await self.rest(settings.stop_timeout, settings.standstill_timeout)
+
+    async def send_stop(self, timeout: float) -> None:
+        """Stop the arm: it is then slowing down, and no stream or mode sets it moving again.
+
+        Args:
+            timeout: seconds in which a stop must be accepted.
+
+        Raises:
+            StopUnconfirmed: none was.
+        """
         streaming = self.streams.halt()
         if self.modes or streaming:
             try:
-                await self._control.stop(settings.stop_timeout)
+                await self._control.stop(timeout)
             finally:
                 if streaming:
                     await self.streams.settled(_SILENCE)
                 await self._leave_modes()
-        await self._control.rest(settings.stop_timeout, settings.standstill_timeout)
+        await self._control.stop(timeout)
+
+    async def rest(self, stop_timeout: float | None, timeout: float) -> None:
+        """See the arm stand.
+
+        Args:
+            stop_timeout: seconds in which a further stop must be accepted, if it moves on; None to
+                wait without one.
+            timeout: seconds in which the arm must stand.
+
+        Raises:
+            StopUnconfirmed: it is not known that it stands.
+        """
+        if stop_timeout is None:
+            await self._control.standstill(timeout)
+        else:
+            await self._control.rest(stop_timeout, timeout)
         self.loose = False
 
     def stop_now(self, timeout: float) -> None:
@@ -141,6 +173,34 @@ class Keeper:
                 await self._control.leave(name, args, _LEAVE_LIMIT)
             except DucoError as exc:
                 _log.warning("%s after a stop was not carried out: %s", name, exc)
+
+    async def leave_all_modes(self, timeout: float) -> None:
+        """Leave every mode that this program has entered: nothing of it is to come after.
+
+        Args:
+            timeout: seconds for those that may be left only while the arm stands.
+        """
+        await self._leave_modes()
+        if not self.standing_modes:
+            return
+        names = ", ".join(sorted(self.standing_modes))
+        try:
+            await self._control.standstill(timeout)
+        except StopUnconfirmed as exc:
+            _log.warning(
+                "%s was not sent, since it is not known that the arm stands: %s", names, exc
+            )
+            return
+        for name in tuple(self.standing_modes):
+            self.standing_modes.discard(name)
+            try:
+                answer = await self._control.leave(name, (), timeout)
+                if answer > max(TaskState):
+                    await self.completed(self._followed(name, answer, self.stops), timeout)
+                elif answer != TaskState.FINISHED:
+                    raise Refused(name, answer, "no reason is given")
+            except DucoError as exc:
+                _log.warning("%s was not carried out: the mode may still be on: %s", name, exc)
 
     async def stop(self) -> None:
         """As `halt`, to its end even if cancelled, until the motions are seen to have ended."""
@@ -240,10 +300,14 @@ class Keeper:
     async def _controlled(self, name: str) -> None:
         stops = self.stops
         answer = await self._control.send(name)
+        await self.completed(self._followed(name, answer, stops), _PAUSE_LIMIT)
+
+    def _followed(self, name: str, task_id: int, stops: int) -> Task:
+        """A task that moves nothing, followed from now on."""
         task = Task(
             self,
             name,
-            answer,
+            task_id,
             TaskLifecycle(),
             accepted_at=time.monotonic(),
             stops_before=stops,
@@ -251,7 +315,7 @@ class Keeper:
             on_cancel="detach",
         )
         self.poller.follow(task)
-        await self.completed(task, _PAUSE_LIMIT)
+        return task
 
     async def completed(self, task: Task, timeout: float) -> Outcome:
         """Wait for the end of a task that moves nothing.

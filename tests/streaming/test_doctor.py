@@ -70,11 +70,26 @@ def test_a_rate_is_held_if_lateness_and_work_fit(late: float, work: float, rate:
 def test_advice_says_what_would_help() -> None:
     poor = Examination(figures(0.01, 0.01), None, 1, "powersave", 30.0, 0.0)
     text = " ".join(poor.advice)
-    for word in ("one processor", "powersave", "SCHED_FIFO", "realtime queue"):
+    for word in ("one processor", "powersave", "held the lane up for 10.0 ms", "SCHED_FIFO"):
         assert word in text
-    better = Examination(figures(5e-4, 6e-4), figures(1e-4, 2e-4), 4, "performance", 500.0, 1000.0)
+    assert "1000 Hz can be held: depth=40 bridges" in text
+    better = Examination(figures(4e-4, 6e-4), figures(1e-4, 2e-4), 4, "performance", 500.0, 1000.0)
     assert better.advice == ("with LaneOptions(priority=50) 1000 Hz can be held instead of 500 Hz",)
     assert Examination(figures(0, 0), figures(0, 0), 4, "", 1000.0, 1000.0).advice == ()
+
+
+def test_uneven_answers_are_the_network_only_where_the_machine_is_not_to_blame() -> None:
+    uneven = Percentiles(1000, 1e-3, 1e-4, 5e-3, 8e-3, 0.01)
+    quiet = figures(1e-4, 0.0)._replace(round_trip=uneven)
+    assert "cable" in " ".join(Examination(quiet, quiet, 4, "", 125.0, 125.0).advice)
+    busy = figures(8e-3, 0.0)._replace(round_trip=uneven)
+    assert "cable" not in " ".join(Examination(busy, busy, 4, "", 60.0, 60.0).advice)
+
+
+@pytest.mark.parametrize(("late", "depth"), [(1e-4, 20), (0.015, 60), (3.0, 1000)])
+def test_a_depth_is_given_that_bridges_what_was_seen(late: float, depth: int) -> None:
+    found = figures(late, late)
+    assert Examination(found, found, 4, "", 0.0, 0.0).depth == depth
 
 
 async def test_without_a_controller_it_says_so() -> None:

@@ -39,8 +39,9 @@ from .conftest import HERE, Controller
 def test_what_is_not_allowed_is_refused_before_anything_is_sent(
     changed: dict[str, Any], name: str
 ) -> None:
+    arguments: dict[str, Any] = {"v": 1.0, "a": 5.0, **changed}
     with pytest.raises(ParameterError) as caught:
-        Servo(Controller.nowhere()).joints(**{"v": 1.0, "a": 5.0, **changed})
+        Servo(Controller.nowhere()).joints(**arguments)
     assert caught.value.parameter == name
 
 
