@@ -83,5 +83,11 @@ def test_a_line_through_a_singularity_is_gone_around(sim: Simulator, robot: Prog
     sim.wait_until(lambda: not sim.moving)
     there = Pose.of(robot.get_tcp_pose())
     assert there.almost_equal(Pose.of(goal), position=1e-3, rotation=2e-3)
+    back = list(Pose.from_matrix(sim.arm.fkine(start)))
+    through = list(there.interpolate(Pose.of(back), 0.5).shifted(y=0.01))
+    assert robot.movec(through, back, 0.1, 1.0, 0.0, 0, [], "", "", True, Op(), False) == 4
+    sim.wait_until(lambda: not sim.moving)
+    there = Pose.of(robot.get_tcp_pose())
+    assert there.almost_equal(Pose.of(back), position=1e-3, rotation=2e-3)
     assert robot.enable_vibration_control() == TaskState.FINISHED
     assert robot.disable_singularity_control() == TaskState.FINISHED

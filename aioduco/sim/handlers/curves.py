@@ -84,7 +84,7 @@ class CurveHandlers(PathSection):
             turns = arguments.number("rev", rev, -1000.0, 1000.0, "turns")
             axial = arguments.number("len", len, -10.0, 10.0, "m") if target is None else 0.0
             end = arguments.number("r", r, 0.0, 10.0, "m") if target is None else 0.0
-            pace, weave = self._line_pace(v, a, def_acc), self._weave(wobj)
+            pace, manner = self._line_pace(v, a, def_acc), self._manner(wobj)
             return lambda start: spiral_move(
                 self._arm,
                 start,
@@ -95,7 +95,7 @@ class CurveHandlers(PathSection):
                 radius=end,
                 target=target,
                 tool=tip,
-                weave=weave,
+                **manner,
             )
 
         return self._motion("move_spiral", plan, op, block)
@@ -160,7 +160,7 @@ class CurveHandlers(PathSection):
             raise mismatch(f"pose_list has {len(poses)} poses, but must have 1 to {_MOST_POINTS}")
         tip = arguments.tool(self._frames, tool).matrix
         targets = [self._target("pose_list", p, tool, wobj)[0] for p in poses]
-        radius, weave = blend(r), self._weave(wobj)
+        radius, manner = blend(r), self._manner(wobj)
         return lambda start: spline_move(
-            self._arm, start, targets, *pace, radius, tool=tip, weave=weave
+            self._arm, start, targets, *pace, radius, tool=tip, **manner
         )

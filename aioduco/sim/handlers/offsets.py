@@ -9,6 +9,7 @@ import numpy as np
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import mismatch
 from aioduco.sim.handlers.paths import PathSection, blend
+from aioduco.sim.planner.segments import line_move
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -120,7 +121,7 @@ class OffsetHandlers(PathSection):
         return self._motion("wobj_move_2p", plan, op, block)
 
     def set_blend_ahead(self, per: int, num: int) -> int:
-        """How far motions are read ahead; here all that have come are known at once."""
+        """How far programs read motions ahead; those that clients send are known as they come."""
 
         def command(controller: Controller) -> int:
             if not 0 <= per <= 100:
@@ -128,6 +129,7 @@ class OffsetHandlers(PathSection):
             # A client may leave it out, which is 0 on the wire and means 1.
             if not 0 <= num <= 3:
                 raise mismatch(f"num is {num}, but must be from 1 to 3")
+            controller.read_ahead = per, max(num, 1)
             return controller.finish("set_blend_ahead")
 
         return self._task("set_blend_ahead", True, command)
@@ -142,11 +144,11 @@ class OffsetHandlers(PathSection):
         def_acc: bool,
         wobj: str = "",
     ) -> Plan:
-        pace, radius, weave = self._line_pace(v, a, def_acc), blend(r), self._weave(wobj)
+        pace, radius, manner = self._line_pace(v, a, def_acc), blend(r), self._manner(wobj)
 
         def from_there(start: Vector) -> Segment:
             target = moved(self._arm.fkine(start) @ tool.matrix) @ tool.inverse
-            return self._line(start, target, pace, radius, tool.matrix, weave)
+            return line_move(self._arm, start, target, *pace, radius, tool=tool.matrix, **manner)
 
         return from_there
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, TypedDict
 
 import numpy as np
 
@@ -41,7 +41,18 @@ _LINE_ACCELERATION = (0.01, math.inf, "m/s²")
 DEFAULT_JOINT_ACCELERATION = 5.0
 DEFAULT_LINE_ACCELERATION = 2.0
 _STEEPEST = 1e3  # stands for an acceleration that only the joints limit [m/s²]
-_AROUND = (0.5, 2.0)  # pace of a joint motion in place of a line [rad/s, rad/s²]; an assumption
+
+
+class Manner(TypedDict):
+    """What the functions for paths of the tool take besides.
+
+    Attributes:
+        weave: laid over the path; None while that is switched off.
+        around: whether singularities are passed by the joints.
+    """
+
+    weave: Weave | None
+    around: bool
 
 
 class PathSection(Section):
@@ -115,33 +126,13 @@ class PathSection(Section):
         fast = switches.speed and mode is OperationMode.AUTO
         return fast, fast or switches.acceleration
 
-    def _weave(self, wobj: str = "") -> Weave | None:
-        """What is laid over a path at a work object; None while that is switched off."""
-        active = self._runtime.weaving.active
-        if active is None:
-            return None
-        return replace(active, work_object=arguments.wobj(self._frames, wobj).matrix[:3, :3])
-
-    def _line(
-        self,
-        start: Vector,
-        target: Matrix,
-        pace: tuple[float, float],
-        r: float,
-        tool: Matrix,
-        weave: Weave | None,
-    ) -> Segment:
-        """A line, or where it cannot be followed and shall be gone around, a joint motion."""
-        try:
-            return line_move(self._arm, start, target, *pace, r, tool=tool, weave=weave)
-        except PlanError as exc:
-            if exc.code != "singular" or not self._runtime.optimization.avoids:
-                raise
-        try:
-            end = self._arm.ikine(target, start)
-        except Unreachable as exc:
-            raise PlanError("unreachable", str(exc)) from exc
-        return joint_move(self._arm, start, end, *_AROUND, r, tool=tool)
+    def _manner(self, wobj: str = "") -> Manner:
+        """How paths at a work object are laid, by what is switched on."""
+        weave = self._runtime.weaving.active
+        if weave is not None:
+            axes = arguments.wobj(self._frames, wobj).matrix[:3, :3]
+            weave = replace(weave, work_object=axes)
+        return {"weave": weave, "around": self._runtime.optimization.avoids}
 
     def _to_joints(self, target: Sequence[float], pace: tuple[float, float], r: float) -> Plan:
         """To joints, all arriving together."""
@@ -184,8 +175,8 @@ class PathSection(Section):
         """To a pose of the tool, its tip going straight."""
         target, tip = self._target("p", p, tool, wobj)
         near(q_near)
-        radius, weave = blend(r), self._weave(wobj)
-        return lambda start: self._line(start, target, pace, radius, tip, weave)
+        radius, manner = blend(r), self._manner(wobj)
+        return lambda start: line_move(self._arm, start, target, *pace, radius, tool=tip, **manner)
 
     def _to_arc(
         self,
@@ -204,9 +195,9 @@ class PathSection(Section):
         near(q_near)
         if mode not in (0, 1, 2):
             raise mismatch(f"mode is {mode}, but must be 0, 1 or 2")
-        radius, weave = blend(r), self._weave(wobj)
+        radius, manner = blend(r), self._manner(wobj)
         return lambda start: arc_move(
-            self._arm, start, via, target, *pace, radius, mode=mode, tool=tip, weave=weave
+            self._arm, start, via, target, *pace, radius, mode=mode, tool=tip, **manner
         )
 
     def _round(
@@ -226,9 +217,9 @@ class PathSection(Section):
         near(q_near)
         if mode not in (1, 2):
             raise mismatch(f"mode is {mode}, but must be 1 or 2")
-        radius, weave = blend(r), self._weave(wobj)
+        radius, manner = blend(r), self._manner(wobj)
         return lambda start: circle_move(
-            self._arm, start, first, second, *pace, radius, mode=mode, tool=tip, weave=weave
+            self._arm, start, first, second, *pace, radius, mode=mode, tool=tip, **manner
         )
 
     def _target(self, name: str, p: Sequence[float], tool: str, wobj: str) -> tuple[Matrix, Matrix]:

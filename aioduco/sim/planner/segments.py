@@ -10,6 +10,7 @@ import numpy as np
 
 from aioduco.kinematics.forward import fkine
 from aioduco.sim.planner.curves import Line, arc_through
+from aioduco.sim.planner.detour import pass_singularities, passing_limits
 from aioduco.sim.planner.errors import PlanError
 from aioduco.sim.planner.freeform import spiral, spline
 from aioduco.sim.planner.limits import joint_limits, tool_limits
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.axes import AxesMove
     from aioduco.sim.planner.curves import Curve
     from aioduco.sim.planner.timing import Limits
-    from aioduco.sim.planner.weaving import Weave
+    from aioduco.sim.planner.weaving import Weave, Woven
 
 __all__ = [
     "PlanError",
@@ -58,7 +59,7 @@ class Segment:
         v: speed asked for [m/s, or rad/s for joint moves].
         a: acceleration asked for [m/s², or rad/s²].
         tool: tool centre point in the frame of the flange. Shape (4, 4).
-        curve: of the tool centre point; None for a joint move.
+        curve: of the tool centre point; None for a joint move, and where the tool leaves it.
         axes: what external axes do meanwhile; None if they stay where they are.
     """
 
@@ -146,6 +147,7 @@ def line_move(
     *,
     tool: Array | None = None,
     weave: Weave | None = None,
+    around: bool = False,
 ) -> Segment:
     """Move the tool centre point along a straight line (manual 1.3.5, movel).
 
@@ -161,13 +163,14 @@ def line_move(
         r: blend radius [m].
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: to lay over the path.
+        around: leave the path near singularities instead of refusing it.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     frame = np.eye(4) if tool is None else tool
     start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
-    return _cartesian(arm, q0, Line.between(start, target @ frame), v, a, r, frame, weave)
+    return _cartesian(arm, q0, Line.between(start, target @ frame), v, a, r, frame, weave, around)
 
 
 def arc_move(
@@ -182,6 +185,7 @@ def arc_move(
     mode: int = 0,
     tool: Array | None = None,
     weave: Weave | None = None,
+    around: bool = False,
 ) -> Segment:
     """Move the tool centre point along an arc through a point (manual 1.3.5, movec).
 
@@ -197,6 +201,7 @@ def arc_move(
             relative to the tangent.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: to lay over the path.
+        around: leave the path near singularities instead of refusing it.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -204,7 +209,7 @@ def arc_move(
     frame = np.eye(4) if tool is None else tool
     start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
     curve = arc_through(start, via @ frame, target @ frame, mode)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
 
 
 def circle_move(
@@ -219,6 +224,7 @@ def circle_move(
     mode: int = 1,
     tool: Array | None = None,
     weave: Weave | None = None,
+    around: bool = False,
 ) -> Segment:
     """Move the tool centre point once round a circle through two points (1.3.5, move_circle).
 
@@ -233,6 +239,7 @@ def circle_move(
         mode: orientation: 1 keeps that of the start, 2 keeps it relative to the tangent.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: to lay over the path.
+        around: leave the path near singularities instead of refusing it.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -242,7 +249,7 @@ def circle_move(
     frame = np.eye(4) if tool is None else tool
     start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
     curve = arc_through(start, first @ frame, second @ frame, mode, full=True)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
 
 
 def spiral_move(
@@ -259,6 +266,7 @@ def spiral_move(
     target: Array | None = None,
     tool: Array | None = None,
     weave: Weave | None = None,
+    around: bool = False,
 ) -> Segment:
     """Move the tool centre point along a spiral (manual 1.3.5, move_spiral).
 
@@ -275,6 +283,7 @@ def spiral_move(
         target: pose of the flange at the end, in the base frame. Shape (4, 4).
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: to lay over the path.
+        around: leave the path near singularities instead of refusing it.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -282,9 +291,8 @@ def spiral_move(
     frame = np.eye(4) if tool is None else tool
     start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
     end = None if target is None else target @ frame
-    return _cartesian(
-        arm, q0, spiral(start, centre, turns, axial, radius, end), v, a, r, frame, weave
-    )
+    curve = spiral(start, centre, turns, axial, radius, end)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
 
 
 def spline_move(
@@ -297,6 +305,7 @@ def spline_move(
     *,
     tool: Array | None = None,
     weave: Weave | None = None,
+    around: bool = False,
 ) -> Segment:
     """Move the tool centre point along a smooth curve through poses (manual 1.3.5, spline).
 
@@ -309,6 +318,7 @@ def spline_move(
         r: blend radius [m].
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: to lay over the path.
+        around: leave the path near singularities instead of refusing it.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -316,7 +326,7 @@ def spline_move(
     frame = np.eye(4) if tool is None else tool
     start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
     curve = spline(start, [target @ frame for target in targets])
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
 
 
 def _cartesian(
@@ -328,12 +338,32 @@ def _cartesian(
     r: float,
     tool: Array,
     weave: Weave | None,
+    around: bool,
 ) -> Segment:
     q0 = np.array(q0, dtype=float)
     _check(v, a, r)
     if curve.length < _STILL:
         return Segment(arm, None, None, q0, q0, r, v, a, tool)
     woven = None if weave is None else weave.over(curve, v)
+    kept: Curve | None = curve if woven is None else woven
+    assert kept is not None
+    try:
+        path, limits = _followed(arm, q0, curve, woven, v, a, tool)
+    except PlanError as exc:
+        if exc.code != "singular" or not around:
+            raise
+        path = pass_singularities(arm, q0, kept, tool)
+        limits, kept = passing_limits(arm, path, v, a), None
+    if woven is not None:
+        limits = limits.waiting(woven.stops)
+    q_end = path.sample(np.array([path.end]))[0, 0]
+    return Segment(arm, path, limits, q0, q_end, r, v, a, tool, kept)
+
+
+def _followed(
+    arm: Arm, q0: Array, curve: Curve, woven: Woven | None, v: float, a: float, tool: Array
+) -> tuple[Path, Limits]:
+    """Give the path of the joints along a curve, or along the weave over it, and its limits."""
     path = trace(arm, q0, curve if woven is None else woven, tool)
     nodes = path.nodes()
     # Speed and acceleration are those along the path; a weave has only the joints' limits.
@@ -343,10 +373,7 @@ def _cartesian(
     if slowest < _SLOWEST * v:
         place = "near a singularity of the path" if woven is None else "the weave"
         raise PlanError("singular", f"the joints cannot follow {place}")
-    q_end = path.sample(nodes[-1:])[0, 0]
-    if woven is None:
-        return Segment(arm, path, limits, q0, q_end, r, v, a, tool, curve)
-    return Segment(arm, path, limits.waiting(woven.stops), q0, q_end, r, v, a, tool, woven)
+    return path, limits
 
 
 def _check(v: float, a: float, r: float) -> None:
