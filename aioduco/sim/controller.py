@@ -80,6 +80,7 @@ class Controller:
         self.external_axes: ExternalAxes = ExternalAxes()
         self.collisions: Observer = Observer(np.full(6, np.inf))
         self.recorder: Recorder = Recorder()
+        self.read_ahead: tuple[int, int] = (0, 1)
         self.mode: OperationMode = OperationMode.AUTO
         self.halted: bool = False
         self._power = Power(self.tasks)
@@ -122,6 +123,11 @@ class Controller:
     def idle(self) -> bool:
         """Whether no motion runs or waits."""
         return self._motion.phase is Phase.IDLE
+
+    @property
+    def progress(self) -> float:
+        """How much of its way the running motion has made, 0 to 1."""
+        return self._motion.progress
 
     @property
     def setpoint(self) -> SetPoint:

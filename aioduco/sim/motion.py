@@ -109,6 +109,11 @@ class Motion:
         return len(self._queue) >= CAPACITY
 
     @property
+    def progress(self) -> float:
+        """How much of its way the running motion with a path has made, 0 to 1."""
+        return self._mover.progress
+
+    @property
     def setpoint(self) -> SetPoint:
         """The latest set-point."""
         return self._mover.setpoint if self._follower is None else self._follower.setpoint

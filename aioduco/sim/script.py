@@ -49,7 +49,6 @@ _BLENDING = frozenset(
         *("movej2_eaxis", "movej2_pose_eaxis", "movel_eaxis", "movec_eaxis"),
     }
 )
-_READ_AHEAD = 1  # motions that are known behind the one that blends (manual 1.3.5, num)
 _WENT_WELL = (TaskState.FINISHED, TaskState.INTERRUPT)
 
 
@@ -98,13 +97,16 @@ class Steps:
 
     A call waits until the task that it makes has ended, and the program cannot go on when it ended
     badly. A motion with a blend radius is not waited for while motions follow: the next one has to
-    be known for the two to blend.
+    be known for the two to blend. How far ahead it is read is set as the manual has it.
 
     Args:
         name: of the program, for messages.
         script: the program.
         make: makes a call of the wire; raises Pending where a client would wait.
         tasks: what the tasks of the calls are asked for.
+        ahead: what set_blend_ahead has set: from which part of a motion on the next one is read
+            [%]; and if that is 0, how many are.
+        progress: how much of its way the running motion has made, 0 to 1.
     """
 
     def __init__(
@@ -113,6 +115,9 @@ class Steps:
         script: Script,
         make: Callable[[str, tuple[Any, ...]], Any],
         tasks: TaskTable,
+        *,
+        ahead: Callable[[], tuple[int, int]] = lambda: (0, 1),
+        progress: Callable[[], float] = lambda: 0.0,
     ) -> None:
         self._name = name
         self._calls: Generator[Call, Any, object] = (
@@ -120,6 +125,8 @@ class Steps:
         )
         self._make = make
         self._tasks = tasks
+        self._read_ahead = ahead
+        self._progress = progress
         self._answer: Any = None
         self._next: tuple[str, tuple[Any, ...], bool] | None = None
         self._ahead: list[tuple[str, int]] = []  # motions that may blend into the next
@@ -141,12 +148,13 @@ class Steps:
             self._answer = int(self._tasks.state(self._waiting[1]))
             self._waiting = None
         if self._next is None and not self._over:
+            if self._reads_enough():
+                return False
             self._fetch()
         if self._next is None:
             return not self._ahead
         name, values, blends = self._next
-        motion = name in _BLENDING
-        if len(self._ahead) > (_READ_AHEAD if motion else 0):
+        if self._ahead and name not in _BLENDING:
             return False
         self._next = None
         self._answer = self._call(name, values, blends=blends)
@@ -155,6 +163,15 @@ class Steps:
     def close(self) -> None:
         """End the generator, if it is one."""
         self._calls.close()
+
+    def _reads_enough(self) -> bool:
+        """Whether the program has been read far enough ahead of the running motion."""
+        if not self._ahead:
+            return False
+        part, count = self._read_ahead()
+        if part > 0:
+            return len(self._ahead) > 1 or self._progress() < part / 100.0
+        return len(self._ahead) > count
 
     def _fetch(self) -> None:
         try:

@@ -329,6 +329,33 @@ def test_one_call_in_a_cycle_and_sleeping_keeps_time() -> None:
     assert made == [1, 1, 1, 1, 1, 1, 2, 2]
 
 
+@pytest.mark.parametrize(
+    ("ahead", "progress", "known"),
+    [((0, 1), 0.0, 2), ((0, 3), 0.0, 4), ((50, 3), 0.49, 1), ((50, 3), 0.5, 2)],
+)
+def test_how_far_a_program_is_read_ahead(
+    ahead: tuple[int, int], progress: float, known: int
+) -> None:
+    tasks, ids = TaskTable(), list[int]()
+
+    def make(name: str, _values: tuple[Any, ...]) -> int:
+        ids.append(tasks.new(name))
+        return ids[-1]
+
+    script = [["movel", [0.0] * 6, 0.1, 1.0, 0.05]] * 5
+    steps = Steps("blends", script, make, tasks, ahead=lambda: ahead, progress=lambda: progress)
+    for _ in range(10):
+        assert not steps.go_on(0.001)
+    assert len(ids) == known
+    tasks.set(ids[0], TaskState.INTERRUPT)
+    for _ in range(10):
+        assert not steps.go_on(0.001)
+    assert len(ids) == min(known + 1, 5)
+    while not steps.go_on(0.001):
+        tasks.set(tasks.unfinished()[0].id, TaskState.INTERRUPT)
+    assert len(ids) == 5
+
+
 def test_a_generator_that_yields_nonsense() -> None:
     def nonsense() -> Generator[list[Any], Any, None]:
         yield []

@@ -25,7 +25,15 @@ class ProgramHandlers(Section):
             script = self._cabinet.project.programs.get(name)
             if script is None:
                 raise mismatch(f"there is no program {name!r}")
-            return controller.run_program(Steps(name, script, make, controller.tasks))
+            steps = Steps(
+                name,
+                script,
+                make,
+                controller.tasks,
+                ahead=lambda: controller.read_ahead,
+                progress=lambda: controller.progress,
+            )
+            return controller.run_program(steps)
 
         return self._task("run_program", block, command)
 
