@@ -1,0 +1,162 @@
+"""The functions of force control by the wire: what ends how, with arguments that make no sense."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from aioduco.models.enums import TaskState
+from aioduco.sim.simulator import Simulator
+
+from .conftest import Program, Wire
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+FINE, ILLEGAL, WRONG = TaskState.FINISHED, TaskState.ILLEGAL, TaskState.PARAMETER_MISMATCH
+NAN, INF = math.nan, math.inf
+SIX, FIVE = [0.0] * 6, [0.0] * 5
+ON, OFF = [True] * 6, [False] * 6
+DAMP = [1000.0] * 3 + [57.0] * 3
+CONFIG = {
+    "direction": ON,
+    "ref_ft": SIX,
+    "damp": DAMP,
+    "max_vel": [0.05] * 6,
+    "number_list": SIX,
+    "tool": "",
+    "wobj": "",
+    "value": 0,
+}
+GUARD = {"direction": ON, "ref_ft": DAMP, "tool": "", "wobj": "", "type": 0, "force_property": 0}
+WAIT = {"middle": SIX, "range": SIX, "absolute": True, "duration": 100, "timeout": 1000}
+TARE = {"direction": ON, "ref_ft": SIX}
+
+CALLS: list[tuple[str, dict[str, Any], dict[str, Any], TaskState]] = [
+    ("fc_config", CONFIG, {}, FINE),
+    ("fc_config", CONFIG, {"max_vel": [-0.05] * 6, "number_list": [-1.0] * 6}, FINE),
+    ("fc_config", CONFIG, {"ref_ft": [1000.0, -1000.0] * 3, "value": 1}, FINE),
+    ("fc_config", CONFIG, {"direction": OFF, "damp": [0.0] * 6}, FINE),
+    ("fc_config", CONFIG, {"tool": "default", "wobj": "default"}, FINE),
+    ("fc_config", CONFIG, {"direction": [True] * 5}, WRONG),
+    ("fc_config", CONFIG, {"direction": []}, WRONG),
+    ("fc_config", CONFIG, {"ref_ft": [1000.1, *FIVE]}, WRONG),
+    ("fc_config", CONFIG, {"ref_ft": [NAN, *FIVE]}, WRONG),
+    ("fc_config", CONFIG, {"ref_ft": FIVE}, WRONG),
+    ("fc_config", CONFIG, {"damp": [0.0, *DAMP[1:]]}, WRONG),
+    ("fc_config", CONFIG, {"damp": [-1.0, *DAMP[1:]]}, WRONG),
+    ("fc_config", CONFIG, {"damp": [INF, *DAMP[1:]]}, WRONG),
+    ("fc_config", CONFIG, {"damp": FIVE}, WRONG),
+    ("fc_config", CONFIG, {"max_vel": [5.1, *FIVE]}, WRONG),
+    ("fc_config", CONFIG, {"max_vel": [NAN, *FIVE]}, WRONG),
+    ("fc_config", CONFIG, {"number_list": [-1001.0, *FIVE]}, WRONG),
+    ("fc_config", CONFIG, {"number_list": []}, WRONG),
+    ("fc_config", CONFIG, {"tool": "saw"}, ILLEGAL),
+    ("fc_config", CONFIG, {"wobj": "moon"}, ILLEGAL),
+    ("fc_config", CONFIG, {"value": 2}, WRONG),
+    ("fc_guard_act", GUARD, {}, FINE),
+    ("fc_guard_act", GUARD, {"force_property": 1, "type": 1}, FINE),
+    ("fc_guard_act", GUARD, {"direction": [True] * 7}, WRONG),
+    ("fc_guard_act", GUARD, {"ref_ft": [-1.0, *FIVE]}, WRONG),
+    ("fc_guard_act", GUARD, {"ref_ft": [NAN, *FIVE]}, WRONG),
+    ("fc_guard_act", GUARD, {"ref_ft": FIVE}, WRONG),
+    ("fc_guard_act", GUARD, {"tool": "saw"}, ILLEGAL),
+    ("fc_guard_act", GUARD, {"wobj": "moon"}, ILLEGAL),
+    ("fc_guard_act", GUARD, {"type": -1}, WRONG),
+    ("fc_guard_act", GUARD, {"force_property": 2}, WRONG),
+    ("fc_guard_deact", {}, {}, FINE),
+    ("fc_force_set_value", TARE, {}, FINE),
+    ("fc_force_set_value", TARE, {"direction": [True]}, WRONG),
+    ("fc_force_set_value", TARE, {"ref_ft": [INF, *FIVE]}, WRONG),
+    ("fc_wait_pos", WAIT, {}, FINE),
+    ("fc_wait_vel", WAIT, {}, FINE),
+    ("fc_wait_ft", WAIT, {}, FINE),
+    ("fc_wait_pos", WAIT, {"middle": FIVE}, WRONG),
+    ("fc_wait_pos", WAIT, {"middle": [INF, *FIVE]}, WRONG),
+    ("fc_wait_vel", WAIT, {"middle": [5.1, *FIVE]}, WRONG),
+    ("fc_wait_vel", WAIT, {"middle": [*FIVE, 6.2]}, FINE),
+    ("fc_wait_vel", WAIT, {"middle": [*FIVE, 6.3]}, WRONG),
+    ("fc_wait_vel", WAIT, {"range": [*FIVE, -1.0]}, WRONG),
+    ("fc_wait_ft", WAIT, {"middle": [1001.0, *FIVE]}, WRONG),
+    ("fc_wait_ft", WAIT, {"range": [NAN, *FIVE]}, WRONG),
+    ("fc_wait_ft", WAIT, {"range": []}, WRONG),
+    ("fc_wait_ft", WAIT, {"duration": -1}, WRONG),
+    ("fc_wait_ft", WAIT, {"timeout": -1}, WRONG),
+    ("fc_wait_logic", {"value": [1, 2, 0]}, {}, FINE),
+    ("fc_wait_logic", {"value": [1, 2, 3]}, {}, WRONG),
+    ("fc_wait_logic", {"value": [0, 0]}, {}, WRONG),
+    ("fc_wait_logic", {"value": []}, {}, WRONG),
+    ("fc_start", {}, {}, FINE),
+    ("fc_start", {}, {}, FINE),
+    ("fc_stop", {}, {}, FINE),
+    ("fc_stop", {}, {}, FINE),
+]
+
+
+@pytest.fixture(scope="module")
+def sim() -> Iterator[Simulator]:
+    with Simulator(speed=math.inf) as sim:
+        yield sim
+
+
+@pytest.fixture(scope="module")
+def robot(sim: Simulator) -> Iterator[Program]:
+    wire = Wire(sim)
+    program = Program(wire)
+    program.bring_up()
+    yield program
+    wire.close()
+
+
+def ended(robot: Program, id_: int) -> int:
+    assert id_ >= 1000
+    while (state := robot.get_noneblock_taskstate(id_)) in (0, 1, 2):
+        pass
+    return state
+
+
+@pytest.mark.parametrize(
+    ("name", "usual", "change", "state"),
+    CALLS,
+    ids=[f"{name} {change} {state}" for name, _, change, state in CALLS],
+)
+def test_what_a_call_ends_as(
+    robot: Program, name: str, usual: dict[str, Any], change: dict[str, Any], state: TaskState
+) -> None:
+    arguments = {**usual, **change}
+    assert ended(robot, robot.connection.call(name, tuple(arguments.values()))) == state
+
+
+def test_what_was_wrong_changes_nothing(robot: Program) -> None:
+    assert ended(robot, robot.fc_wait_logic([0, 0, 1])) == FINE
+    for bad in ({"value": 7}, {"damp": [0.0] * 6}):
+        arguments = {**CONFIG, **bad}
+        robot.connection.call("fc_config", tuple(arguments.values()))
+    assert not robot.fc_mode_is_active()
+    assert robot.fc_get_ft() == pytest.approx(SIX, abs=1e-3)
+
+
+def test_force_control_needs_an_enabled_arm_and_a_sensor(sim: Simulator, robot: Program) -> None:
+    assert robot.fc_move(True) == ILLEGAL  # it is off
+    assert robot.disable(True) == FINE
+    assert ended(robot, robot.fc_start()) == ILLEGAL
+    assert robot.enable(True) == FINE
+    sim.cabinet.force_sensor = False
+    try:
+        assert ended(robot, robot.fc_start()) == TaskState.ERROR
+        assert "no force sensor" in robot.get_last_error()[-1]
+        assert ended(robot, robot.fc_force_set_value(ON, SIX)) == TaskState.ERROR
+        assert robot.fc_get_ft() == []
+    finally:
+        sim.cabinet.force_sensor = True
+    assert not robot.fc_mode_is_active()
+
+
+def test_a_reading_is_set(robot: Program) -> None:
+    values = [1.0, -2.0, 3.0, 0.1, -0.2, 0.3]
+    assert ended(robot, robot.fc_force_set_value([True] * 3 + [False] * 3, values)) == FINE
+    assert robot.fc_get_ft() == pytest.approx([1.0, -2.0, 3.0, 0.0, 0.0, 0.0], abs=1e-3)
+    assert ended(robot, robot.fc_force_set_value(ON, SIX)) == FINE
+    assert robot.fc_get_ft() == pytest.approx(SIX, abs=1e-3)
