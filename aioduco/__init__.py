@@ -53,6 +53,7 @@ from aioduco.streaming.settings import LaneOptions
 from aioduco.supervision.command import HeldMotion, MotionCommand
 from aioduco.supervision.feed import Snapshot
 from aioduco.supervision.pulse import HeartbeatState
+from aioduco.supervision.settings import ExitLadder
 from aioduco.supervision.task import OnCancel, Task
 
 __all__ = [  # noqa: RUF022  # grouped by what they are for
@@ -62,6 +63,7 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     "Robot",
     "HeldMotion",
     "MotionCommand",
+    "ExitLadder",
     "OnCancel",
     "Outcome",
     "Task",

@@ -10,6 +10,7 @@ import anyio
 
 from aioduco.errors import HeartbeatLost, ParameterError
 from aioduco.supervision.settings import Settings
+from aioduco.supervision.times import SECONDS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     from aioduco.supervision.events import Events
     from aioduco.supervision.feed import Feed, Snapshot
     from aioduco.supervision.heartbeat import HeartbeatStatistics
-    from aioduco.supervision.settings import GuardKind
+    from aioduco.supervision.settings import ExitLadder, GuardKind
     from aioduco.supervision.supervisor import SupervisorStatistics
     from aioduco.supervision.task import OnCancel, Task
     from aioduco.trace import Trace
@@ -61,6 +62,7 @@ def connect(
     on_cancel: OnCancel = "stop",
     stop_timeout: float = 5.0,
     standstill_timeout: float = 5.0,
+    exit_ladder: ExitLadder | None = None,
     guard: GuardKind | None = None,
     state_rate: float = 50.0,
     lag_limit: float | None = 0.25,
@@ -87,6 +89,8 @@ def connect(
             "pause", or "detach" (it moves on).
         stop_timeout: seconds in which a stop must be accepted by the controller.
         standstill_timeout: seconds in which the arm must stand after that.
+        exit_ladder: what is done on the way out, and the time for each of it; None for all of it,
+            with the times above.
         guard: "process" to have stop and heartbeat in a small process of their own, one for all
             robots of the program: the arm is stopped at once when the program dies, and a busy
             program cannot delay a stop. None: on threads of the program.
@@ -115,6 +119,7 @@ def connect(
             on_cancel=on_cancel,
             stop_timeout=stop_timeout,
             standstill_timeout=standstill_timeout,
+            exit_ladder=exit_ladder,
             guard=guard,
             state_rate=state_rate,
             lag_limit=lag_limit,
@@ -127,8 +132,9 @@ class Robot:
     """A robot arm and its controller. Made by `connect`, used in `async with`.
 
     Entering connects, asks the controller one question and starts the heartbeat. Leaving goes
-    down a ladder, each rung with a deadline, whatever happened inside: what this program moves is
-    stopped, and seen to stand; the heartbeat ends; the connections close.
+    down a ladder, each rung with a deadline, whatever happened inside (`ExitLadder`): what this
+    program moves is stopped, and seen to stand; modes that it entered are left; the heartbeat
+    ends; the connections close.
 
     Attributes:
         host: name or address of the controller.
@@ -396,12 +402,13 @@ class Robot:
             timeout: seconds in which a stop must be accepted.
 
         Raises:
+            ParameterError: the time is not above 0; nothing was sent.
             StopUnconfirmed: none was: press the emergency stop.
 
         Manual section 1.3.3.
         """
         self._supervisor.check_open("stop")
-        self._supervisor.keeper.stop_now(timeout)
+        self._supervisor.keeper.stop_now(SECONDS("timeout", timeout))
 
     async def pause(self) -> None:
         """Pause all tasks (暂停所有任务), and wait until the arm stands.
@@ -448,15 +455,17 @@ class Robot:
             timeout: seconds in which a beat must be answered.
 
         Raises:
+            ParameterError: the time is not above 0.
             HeartbeatLost: none was.
         """
+        limit = SECONDS("timeout", timeout)
         self._supervisor.check_open("rpc_heartbeat")
         heartbeat = self._supervisor.heartbeat
         if heartbeat is None:
             return
         heartbeat.rearm()
         due = time.monotonic()
-        until = due + timeout
+        until = due + limit
         while not heartbeat.heard:
             if due >= until:
                 raise HeartbeatLost(f"no heartbeat was answered within {timeout:g} s")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from aioduco.api import ranges
 from aioduco.api.section import Section
+from aioduco.errors import ControllerError, Refused, RobotStateError, TaskError, TaskUnknown
 from aioduco.models.state import vector
 
 if TYPE_CHECKING:
@@ -33,8 +34,9 @@ class Force(Section):
 
     It needs a force sensor that is mounted, connected and set up: with a wrong setup the arm
     moves in an unforeseen way. Force acts only while a motion runs, such as `fc_move`; a stop
-    ends the motion, and the arm stands. Force control itself stays on until `fc_stop`, also
-    after the program: the next motion gives way, too.
+    ends the motion, and the arm stands. Force control itself stays on until `fc_stop`: the next
+    motion gives way, too. Leaving the robot ends it, once the arm stands; a program that is killed
+    leaves it on.
 
     Vectors are along x, y, z, then about them. Shape (6,).
     """
@@ -49,7 +51,15 @@ class Force(Section):
 
         Manual section 1.3.10.
         """
-        await self._settle(lambda rpc: rpc.fc_start(), _LIMIT)
+        modes = self._supervisor.keeper.standing_modes
+        was_on = "fc_stop" in modes
+        modes.add("fc_stop")  # before it is sent: its answer may be lost
+        try:
+            await self._settle(lambda rpc: rpc.fc_start(), _LIMIT)
+        except (TaskError, Refused, ControllerError, RobotStateError) as exc:
+            if not was_on and not isinstance(exc, TaskUnknown):
+                modes.discard("fc_stop")
+            raise
 
     async def fc_stop(self) -> None:
         """End force control (退出机器人末端力控).
@@ -65,6 +75,7 @@ class Force(Section):
         """
         await self._must_stand("fc_stop")
         await self._settle(lambda rpc: rpc.fc_stop(), _LIMIT)
+        self._supervisor.keeper.standing_modes.discard("fc_stop")
 
     async def fc_config(
         self,

@@ -133,16 +133,15 @@ class Control:
         raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
 
     async def rest(self, stop_timeout: float, standstill_timeout: float) -> None:
-        """Stop the arm and see it stand. A stop that has no effect is repeated.
+        """See the arm stand after a stop. A stop that has no effect is repeated.
 
         Args:
-            stop_timeout: seconds in which a stop must be accepted.
-            standstill_timeout: seconds after that in which the arm must stand.
+            stop_timeout: seconds in which a further stop must be accepted.
+            standstill_timeout: seconds in which the arm must stand.
 
         Raises:
             StopUnconfirmed: it is not known that the arm stands.
         """
-        await self.stop(stop_timeout)
         until = time.monotonic() + standstill_timeout
         while (left := until - time.monotonic()) > STOP_AGAIN:
             try:
@@ -183,7 +182,7 @@ class Control:
             raise _unconfirmed(f"nothing was heard of the arm for {timeout:g} s", error) from error
         raise _unconfirmed(f"the arm still moves after {timeout:g} s", None)
 
-    async def leave(self, name: str, args: tuple[bool, ...], timeout: float) -> None:
+    async def leave(self, name: str, args: tuple[bool, ...], timeout: float) -> int:
         """Call once a function that ends a mode.
 
         Args:
@@ -191,12 +190,16 @@ class Control:
             args: its arguments.
             timeout: seconds for its answer.
 
+        Returns:
+            Its answer: the id of a task, or how it ended.
+
         Raises:
             DucoError: it was not carried out, or it is not known.
         """
         answer: int = await self._others.call(name, args, timeout)
         if answer < 0:
             raise Refused(name, answer, "no reason is given")
+        return answer
 
     async def send(self, name: str) -> int:
         """Send pause, resume or abort once. Returns the id of the task that it became.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 from aioduco.errors import ParameterError
@@ -12,9 +12,48 @@ from aioduco.supervision.task import OnCancel
 if TYPE_CHECKING:
     from aioduco.trace import Trace
 
-__all__ = ["GuardKind", "Settings"]
+__all__ = ["ExitLadder", "GuardKind", "Settings"]
 
 GuardKind: TypeAlias = Literal["process"]
+
+#: seconds for a command on its way, beyond its own limit
+_GRACE = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExitLadder:
+    """The rungs on the way out of `async with robot`, the first one first.
+
+        aioduco.connect(host, exit_ladder=aioduco.ExitLadder(stop=2.0, standstill=10.0))
+
+    Each has the seconds in which it must be done. None leaves it out: then what it is for is not
+    guaranteed. Only what this program moves is stopped, and only modes that it has entered are
+    ended. The last rung has no time of its own and is never left out: the heartbeat ends, the guard
+    lets go of the robot, connections and threads end.
+
+    Attributes:
+        settle: commands on their way are answered. Without it, one may be accepted after the stop.
+        stop: a stop is accepted. Without it, what moves goes on, until the controller misses the
+            heartbeat, if there is one; it has the time of `standstill` to end by itself.
+        standstill: the arm is seen to stand; a stop that has no effect is repeated. Without it,
+            the arm may still move when the block has been left.
+        modes: modes that a stop leaves on are ended: hand guiding, realtime mode, and, if the arm
+            is seen to stand, force control. Without it, force control stays on after the program,
+            and so do the others if nothing was stopped.
+
+    Raises:
+        ParameterError: a time is not above 0 s.
+    """
+
+    settle: float | None = 8.0
+    stop: float | None = 5.0
+    standstill: float | None = 5.0
+    modes: float | None = 2.0
+
+    def __post_init__(self) -> None:
+        for rung in fields(self):
+            if (seconds := getattr(self, rung.name)) is not None:
+                _positive(f"exit_ladder.{rung.name}", seconds)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,6 +72,7 @@ class Settings:
     on_cancel: OnCancel = "stop"
     stop_timeout: float = 5.0
     standstill_timeout: float = 5.0
+    exit_ladder: ExitLadder | None = None
     guard: GuardKind | None = None
     state_rate: float = 50.0
     lag_limit: float | None = 0.25
@@ -54,10 +94,22 @@ class Settings:
             )
         if type(self.pool_size) is not int or not 1 <= self.pool_size <= 64:
             raise ParameterError("pool_size", self.pool_size, "a whole number from 1 to 64")
+        if self.exit_ladder is not None and not isinstance(self.exit_ladder, ExitLadder):
+            raise ParameterError("exit_ladder", self.exit_ladder, "an ExitLadder, or None")
         if self.guard is not None and self.guard not in get_args(GuardKind):
             raise ParameterError("guard", self.guard, '"process", or None for no guard')
         if self.on_cancel not in get_args(OnCancel):
             raise ParameterError("on_cancel", self.on_cancel, '"stop", "pause" or "detach"')
+
+    @property
+    def ladder(self) -> ExitLadder:
+        """The way out: as it was given, or with the times that hold for every stop."""
+        if self.exit_ladder is not None:
+            return self.exit_ladder
+        stop, standstill = self.stop_timeout, self.standstill_timeout
+        # A command on its way may have to be stopped first, if its answer is lost.
+        settle = self.call_timeout + stop + standstill + _GRACE
+        return ExitLadder(settle=settle, stop=stop, standstill=standstill)
 
 
 def _number(value: object) -> bool:

@@ -28,6 +28,7 @@ from aioduco.supervision.guard.sides import (
 from aioduco.supervision.heartbeat import Heartbeat, HeartbeatStatistics, SignOfLife
 from aioduco.supervision.insist import insist
 from aioduco.supervision.keeper import Keeper
+from aioduco.supervision.ladder import leave
 from aioduco.supervision.lag import LagMonitor, Watched, monitors
 from aioduco.supervision.launcher import Launcher
 from aioduco.supervision.opening import open_lines
@@ -48,7 +49,7 @@ _log = logging.getLogger(__name__)
 _SIGNS = 10
 #: seconds between two signs of life at most
 _SIGN_EVERY = 0.1
-#: seconds for a command on its way, beyond its own limit, and for the heartbeat's thread to end
+#: seconds for a thread to end
 _GRACE = 1.0
 
 
@@ -233,7 +234,7 @@ class Supervisor:
             self.version = ControllerVersion(await open_lines(self))
         except BaseException:
             self._closed = True
-            await insist(self._close_lines)
+            await insist(self.close_lines)
             raise
         for lane in self.lanes:
             lane.version = self.version.text
@@ -256,9 +257,7 @@ class Supervisor:
         return blocked
 
     async def aclose(self) -> None:
-        """Leave by the ladder: stop what moves, see it stand, end the heartbeat, close.
-
-        Each rung is gone through even if the one before failed, and even if this is cancelled.
+        """Leave by the ladder, see `ladder`: stop what moves, see it stand, close.
 
         Raises:
             StopUnconfirmed: it is not known that the arm stands.
@@ -267,27 +266,15 @@ class Supervisor:
             return
         self._closed = True
         self.launcher.closed = "the robot is closed, or is being closed"
-        cancelled: list[BaseException | None] = []
-        try:
-            s = self.settings
-            limit = s.call_timeout + s.stop_timeout + s.standstill_timeout + _GRACE
-            cancelled.append((await insist(lambda: self.launcher.quiet(limit)))[1])
-            if self.keeper.moving:
-                cancelled.append((await insist(self.keeper.halt))[1])
-        finally:
-            if self.heartbeat is not None:
-                self.heartbeat.end()
-            self.feed.close()
-            self.events.close()
-            cancelled.append((await insist(self._background.aclose))[1])
-            cancelled.append((await insist(self._close_lines))[1])
-        for cancellation in cancelled:
-            if cancellation is not None:
-                raise cancellation
+        await leave(self, self.settings.ladder)
 
-    async def _close_lines(self) -> None:
+    async def close_lines(self) -> None:
+        """End everything that runs for the robot, and close its connections."""
         if self.heartbeat is not None:
             self.heartbeat.end()
+        self.feed.close()
+        self.events.close()
+        await self._background.aclose()
         if self._lag is not None and self._watched is not None:
             monitors.leave(self._lag, self._watched, _GRACE)
             self._lag = None

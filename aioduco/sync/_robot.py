@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from aioduco.supervision.heartbeat import HeartbeatStatistics
-    from aioduco.supervision.settings import GuardKind
+    from aioduco.supervision.settings import ExitLadder, GuardKind
     from aioduco.supervision.supervisor import SupervisorStatistics
     from aioduco.supervision.task import OnCancel
     from aioduco.trace import Trace
@@ -37,6 +37,7 @@ def connect(
     on_cancel: OnCancel = "stop",
     stop_timeout: float = 5.0,
     standstill_timeout: float = 5.0,
+    exit_ladder: ExitLadder | None = None,
     guard: GuardKind | None = None,
     state_rate: float = 50.0,
     lag_limit: float | None = 0.25,
@@ -69,6 +70,8 @@ def connect(
             "pause", or "detach" (it moves on).
         stop_timeout: seconds in which a stop must be accepted by the controller.
         standstill_timeout: seconds in which the arm must stand after that.
+        exit_ladder: what is done on the way out, and the time for each of it; None for all of it,
+            with the times above.
         guard: "process" to have stop and heartbeat in a small process of their own, one for all
             robots of the program. None: on threads of the program.
         state_rate: samples of the state a second, once `robot.feed` is used, up to 1000 [Hz].
@@ -104,6 +107,7 @@ def connect(
         on_cancel=on_cancel,
         stop_timeout=stop_timeout,
         standstill_timeout=standstill_timeout,
+        exit_ladder=exit_ladder,
         guard=guard,
         state_rate=state_rate,
         lag_limit=lag_limit,

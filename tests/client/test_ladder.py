@@ -11,6 +11,7 @@ import anyio
 import pytest
 
 import aioduco
+from aioduco.errors import ParameterError
 from aioduco.testing import FaultProxy, eventually_async
 from aioduco.testing.cancel import cancel_at
 from client.bench import HOME
@@ -159,6 +160,134 @@ async def test_opened_in_one_task_and_closed_in_another(bench: Bench) -> None:
     await asyncio.ensure_future(robot.motion.movej2(HOME, v=1.0, a=1.0).start())
     await asyncio.ensure_future(robot.aclose())
     await left_standing(bench)
+
+
+# -- rungs ---------------------------------------------------------------------------------------
+
+
+def test_rungs_are_times_or_none() -> None:
+    ladder = aioduco.ExitLadder(stop=2.0, modes=None)
+    assert (ladder.stop, ladder.standstill, ladder.modes) == (2.0, 5.0, None)
+    for rung in ("settle", "stop", "standstill", "modes"):
+        with pytest.raises(ParameterError, match=f"exit_ladder.{rung} is 0"):
+            aioduco.ExitLadder(**{rung: 0})
+    with pytest.raises(ParameterError, match="exit_ladder"):
+        aioduco.connect("robot", exit_ladder=5.0)  # type: ignore[arg-type]
+
+
+async def test_each_rung_is_logged(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
+    bench.motion_time = 30.0
+    caplog.set_level("DEBUG", "aioduco.supervision.ladder")
+    ladder = aioduco.ExitLadder(modes=None)
+    async with aioduco.connect(bench.host, bench.port, exit_ladder=ladder) as robot:
+        robot._supervisor.keeper.standing_modes.add("fc_stop")
+        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    said = [record.getMessage().removeprefix("leaving the robot: ") for record in caplog.records]
+    assert [line.split(" took ")[0] for line in said] == [
+        "settle",
+        "stop",
+        "standstill",
+        "modes is left out",
+        "close",
+    ]
+    assert "fc_stop" not in bench.commands
+
+
+async def test_without_the_stop_a_motion_may_come_to_its_end(bench: Bench) -> None:
+    bench.motion_time = 0.3
+    ladder = aioduco.ExitLadder(stop=None)
+    async with aioduco.connect(bench.host, bench.port, exit_ladder=ladder) as robot:
+        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        assert bench.moving()
+    assert bench.commands == ["movej2"]
+    await left_standing(bench)
+
+
+async def test_without_the_stop_a_motion_that_goes_on_is_told(bench: Bench) -> None:
+    bench.motion_time = 30.0
+    ladder = aioduco.ExitLadder(stop=None, standstill=0.1)
+    robot = aioduco.connect(bench.host, bench.port, exit_ladder=ladder)
+    await robot.open()
+    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    with pytest.raises(aioduco.StopUnconfirmed, match="still moves"):
+        await robot.aclose()
+    assert bench.commands == ["movej2"]
+    await eventually_async(lambda: bench.connections == 0)
+    assert not threads()
+
+
+async def test_without_standstill_nobody_waits_for_it(bench: Bench) -> None:
+    bench.motion_time, bench.braking_time = 30.0, 30.0
+    ladder = aioduco.ExitLadder(standstill=None)
+    async with aioduco.connect(bench.host, bench.port, exit_ladder=ladder) as robot:
+        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    assert bench.commands == ["movej2", "stop"]
+    assert bench.moving()
+
+
+async def test_a_rung_that_fails_is_followed_by_the_others(
+    bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    """The stop is refused; that the arm stands is seen all the same, and everything closes."""
+    bench.motion_time = 0.3
+    bench.answer("stop", -1)
+    robot = aioduco.connect(bench.host, bench.port, stop_timeout=0.1)
+    await robot.open()
+    await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    with pytest.raises(aioduco.StopUnconfirmed, match=r"no stop was accepted within 0\.1 s"):
+        await robot.aclose()
+    await left_standing(bench)
+    assert any("stop failed after" in record.getMessage() for record in caplog.records)
+
+
+async def test_force_control_is_ended_once_the_arm_stands(bench: Bench) -> None:
+    bench.motion_time, bench.braking_time = 30.0, 0.1
+    bench.answer("fc_start", 4)
+    standing: list[bool] = []
+
+    def fc_stop() -> int:
+        standing.append(not bench.moving())
+        return 4
+
+    bench.answer("fc_stop", fc_stop)
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        await robot.force.fc_start()
+        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        await robot.stop()  # of a program that goes on: force control is its own to end
+        assert "fc_stop" not in bench.commands
+        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    assert standing == [True]
+    assert bench.commands[-2:] == ["stop", "fc_stop"]
+    await left_standing(bench)
+
+
+async def test_force_control_is_left_on_while_the_arm_moves(
+    bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    """The manual forbids to end it then; somebody else may be moving the arm."""
+    bench.motion_time = 30.0
+    bench.answer("fc_start", 4)
+    bench.answer("fc_stop", 4)
+    ladder = aioduco.ExitLadder(modes=0.1)
+    async with aioduco.connect(bench.host, bench.port, exit_ladder=ladder) as robot:
+        await robot.force.fc_start()
+        bench._answers["movej2"](HOME, 1.0, 1.0, 0.0, False, None, False)
+    assert "fc_stop" not in bench.commands
+    assert any("fc_stop was not sent" in record.getMessage() for record in caplog.records)
+
+
+async def test_force_control_that_was_ended_is_not_ended_again(bench: Bench) -> None:
+    bench.answer("fc_start", 4)
+    bench.answer("fc_stop", 4)
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        await robot.force.fc_start()
+        await robot.force.fc_stop()
+    assert bench.commands == ["fc_start", "fc_stop"]
+    bench.answer("fc_start", 7)
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        with pytest.raises(aioduco.TaskIllegal):
+            await robot.force.fc_start()
+    assert bench.commands == ["fc_start", "fc_stop", "fc_start"]
 
 
 @pytest.mark.filterwarnings("ignore::ResourceWarning")

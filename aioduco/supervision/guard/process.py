@@ -247,6 +247,7 @@ class Guard:
     async def _orphan(self, ward: Ward) -> None:
         """The program is gone without having released this robot: stop its arm."""
         try:
+            await ward.control.stop(ORPHAN_LIMIT)
             await ward.control.rest(ORPHAN_LIMIT, ORPHAN_LIMIT)
         except DucoError as exc:
             _log.critical("the program is gone, and its arm was not seen to stop: %s", exc)
