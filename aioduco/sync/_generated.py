@@ -3634,8 +3634,9 @@ class Force(_Section):
 
     It needs a force sensor that is mounted, connected and set up: with a wrong setup the arm
     moves in an unforeseen way. Force acts only while a motion runs, such as `fc_move`; a stop
-    ends the motion, and the arm stands. Force control itself stays on until `fc_stop`, also
-    after the program: the next motion gives way, too.
+    ends the motion, and the arm stands. Force control itself stays on until `fc_stop`: the next
+    motion gives way, too. Leaving the robot ends it, once the arm stands; a program that is killed
+    leaves it on.
 
     Vectors are along x, y, z, then about them. Shape (6,).
     """
@@ -4616,6 +4617,7 @@ class Sections:
             timeout: seconds in which a beat must be answered.
 
         Raises:
+            ParameterError: the time is not above 0.
             HeartbeatLost: none was.
         """
         work = self._robot.rearm_heartbeat(timeout=timeout)
