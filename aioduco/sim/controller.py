@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState, TaskState
+from aioduco.sim.admission import Admission
 from aioduco.sim.collision import Observer
 from aioduco.sim.cycle import Drive, Sensed, View
 from aioduco.sim.execution import Execution
@@ -31,6 +32,7 @@ from aioduco.sim.planner.realtime import Commands
 from aioduco.sim.planner.track import Pool
 from aioduco.sim.power import Power
 from aioduco.sim.recording import Recorder
+from aioduco.sim.safety import Safety
 from aioduco.sim.signals import Signals
 from aioduco.sim.standstill import Standstill
 from aioduco.sim.tasks import TaskTable
@@ -88,8 +90,8 @@ class Controller:
         self._execution = Execution(self.tasks)
         self._sensed = Sensed(0.0, 0.0, q, _ZEROS, _ZEROS, _ZEROS)
         self.force: ForceTasks = ForceTasks(self.tasks, self._motion, force, self._sensed)
-        self._fault: SafetyState | None = None
-        self._emergency_stop = False
+        self._safety = Safety()
+        self._admission = Admission(self._power, self._safety, self._motion, self._execution)
         self._at_rest = True
         self._standstill = Standstill()
         self._errors: deque[str] = deque(maxlen=20)
@@ -101,12 +103,7 @@ class Controller:
     @property
     def safety(self) -> SafetyState:
         """State of the safety controller."""
-        if self._fault is not None:
-            return self._fault
-        if self._power.state in (RobotState.START, RobotState.INITIALIZE):
-            return SafetyState.INIT
-        off = self._power.state is RobotState.POWER_OFF
-        return SafetyState.POWER_OFF if off else SafetyState.RUN
+        return self._safety.state(self._power.state)
 
     @property
     def program(self) -> ProgramState:
@@ -153,9 +150,9 @@ class Controller:
             self.safety,
             self.mode,
             self.moving,
-            self._emergency_stop,
+            self._safety.emergency_stop,
             self.collisions.axis,
-            int(self._fault is not None),
+            int(self._safety.fault is not None),
             tuple(self._errors),
             self._speed,
             self.frames.tool(),
@@ -172,7 +169,7 @@ class Controller:
 
     def move(self, name: str, plan: Plan, triggers: Along | None = None) -> int:
         """Queue a motion, with what it triggers on its way."""
-        if reason := self._cannot_take():
+        if reason := self._admission.motion():
             return self.reject(name, TaskState.ILLEGAL, reason)
         if (skipped := self.force.admit(name)) is not None:
             return skipped
@@ -183,7 +180,7 @@ class Controller:
 
     def follow(self, name: str, following: Following) -> int:
         """Queue a motion whose targets come while it runs."""
-        if reason := self._cannot_take(following):
+        if reason := self._admission.motion(following):
             return self.reject(name, TaskState.ILLEGAL, reason)
         if (skipped := self.force.admit(name)) is not None:
             return skipped
@@ -215,10 +212,7 @@ class Controller:
 
     def run_program(self, run: Run) -> int:
         """Run a program, which needs the arm to itself."""
-        reason = self._cannot_take() or ("a program is running" if self._execution.active else "")
-        if not reason and self._motion.phase is not Phase.IDLE:
-            reason = "other motions are running"
-        if reason:
+        if reason := self._admission.program():
             return self.reject("run_program", TaskState.ILLEGAL, reason)
         id_ = self.tasks.new("run_program")
         self._execution.begin(id_, run)
@@ -248,7 +242,7 @@ class Controller:
     def resume(self) -> int:
         """Go on with the motions that were paused."""
         paused = self.program in (ProgramState.PAUSED, ProgramState.PAUSING)
-        if paused and (reason := self._cannot_move()):
+        if paused and (reason := self._admission.moving()):
             return self.reject("resume", TaskState.ILLEGAL, reason)
         self._motion.resume()
         self._execution.resume()
@@ -291,8 +285,7 @@ class Controller:
     def fault(self, category: SafetyState, message: str) -> None:
         """A safety stop: STOP0 cuts the power, STOP1 stops and then cuts it, STOP2 stops."""
         self.note_error(message)
-        if self._fault is None or category > self._fault:
-            self._fault = category
+        self._safety.trip(category)
         if category is SafetyState.STOP0:
             self._cut(message)
         else:
@@ -300,13 +293,13 @@ class Controller:
 
     def press_emergency_stop(self) -> None:
         """The emergency stop of the pendant is pressed, or its circuit is open."""
-        if not self._emergency_stop:
-            self._emergency_stop = True
+        if not self._safety.emergency_stop:
+            self._safety.emergency_stop = True
             self.fault(SafetyState.STOP0, "emergency stop pressed")
 
     def release_emergency_stop(self) -> None:
         """The button is out again; the safety stop stays until the power was off."""
-        self._emergency_stop = False
+        self._safety.emergency_stop = False
 
     def collide(self, joint: int) -> None:
         """A joint, 1 to 6, has detected a collision: the arm stands where it is, and yields."""
@@ -334,10 +327,10 @@ class Controller:
             self.note_error("the recorded track is full")
             self.pause()
         before = self._power.state
-        if self._fault is SafetyState.STOP1 and not self.moving and before in _POWERED:
+        if self._safety.fault is SafetyState.STOP1 and not self.moving and before in _POWERED:
             self._cut("power cut after the stop")
-        safe = self._fault is None and not self._emergency_stop
-        for event, name in self._power.tick(sensed.time, safe=safe, standing=not self.moving):
+        safe, standing = self._safety.safe, not self.moving
+        for event, name in self._power.tick(sensed.time, safe=safe, standing=standing):
             if event == "begun":
                 self._power_begun(name)
             else:
@@ -348,7 +341,7 @@ class Controller:
             self.collisions.reset()
             return Drive(SetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
         joint = self.collisions.update(sensed.time, sensed.external)
-        if joint and self._fault is None:
+        if joint and self._safety.fault is None:
             self.collide(joint)
         setpoint = self._motion.tick(sensed.time, sensed.q, sensed.qd, at_rest=self._at_rest)
         self.external_axes.positions.update(self._motion.axes)
@@ -368,7 +361,8 @@ class Controller:
 
     def _power_ended(self, name: str) -> None:
         if name in ("power_off", "shutdown", "restart"):
-            self._clear_fault()
+            self.collisions.axis = 0
+            self._safety.clear()
             self.halted = name == "shutdown"
             if name != "power_off":
                 self.heartbeat.disarm()
@@ -381,10 +375,6 @@ class Controller:
             self.force.powered(self._sensed)
         if now in _POWERED and before not in _POWERED:
             self._errors.clear()
-
-    def _clear_fault(self) -> None:
-        self.collisions.axis = 0
-        self._fault = SafetyState.STOP0 if self._emergency_stop else None
 
     def _halt(self, state: TaskState, message: str, control: int | None = None) -> None:
         """End the program and every motion when the arm stands, and the control task then."""
@@ -404,32 +394,6 @@ class Controller:
         if self._motion.phase is not Phase.IDLE or self._power.busy or self._execution.active:
             self.note_error("heartbeat lost: all tasks were stopped")
             self.stop()
-
-    def _cannot_move(self) -> str:
-        if self._power.state is not RobotState.ENABLE:
-            return f"the robot is not enabled, but in state {self._power.state.name}"
-        if self._fault is not None:
-            return f"safety stop {self._fault.name}"
-        if self._motion.phase is Phase.STOPPING:
-            return "the robot is stopping"
-        return f"{self._power.changing} is under way" if self._power.changing is not None else ""
-
-    def _cannot_take(self, following: Following | None = None) -> str:
-        if reason := self._cannot_move():
-            return reason
-        if self._execution.excludes:
-            return "a program is running"
-        return "the queue of motions is full" if self._motion.full else self._taken(following)
-
-    def _taken(self, following: Following | None) -> str:
-        """By what the arm is taken, so that no other motion may begin or wait."""
-        last = self._motion.last
-        if last is not None and last == following:
-            return ""  # it takes over
-        if last is not None and last.alone:
-            return f"{last.kind} is running"
-        idle = self._motion.phase is Phase.IDLE
-        return "other motions are running" if following and following.idle and not idle else ""
 
     def _collect_failures(self) -> None:
         for message in self._motion.failures:
