@@ -117,6 +117,11 @@ class Controller:
         return self._motion.moving or self.force.moving or not self._at_rest
 
     @property
+    def in_motion(self) -> bool:
+        """Whether the arm moves otherwise than by what is left of a motion that has ended."""
+        return self._motion.moving or self.force.moving or self._standstill.turning
+
+    @property
     def idle(self) -> bool:
         """Whether no motion runs or waits."""
         return self._motion.phase is Phase.IDLE
@@ -149,7 +154,7 @@ class Controller:
             self.program,
             self.safety,
             self.mode,
-            self.moving,
+            self.in_motion,
             self._safety.emergency_stop,
             self.collisions.axis,
             int(self._safety.fault is not None),
@@ -159,6 +164,7 @@ class Controller:
             self.frames.wobj(),
             self.force.active,
             self.force.sensor,
+            not self.moving,
         )
 
     # -- commands: each is a task, and returns its id ----------------------------------------

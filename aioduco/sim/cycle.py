@@ -54,7 +54,7 @@ class View(NamedTuple):
 
     Attributes:
         robot, program, safety, mode: as get_robot_state tells them.
-        moving: whether the arm moves.
+        moving: whether the arm moves, as robotmoving tells it: what swings out does not.
         emergency_stop: whether the emergency stop is pressed.
         collision_axis: joint that detected a collision, 1 to 6, or 0.
         error: 1 while a safety stop holds, else 0.
@@ -64,6 +64,7 @@ class View(NamedTuple):
         wobj: the work object in use.
         force_control: whether force control is on.
         sensor: how the signal of the force sensor is read.
+        standing: whether the arm has stood for a while.
     """
 
     robot: RobotState
@@ -80,3 +81,4 @@ class View(NamedTuple):
     wobj: WorkObject
     force_control: bool
     sensor: Sensor
+    standing: bool

@@ -61,7 +61,7 @@ class Snapshot:
         time: simulated time [s].
         q, qd, qdd: actual joints, their speeds and accelerations [rad, s]. Shape (6,) each.
         torque: actual joint torques [N m]. Shape (6,).
-        setpoint: what the drives follow.
+        setpoint: what the drives have followed up to this instant.
         view: the controller's state.
         wrench: what acts on the flange, in its frame, the load's weight included [N, N m].
         target_torque: what the set-point's motion needs [N m]. Shape (6,).
@@ -128,6 +128,7 @@ class Runtime:
         self._warm_at = 0.0
         self._count = 0
         self._quiet = 0
+        self._busy: bool = False
         self._braked: bool | None = None
         self._push: Sequence[float] = _NO_PUSH
         self._pushed: Sequence[float] = _NO_PUSH
@@ -365,6 +366,7 @@ class Runtime:
         q, qd, qdd, torque = positions[:6], plant.qd, plant.qdd, plant.torque
         wrench = plant.wrench
         at = self._count * self.cycle
+        followed = self._drive.setpoint  # what has brought the arm to where it is now
         if at - self._warm_at >= _WARMING:
             powered = self._snapshot.view.robot in (RobotState.DISABLE, RobotState.ENABLE)
             self._warmth.tick(at - self._warm_at, torque, powered=powered)
@@ -379,7 +381,7 @@ class Runtime:
                 qd,
                 qdd,
                 torque,
-                self._drive.setpoint,
+                followed,
                 view,
                 wrench,
                 plant.target_torque,
@@ -388,6 +390,8 @@ class Runtime:
                 self._warmth.joints,
                 self._warmth.boards,
             )
+            # Before a command can come: else it would be chance in which cycle that counts.
+            self._busy = self._controller.busy
             released = self._take_ended()
             network = None if self._controller.halted else not self._controller.starting
         for event in released:
@@ -408,7 +412,7 @@ class Runtime:
 
     def _is_idle(self, cycles: int) -> bool:
         """Whether the arm has stood for so long that physics would change nothing."""
-        changing = self._controller.busy or self._braked is not self._drive.brake
+        changing = self._busy or self._braked is not self._drive.brake
         changing = changing or self._pushed is not self._push or any(self._pushed)
         changing = changing or self._loaded is not self._load
         changing = changing or self._carried is not self._carry or not self._plant.still

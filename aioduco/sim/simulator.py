@@ -356,7 +356,7 @@ class Simulator:
     @property
     def moving(self) -> bool:
         """Whether the arm moves."""
-        return self.view.moving
+        return not self.view.standing
 
     @property
     def view(self) -> View:

@@ -300,6 +300,23 @@ def test_what_is_not_simulated_says_so(sim: Simulator, robot: Program) -> None:
     assert not sim.moving
 
 
+def test_a_motion_that_has_finished_is_no_longer_moving(sim: Simulator, robot: Program) -> None:
+    """However fast it was, and though the arm itself still swings out a little."""
+    for goal in (0.6, 0.0):
+        assert robot.movej2([goal, *READY[1:]], 3.9, 50.0, 0.0, True, Op(), False) == 4
+        assert robot.robotmoving() is False
+    sim.wait_until(lambda: not sim.moving)
+
+
+def test_what_is_expected_and_what_is_are_of_one_cycle(sim: Simulator, robot: Program) -> None:
+    """Else a joint at 2 rad/s would seem to be 2 mrad behind, besides what it really is."""
+    robot.movej2([1.5, *READY[1:]], 2.0, 5.0, 0.0, False, Op(), False)
+    sim.wait_until(lambda: robot.getRobotStatus().jointExpectVelocity[0] > 1.99)
+    seen = [robot.getRobotStatus() for _ in range(20)]
+    behind = [one.jointExpectPosition[0] - one.jointActualPosition[0] for one in seen]
+    assert max(map(abs, behind)) < 0.5e-3
+
+
 def test_modes_are_manual_and_automatic(robot: Program) -> None:
     assert robot.switch_mode(0) == TaskState.FINISHED
     assert robot.get_robot_state() == [6, 0, 5, 0]

@@ -57,7 +57,7 @@ class SettingsHandlers(Section):
             if sim:
                 reason = "an arm that stands while its motions run is not simulated"
                 raise Rejected(TaskState.ILLEGAL, reason)
-            if controller.moving:
+            if controller.in_motion:
                 raise Rejected(TaskState.ILLEGAL, "the robot moves")
             return controller.finish("simulation")
 
