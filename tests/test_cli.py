@@ -14,9 +14,11 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from PIL import Image
 from typer.testing import CliRunner, Result
 
 import aioduco
+import aioduco.sync
 from aioduco.cli.app import app
 from aioduco.cli.demo.command import LEFT
 from aioduco.kinematics import models
@@ -118,6 +120,58 @@ def test_sim_says_so_when_the_port_is_taken() -> None:
         answer = run("sim", "--port", str(port))
     assert answer.exit_code == 1
     assert f"cannot listen on 127.0.0.1:{port}" in answer.output
+
+
+def test_sim_draws_what_the_arm_did(tmp_path: Path) -> None:
+    film, cell = tmp_path / "out.gif", tmp_path / "cell.xml"
+    cell.write_text('<mujoco><worldbody><geom size="0.1" pos="0 1 1"/></worldbody></mujoco>')
+    options = ("--port", "0", "--speed", "10", "--scene", str(cell), "--mounting", "0,0,0.5,0,0,0")
+    with process("sim", *options, "--render", str(film)) as sim:
+        assert sim.stdout is not None
+        port = int(sim.stdout.readline().split()[3].rstrip(";").rpartition(":")[2])
+        with aioduco.sync.connect("127.0.0.1", port) as robot:
+            robot.bring_up()
+            robot.motion.movej2((1.0, *LEFT[1:]), v=2.0, a=5.0)
+        sim.send_signal(signal.SIGINT)
+        said, errors = sim.communicate(timeout=60)
+    assert (sim.returncode, errors) == (0, "")
+    assert f"written to {film}" in said
+    with Image.open(film) as animation:
+        assert animation.size == (480, 360)
+        assert getattr(animation, "n_frames", 1) > 5
+
+
+def test_sim_draws_how_the_arm_stands(tmp_path: Path) -> None:
+    last = tmp_path / "last.png"
+    with process("sim", "--port", "0", "--render", str(last)) as sim:
+        assert sim.stdout is not None
+        sim.stdout.readline()
+        sim.send_signal(signal.SIGTERM)
+        _, errors = sim.communicate(timeout=60)
+    assert (sim.returncode, errors) == (0, "")
+    assert last.read_bytes().startswith(PNG)
+
+
+def test_sim_without_a_display_shows_no_window(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    answer = run("sim", "--port", "0", "--view")
+    assert answer.exit_code == 1
+    assert "there is no display" in answer.output
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "says"),
+    [
+        (("--render", "out.mp4"), 2, ".gif or .png"),
+        (("--mounting", "roof"), 1, "no mounting is called 'roof'"),
+        (("--scene", "nowhere.xml"), 2, "nowhere.xml"),
+    ],
+)
+def test_sim_says_what_it_cannot_show(options: tuple[str, ...], code: int, says: str) -> None:
+    answer = run("sim", "--port", "0", *options)
+    assert answer.exit_code == code
+    assert says in answer.output
 
 
 # -- demo ----------------------------------------------------------------------------------------

@@ -54,6 +54,7 @@ ONLY_IN: dict[str, set[str]] = {
     "eaik": {"kinematics/eaik.py"},
     "typer": {"cli"},
     "rich": {"cli", "streaming/report.py", "streaming/doctor.py"},
+    "PIL": {"cli/picture.py"},
     "matplotlib": {"cli", "streaming/report.py"},
     # the thread hand-off, and tasks that outlive the task that started them
     "asyncio": {"_wire/handoff.py", "supervision/background.py"},

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["arm", "need"]
 
-_BRINGS = {"sim": ("mujoco", "ruckig"), "cli": ("matplotlib",)}
+_BRINGS = {"sim": ("mujoco", "ruckig"), "cli": ("matplotlib",), "pictures": ("PIL",)}
 
 
 def need(*extras: str) -> None:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import contextlib
-import select
 import signal
 import socket
 from pathlib import Path  # noqa: TC003 - typer reads the annotations
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from aioduco.cli import extras
+from aioduco.cli import extras, picture, watching
+from aioduco.errors import RenderError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
+    from aioduco.sim.mounting import MountingLike
 
 __all__ = ["sim"]
 
@@ -42,10 +44,28 @@ def sim(
         Path | None,
         typer.Option(exists=True, file_okay=False, help='Folder of programs, "<name>.json".'),
     ] = None,
+    scene: Annotated[
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="What stands around the arm: MJCF."),
+    ] = None,
+    tool: Annotated[
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="What the flange carries: MJCF."),
+    ] = None,
+    mounting: Annotated[
+        str, typer.Option(help="floor, wall, ceiling, or x,y,z,rx,ry,rz of the base [m, rad].")
+    ] = "floor",
+    render: Annotated[
+        Path | None,
+        typer.Option(help="At the end, write what the arm did as .gif, or how it stands as .png."),
+    ] = None,
+    view: Annotated[bool, typer.Option("--view", help="Show it in MuJoCo's window.")] = False,
 ) -> None:
     """Run a simulated controller until Ctrl-C, or until a client shuts it down."""
-    extras.need("sim")
+    extras.need("sim", *(("pictures",) if render else ()))
     extras.arm(model)
+    if render is not None and render.suffix not in picture.KINDS:
+        raise typer.BadParameter(f"its name must end in {' or '.join(picture.KINDS)}")
     from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this command alone
 
     with _bell() as (heard, ring):
@@ -57,20 +77,33 @@ def sim(
                 status_port=status_port,
                 speed=speed,
                 programs=programs,
+                scene=scene,
+                tool=tool,
+                mounting=_mounting(mounting),
                 on_shutdown=ring,
             )
+            simulator.start()
         except ValueError as error:
             typer.echo(str(error), err=True)
             raise typer.Exit(1) from None
-        try:
-            simulator.start()
         except OSError as error:
             ports = f"{port}" if status_port is None else f"{port} and {status_port}"
             typer.echo(f"cannot listen on {host}:{ports}: {error.strerror or error}", err=True)
             raise typer.Exit(1) from None
         with contextlib.closing(simulator):
+            try:
+                watch = watching.Watch(simulator, render, view=view)
+            except RenderError as error:
+                typer.echo(str(error), err=True)
+                raise typer.Exit(1) from None
             typer.echo(f"simulated {model} on {simulator.host}:{simulator.port}; Ctrl-C ends it")
-            select.select([heard], [], [])
+            watch.until(heard)
+
+
+def _mounting(text: str) -> MountingLike:
+    with contextlib.suppress(ValueError):
+        return [float(number) for number in text.split(",")]
+    return cast("MountingLike", text)
 
 
 @contextlib.contextmanager

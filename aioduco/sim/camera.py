@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -41,6 +41,13 @@ class Camera:
             raise ParameterError("target", self.target, "three finite numbers, as the others")
         if self.distance <= 0.0:
             raise ParameterError("distance", self.distance, "above 0 m")
+
+    def put(self, view: Any) -> None:
+        """Put a free camera of MuJoCo there, which counts in degrees."""
+        view.lookat[:] = self.target
+        view.distance = self.distance
+        view.azimuth = math.degrees(self.azimuth)
+        view.elevation = math.degrees(self.elevation)
 
 
 def towards(arm: Arm, mounting: Pose) -> Camera:

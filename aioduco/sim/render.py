@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import copy
 import importlib
-import math
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -37,10 +36,13 @@ class Studio:
 
     Args:
         model: of MuJoCo; a copy is taken.
+
+    Attributes:
+        model: the copy, which nobody changes.
     """
 
     def __init__(self, model: Any) -> None:
-        self._model = copy.copy(model)
+        self.model: Any = copy.copy(model)
         self._thread: ThreadPoolExecutor | None = None
         self._drawer: _Drawer | None = None
 
@@ -60,7 +62,7 @@ class Studio:
             ParameterError: The picture is too large, or there is no such camera.
             RenderError: This computer cannot draw.
         """
-        most = self._model.vis.global_
+        most = self.model.vis.global_
         if not (0 < width <= most.offwidth and 0 < height <= most.offheight):
             raise ParameterError(
                 "size", (width, height), f"from (1, 1) to ({most.offwidth}, {most.offheight})"
@@ -80,29 +82,21 @@ class Studio:
 
     def _draw(self, positions: Vector, width: int, height: int, view: Any) -> Picture:
         if self._drawer is None:
-            self._drawer = _Drawer(self._model)
+            self._drawer = _Drawer(self.model)
         return self._drawer.draw(positions, width, height, view)
 
     def _view(self, camera: Camera | str) -> Any:
         view = mujoco.MjvCamera()
         if isinstance(camera, Camera):
-            place(view, camera)
+            camera.put(view)
             return view
-        names = [self._model.camera(i).name for i in range(self._model.ncam)]
+        names = [self.model.camera(i).name for i in range(self.model.ncam)]
         for name in (camera, f"scene/{camera}", f"tool/{camera}"):
             if name in names:
                 view.type = mujoco.mjtCamera.mjCAMERA_FIXED
                 view.fixedcamid = names.index(name)
                 return view
         raise ParameterError("camera", camera, f"a Camera, or one of the scene's: {names}")
-
-
-def place(view: Any, camera: Camera) -> None:
-    """Put a camera of MuJoCo where it is to be."""
-    view.lookat[:] = camera.target
-    view.distance = camera.distance
-    view.azimuth = math.degrees(camera.azimuth)
-    view.elevation = math.degrees(camera.elevation)
 
 
 class _Drawer:

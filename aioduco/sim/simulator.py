@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from aioduco.sim.signals import Signals
     from aioduco.sim.tasks import Task
     from aioduco.sim.values import Value
+    from aioduco.sim.viewer import Viewer
 
 #: time of one controller cycle [s]
 CYCLE = 0.001
@@ -346,12 +347,32 @@ class Simulator:
             ParameterError: The picture is too large, or there is no such camera.
             RenderError: This computer has no OpenGL that draws off screen.
         """
-        self._running()
-        if self._studio is None:
-            raise RuntimeError("this simulator is not running")
-        seen = towards(self.arm, self.mounting) if camera is None else camera
         shown = self.positions if positions is None else positions
+        assert self._studio is not None
+        seen = towards(self.arm, self.mounting) if camera is None else camera
         return self._studio.picture(shown, width, height, seen)
+
+    def window(self) -> Viewer:
+        """Open MuJoCo's window on the arm, where there is a display.
+
+        The window shows how things are each time that its method `show` is called:
+
+            with sim.window() as window:
+                while window.running:
+                    window.show()
+                    time.sleep(1 / 30)
+
+        Returns:
+            The window.
+
+        Raises:
+            RenderError: There is no display.
+        """
+        from aioduco.sim.viewer import Viewer  # noqa: PLC0415 - for those who have a display
+
+        self._running()
+        assert self._studio is not None
+        return Viewer(self._studio.model, lambda: self.positions, towards(self.arm, self.mounting))
 
     @property
     def moving(self) -> bool:
