@@ -202,10 +202,6 @@ class Host:
         woken, self._woken = self._woken, anyio.Event()
         woken.set()
 
-    def event(self) -> anyio.Event:
-        """What is set at the next word from the lane. Take it before looking at the block."""
-        return self._woken
-
     async def until_ready(self, timeout: float) -> None:
         """Wait until the lane is connected, or gone."""
         with anyio.move_on_after(timeout):

@@ -37,11 +37,6 @@ class Rates:
         self.limited: int = 0
 
     @property
-    def velocity(self) -> Displacement:
-        """The speed of the last tick."""
-        return self.config
-
-    @property
     def at_rest(self) -> bool:
         """Whether it is zero, and to stay so."""
         return self.config == self._target == _ZERO

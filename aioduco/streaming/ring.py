@@ -139,13 +139,6 @@ class Ring:
                 return point
         return None
 
-    def drop(self) -> int:
-        """Pass over everything that was written; returns how many set-points that were."""
-        head = self._words[_HEAD]
-        dropped = head - self._words[_TAIL]
-        self._words[_TAIL] = head
-        return dropped
-
     def close(self) -> None:
         """Let go of the memory; nothing else may be called after that."""
         self._words.release()

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.streaming.ring import SetPoint
-    from aioduco.streaming.space import Config, Displacement, Space
+    from aioduco.streaming.space import Config, Space
 
 __all__ = ["Follows", "Reason", "Source", "State", "within"]
 
@@ -72,8 +72,6 @@ class Follows(Protocol):
 
     @property
     def config(self) -> Config: ...  # noqa: D102
-    @property
-    def velocity(self) -> Displacement: ...  # noqa: D102
     @property
     def ready(self) -> bool: ...  # noqa: D102
     @property
@@ -128,11 +126,6 @@ class Source:
         self.state: State = State.WAITING
         self.reason: Reason = Reason.NONE
         self.starved: int = 0
-
-    @property
-    def follower(self) -> Follows | None:
-        """What follows the targets; None before `begin`."""
-        return self._follower
 
     def begin(self, follower: Follows) -> None:
         """Take what follows the targets; it stands where the arm is."""

@@ -74,15 +74,6 @@ class Histogram:
         """Let go of the memory; nothing else may be called after that."""
         self._words.release()
 
-    def merge(self, other: Histogram) -> None:
-        """Add the values of another histogram to this one."""
-        mine, theirs = self._words, other._words
-        for index, count in enumerate(theirs[_HEAD:].tolist(), _HEAD):
-            if count:
-                mine[index] += count
-        mine[_TOTAL] += theirs[_TOTAL]
-        mine[_MAX] = max(mine[_MAX], theirs[_MAX])
-
     def buckets(self) -> list[tuple[int, int, int]]:
         """Every bucket that is not empty: its lowest value, the next one's, and its count."""
         return [(*_edges(i), n) for i, n in enumerate(self._words[_HEAD:].tolist()) if n]

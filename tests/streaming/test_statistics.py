@@ -32,20 +32,6 @@ def test_a_percentile_is_never_flattering_and_at_most_a_32nd_above(values: list[
         assert true <= percentile <= true * (1 + 1 / 32)
 
 
-@given(VALUES, VALUES)
-def test_merged_is_as_if_recorded_in_one(one: list[int], two: list[int]) -> None:
-    first, second, both = Histogram(), Histogram(), Histogram()
-    for value in one:
-        first.record(value)
-        both.record(value)
-    for value in two:
-        second.record(value)
-        both.record(value)
-    first.merge(second)
-    assert first.snapshot() == both.snapshot()
-    assert first.buckets() == both.buckets()
-
-
 @given(VALUES)
 def test_each_value_lies_in_one_bucket(values: list[int]) -> None:
     histogram = Histogram()
