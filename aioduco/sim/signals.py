@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from aioduco.sim.bank import Bank
 from aioduco.sim.outputs import Outputs
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 __all__ = ["Bank", "Signals"]
 
@@ -14,9 +19,14 @@ class Signals:
     The cabinet has 16 general inputs and outputs and 8 function inputs and outputs, the tool 2
     of each and the buttons T and S. Of the 8 configurable inputs the manual says nothing: their
     number is an assumption.
+
+    Attributes:
+        events: what a trigger's event does, by its name (用户自定义事件, manual 1.3.5). It is
+            called within the controller's cycle, so it must not wait.
     """
 
     def __init__(self) -> None:
+        self.events: dict[str, Callable[[], None]] = {}
         self.standard_in: Bank[bool] = Bank(16, False)
         self.standard_out: Outputs = Outputs(16)
         self.function_in: Bank[bool] = Bank(8, False)

@@ -293,8 +293,10 @@ def _target(
         return None
     if kind not in (_TIME, _DISTANCE):
         raise _wrong(f"a trigger is of kind {kind}, but must be 0, 1 or 2")
-    if event:
-        raise _wrong(f"there is no event {event!r}: none is defined in this controller")
+    if event:  # which goes before an output (manual 1.3.5)
+        if event not in signals.events:
+            raise _wrong(f"there is no event {event!r}; there are: {', '.join(signals.events)}")
+        return signals.events[event]
     if 1 <= index <= len(signals.standard_out):
         return partial(signals.standard_out.__setitem__, index, value)
     if 1 <= index - _REGISTERS <= len(signals.bool_out):

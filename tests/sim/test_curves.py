@@ -183,6 +183,26 @@ def test_a_trigger_at_a_pause_and_at_a_stop(sim: Simulator, robot: Program) -> N
     sim.wait_until(lambda: robot.get_standard_digital_out(8))
 
 
+def test_an_event_goes_before_an_output(sim: Simulator, robot: Program) -> None:
+    fired: list[float] = []
+    sim.signals.events["weld"] = lambda: fired.append(sim.time)
+    op = Op(
+        *(1, 3, True, 100.0, 0.0, "weld"),
+        *(2, 4, True, 0.0, 0.01, "weld"),
+    )
+    assert line(robot, op, 0.05) == TaskState.FINISHED
+    assert len(fired) == 2
+    assert not robot.get_standard_digital_out(3)
+    assert not robot.get_standard_digital_out(4)
+
+
+def test_an_event_may_change_the_cell(sim: Simulator, robot: Program) -> None:
+    sim.signals.events["sensor"] = lambda: sim.set_digital_input(2, True)
+    op = Op(time_or_dist_1=1, trig_time_1=10, trig_event_1="sensor")
+    assert line(robot, op, 0.05) == TaskState.FINISHED
+    assert robot.get_standard_digital_in(2)
+
+
 def test_triggers_that_make_no_sense(robot: Program) -> None:
     assert line(robot, Op(time_or_dist_1=3)) == TaskState.PARAMETER_MISMATCH
     assert line(robot, Op(time_or_dist_1=1, trig_io_1=17)) == TaskState.PARAMETER_MISMATCH
