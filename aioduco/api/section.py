@@ -17,8 +17,10 @@ the type checker, and nothing is sent before the motion is started.
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Coroutine, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Awaitable, Callable, Coroutine
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
+
+import anyio
 
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.api import ranges
@@ -35,11 +37,16 @@ from aioduco.supervision.lifecycle import TaskLifecycle
 from aioduco.supervision.task import task_error
 
 if TYPE_CHECKING:
+    from aioduco.supervision.course import Course
     from aioduco.supervision.supervisor import Supervisor
 
 __all__ = ["Section", "accepted", "done", "settled", "succeeded"]
 
 Call: TypeAlias = Callable[[AsyncRpc], Coroutine[Any, Any, int]]
+
+#: how long an arm may swing after the end of its motion, and how often it is asked [s]
+_SETTLING: Final = 0.5
+_ASK_AGAIN: Final = 0.02
 
 
 class Section:
@@ -68,7 +75,7 @@ class Section:
         r: float = 0.0,
         *,
         superseded: bool = False,
-        estimate: Callable[[Sequence[float]], float] | None = None,
+        course: Course | None = None,
     ) -> MotionCommand:
         """A motion as a value.
 
@@ -76,10 +83,10 @@ class Section:
             call: makes the call of the wire, with block false.
             r: blend radius [m].
             superseded: whether the next motion may take over from it before its end.
-            estimate: how many seconds it takes from given joints on, if that can be told.
+            course: where it leads, if that is known in joint angles.
         """
         name, args = noted(call)
-        command = Command(name, args, blends=superseded or r > 0.0, estimate=estimate)
+        command = Command(name, args, blends=superseded or r > 0.0, course=course)
         return MotionCommand(self._supervisor.launcher, command)
 
     def _held(
@@ -187,6 +194,8 @@ class Section:
     async def _must_stand(self, function: str) -> None:
         """See that nothing moves the arm, for what makes it jump if something does.
 
+        It swings a little after the end of a motion, so that there is some time for that.
+
         Args:
             function: the function of the wire that is to be called.
 
@@ -194,11 +203,17 @@ class Section:
             RobotStateError: something moves it.
         """
         self._supervisor.check_open(function)
-        if self._supervisor.keeper.moving or await self._rpc.robotmoving():
-            raise RobotStateError(
-                f"{function} was not sent: the arm moves, and would move in an unforeseen way; "
-                "wait until all motions have ended, or stop it"
-            )
+        now = anyio.current_time()
+        end = now + _SETTLING
+        while not self._supervisor.keeper.moving and now < end:
+            if not await self._rpc.robotmoving():
+                return
+            now += _ASK_AGAIN
+            await anyio.sleep_until(now)
+        raise RobotStateError(
+            f"{function} was not sent: the arm moves, and would move in an unforeseen way; "
+            "wait until all motions have ended, or stop it"
+        )
 
 
 def noted(call: Call) -> tuple[str, tuple[Any, ...]]:

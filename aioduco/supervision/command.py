@@ -11,10 +11,11 @@ from aioduco.supervision.task import OnCancel
 from aioduco.supervision.times import SECONDS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Sequence
+    from collections.abc import Generator
     from types import TracebackType
 
     from aioduco.models.enums import Outcome
+    from aioduco.supervision.course import Course
     from aioduco.supervision.held import Held
     from aioduco.supervision.task import Task
 
@@ -31,7 +32,7 @@ class Command:
         motion: whether it moves the arm.
         blends: whether it asks to be blended into the motion after it, or to be taken over by it.
         held: how it comes to its end, if it goes on until something ends it.
-        estimate: how many seconds it takes from given joints on; None if that cannot be told.
+        course: where it leads, if that is known in joint angles.
     """
 
     name: str
@@ -39,7 +40,7 @@ class Command:
     motion: bool = True
     blends: bool = False
     held: Held | None = None
-    estimate: Callable[[Sequence[float]], float] | None = None
+    course: Course | None = None
 
 
 class Launcher(Protocol):

@@ -24,7 +24,7 @@ from aioduco.supervision.streams import Streams
 from aioduco.supervision.task import Task
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Sequence
 
     from aioduco._wire.lane import Lane
     from aioduco.models.enums import Outcome
@@ -40,6 +40,8 @@ _LATE = 0.3
 _SETTLE = 1.0
 #: seconds for a pause or a resume to be carried out
 _PAUSE_LIMIT = 10.0
+#: seconds for the controller to say where the arm is
+_ASK_LIMIT = 0.5
 #: seconds for a mode to be left after a stop
 _LEAVE_LIMIT = 0.5
 #: seconds for the lane of a stream to fall silent: an answer that it waits for, and more
@@ -154,6 +156,15 @@ class Keeper:
         if streaming:
             self.streams.quiet(_SILENCE_NOW)
             self._control.stop_now(timeout)
+
+    async def joints(self) -> Sequence[float]:
+        """Where the arm is: the angles of its joints [rad].
+
+        Raises:
+            ConnectionLost: the controller does not answer.
+        """
+        angles: list[float] = await self._poll.call("get_actual_joints_position", (), _ASK_LIMIT)
+        return angles
 
     async def stop_stream(self, ending: str) -> None:
         """Stop what a lane streamed that is gone without a word.

@@ -276,7 +276,7 @@ class Launcher:
             on_cancel=on_cancel or self._settings.on_cancel,
             deadline=None if deadline is None else sending.at + deadline,
             held=command.held,
-            estimate=command.estimate,
+            course=command.course,
         )
         self.accepted += 1
         if command.motion:

@@ -114,7 +114,7 @@ class Poller:
             self._close()
 
     async def _ask(self, task: Task) -> None:
-        if task.estimate is not None:
+        if task.course is not None and not task.placed:
             await self._expect(task)
         answered = True
         self._note_stop(task)
@@ -179,15 +179,15 @@ class Poller:
 
     async def _expect(self, task: Task) -> None:
         """Once, right after acceptance: when will it end, from where the arm is now?"""
-        estimate, task.estimate = task.estimate, None
-        if estimate is None or any(other.motion for other in self._seen if other is not task):
+        task.placed = True
+        if any(other.motion for other in self._seen if other is not task):
             return  # it begins where another motion ends, at a time that nobody knows
         try:
             joints: list[float] = await self._lane.call("get_actual_joints_position", (), ASK_LIMIT)
         except DucoError:
             return
         if len(joints) >= 6:
-            task.expected_end = task.accepted_at + estimate(joints)
+            task.begins_at(joints)
 
     def _answered(self, task: Task, state: TaskState | None) -> None:
         now = time.monotonic()

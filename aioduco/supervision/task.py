@@ -20,8 +20,9 @@ from aioduco.errors import (
 from aioduco.models.enums import Outcome, TaskState
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Generator, Sequence
+    from collections.abc import AsyncIterator, Generator, Sequence
 
+    from aioduco.supervision.course import Course
     from aioduco.supervision.held import Held
     from aioduco.supervision.lifecycle import TaskLifecycle
 
@@ -48,6 +49,10 @@ class Keeper(Protocol):
 
     async def end(self, name: str) -> None:
         """Have what goes on ended by the function `name` of the wire, and see the arm stand."""
+        ...
+
+    async def joints(self) -> Sequence[float]:
+        """Where the arm is: the angles of its joints [rad]."""
         ...
 
     async def forsaken(self, task: Task) -> None:
@@ -87,7 +92,7 @@ class Task:
         on_cancel: OnCancel,
         deadline: float | None = None,
         held: Held | None = None,
-        estimate: Callable[[Sequence[float]], float] | None = None,
+        course: Course | None = None,
     ) -> None:
         self._keeper = keeper
         self.life = life
@@ -105,10 +110,13 @@ class Task:
         self.held = held
         #: since when the arm was seen to stand while it should go on; None if it moves
         self.stood_since: float | None = None
-        #: how long it takes from these joints on, if that can be told
-        self.estimate = estimate
-        #: when its end is expected; None if unknown
+        #: where it leads, if that is known in joint angles
+        self.course = course
+        #: whether it has been looked where it begins
+        self.placed = False
+        #: when its end is expected [s of `time.monotonic`]; None if unknown
         self.expected_end: float | None = None
+        self._start: Sequence[float] | None = None
         #: why it was lost sight of, or not stopped in time
         self.fault: BaseException | None = None
         #: whether the arm was stopped because the deadline passed
@@ -147,6 +155,38 @@ class Task:
         """Seconds from its start (its acceptance, until it is seen to start) to its end, or now."""
         begin = self.accepted_at if self.started_at is None else self.started_at
         return (time.monotonic() if self.ended_at is None else self.ended_at) - begin
+
+    @property
+    def remaining(self) -> float | None:
+        """Seconds until its end is expected, 0 once that time has passed; None if it is unknown.
+
+        It is known of `movej2` with an acceleration, if the arm stood when it was accepted. It
+        holds for the speed slider at 100 %, and takes no account of pauses.
+        """
+        if self.done:
+            return 0.0
+        end = self.expected_end
+        return None if end is None else max(0.0, end - time.monotonic())
+
+    async def progress(self) -> float | None:
+        """Ask where the arm is, and tell which part of the way it has gone.
+
+            while not task.done:
+                print(await task.progress())
+                await anyio.sleep(0.1)
+
+        Returns:
+            0 to 1; None if it is unknown: it is known of `movej2` if the arm stood when it was
+            accepted, and of every motion that has finished (1).
+
+        Raises:
+            ConnectionLost: the controller does not answer.
+        """
+        if self.done:
+            return 1.0 if self.outcome is Outcome.FINISHED else None
+        if self.course is None or self._start is None:
+            return None
+        return self.course.part(self._start, await self._keeper.joints())
 
     def result(self) -> Outcome:
         """The outcome of a task that is done.
@@ -250,6 +290,13 @@ class Task:
         await self._keeper.forsaken(self)
 
     # What follows is for the supervision alone.
+
+    def begins_at(self, joints: Sequence[float]) -> None:
+        """The arm stood at these joints when the controller accepted it."""
+        assert self.course is not None
+        self._start = tuple(joints)
+        seconds = self.course.seconds(joints)
+        self.expected_end = None if seconds is None else self.accepted_at + seconds
 
     def observed(self, state: TaskState, now: float) -> None:
         """The controller reported a state."""

@@ -112,6 +112,23 @@ class Task:
         """Seconds from its start to its end, or to now."""
         return self._task.duration
 
+    @property
+    def remaining(self) -> float | None:
+        """Seconds until its end is expected, 0 once that has passed; None if it is unknown."""
+        return self._task.remaining
+
+    def progress(self) -> float | None:
+        """Ask where the arm is, and tell which part of the way it has gone, 0 to 1.
+
+        Returns:
+            None if it is unknown: it is known of `movej2` if the arm stood when it was accepted,
+            and of every motion that has finished (1).
+
+        Raises:
+            ConnectionLost: the controller does not answer.
+        """
+        return self._runner.call(self._task.progress())
+
     def result(self) -> Outcome:
         """The outcome of a task that is done.
 

@@ -17,8 +17,8 @@ NAMES = {
     "ForceFrame ForceLogic GuardedForce Jog Load "
     "JogDirections JogFrame OutputMode RealtimeMode RealtimePoint WeavePlane WeaveShape",
     "streams": "JointTrajectory LaneOptions ServoGains StreamStatistics Tolerances",
-    "states": "ControllerVersion HeartbeatState IOStatus OperationMode ProgramState RobotState RobotStates "
-    "RobotStatus SafetyState Snapshot TaskState events",
+    "states": "ControllerVersion HeartbeatState IOStatus OperationMode ProgramState RobotState "
+    "RobotStates RobotStatus SafetyState Snapshot TaskState events",
     "errors": " ".join(errors.__all__),
 }
 

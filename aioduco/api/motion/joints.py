@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from aioduco.api import ranges
 from aioduco.api.section import Section
 from aioduco.models.op import wire_op
+from aioduco.supervision.course import Course
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
     from aioduco.models.op import Op
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.supervision.command import MotionCommand
@@ -61,7 +59,7 @@ class JointMotions(Section):
         return self._motion(
             lambda rpc: rpc.movej2(q, v_, a_, r_, False, op_, def_acc_),
             r_,
-            estimate=None if def_acc_ else _joint_move_time(q, v_, a_),
+            course=Course(q, v_, None if def_acc_ else a_),
         )
 
     def movej_pose2(
@@ -193,17 +191,3 @@ class JointMotions(Section):
             lambda rpc: rpc.movej_pose(p, v_, a_, r_, near, tool_, wobj_, False, op_, def_acc_),
             r_,
         )
-
-
-def _joint_move_time(
-    target: Sequence[float], v: float, a: float
-) -> Callable[[Sequence[float]], float]:
-    """How long a joint move takes from given joints on: speed up, go on, slow down."""
-
-    def seconds(start: Sequence[float]) -> float:
-        way = max(abs(end - begin) for begin, end in zip(start, target, strict=False))
-        if way >= v * v / a:
-            return way / v + v / a
-        return 2.0 * math.sqrt(way / a)
-
-    return seconds

@@ -1,0 +1,68 @@
+"""How long a motion of the joints takes, and how far it has come."""
+
+from __future__ import annotations
+
+import hypothesis.strategies as st
+import pytest
+from hypothesis import given
+
+import aioduco
+from aioduco.models.enums import Outcome
+from aioduco.sim import Simulator
+from aioduco.supervision.course import Course
+from aioduco.testing import eventually_async
+from client.bench import HOME, POSE, Bench
+
+START = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
+COURSE = Course((1.0, 0.1, -0.8, 0.3, 0.4, 0.5), v=0.5, a=1.0)
+
+
+def test_the_time_is_that_of_the_joint_with_the_longest_way() -> None:
+    assert COURSE.seconds(START) == pytest.approx(1.0 / 0.5 + 0.5 / 1.0)
+    near = (0.9, *COURSE.target[1:])
+    assert COURSE.seconds(near) == pytest.approx(2 * (0.1 / 1.0) ** 0.5)  # it never gets to 0.5
+    assert COURSE.seconds(COURSE.target) == 0.0
+    assert Course(COURSE.target, v=0.5, a=None).seconds(START) is None
+
+
+@given(st.floats(0.0, 1.0))
+def test_the_part_of_the_way(part: float) -> None:
+    now = [a + part * (b - a) for a, b in zip(START, COURSE.target, strict=True)]
+    assert COURSE.part(START, now) == pytest.approx(part)
+
+
+def test_the_part_is_never_more_than_all_or_less_than_nothing() -> None:
+    assert COURSE.part(START, (-0.1, *START[1:])) == 0.0
+    assert COURSE.part(START, (2.0, *START[1:])) == 1.0
+    assert COURSE.part(COURSE.target, START) == 1.0  # there was no way to go
+
+
+async def test_a_task_tells_how_far_it_is_and_when_it_ends() -> None:
+    target = [0.5, 0.0, 1.57, 0.0, -1.57, 0.0]
+    with Simulator(speed=1.0) as sim:
+        async with aioduco.connect(sim.host, sim.port) as robot:
+            await robot.bring_up()
+            task = await robot.motion.movej2(target, v=0.8, a=8.0).start()
+            await eventually_async(lambda: task.remaining is not None)
+            parts: list[float] = []
+            while not task.done:
+                here = await task.progress()
+                assert here is not None
+                parts.append(here)
+            assert parts == pytest.approx(sorted(parts), abs=1e-3)
+            assert parts[0] < 0.3
+            assert parts[-1] > 0.9
+            assert await task is Outcome.FINISHED
+            assert await task.progress() == 1.0
+            assert task.remaining == 0.0
+
+
+async def test_what_is_not_known_is_not_told(bench: Bench, robot: aioduco.Robot) -> None:
+    line = await robot.motion.movel(POSE, v=0.1, a=0.1).start()
+    behind = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    assert await line.progress() is None
+    assert await behind.progress() is None  # it begins where the line ends, whenever that is
+    assert (line.remaining, behind.remaining) == (None, None)
+    await robot.stop()
+    await line.wait()
+    assert await line.progress() is None
