@@ -34,7 +34,7 @@ _LAG = 0.01
 #: largest accelerations of what a force moves [m/s², rad/s²]; an assumption
 _ACCELERATION = (5.0, 25.0)
 #: speed that counts as none while it fades away [m/s, rad/s]
-_FADED = 1e-6
+_FADED = 1e-4
 _NOTHING = (0.0,) * 6
 _PLAIN = Axes(np.eye(4), np.eye(4))
 _NAMES = ("along x", "along y", "along z", "about x", "about y", "about z")
