@@ -105,8 +105,7 @@ class ExternalAxes:
         if any(number in scheme.axes and scheme.active for scheme in self._schemes.values()):
             raise _illegal(f"axis {number} is in use")
         self._axes[number] = axis
-        at = self.positions.get(number, 0.0)
-        self.positions[number] = min(max(at, axis.lower), axis.upper)
+        self.positions.setdefault(number, min(max(0.0, axis.lower), axis.upper))
 
     def add(self, number: int) -> None:
         """Add a scheme without axes."""

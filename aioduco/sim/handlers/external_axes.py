@@ -29,10 +29,11 @@ if TYPE_CHECKING:
     Vector = NDArray[np.float64]
 
 _FARTHEST = 1e4  # stands for a way without an end [rad or m]
-_FASTEST = 1e4  # stands for a speed without a limit [rad/s or m/s]
+_SPEEDS = (1e-6, 1e4, "rad/s or m/s")  # what counts as above zero, and as finite
+_ACCELERATIONS = (1e-6, 1e6, "rad/s² or m/s²")
 #: the manual's ranges begin at zero, other than those of movel
-_TOOL_SPEED = (1e-9, 5.0, "m/s")
-_TOOL_ACCELERATION = (1e-9, math.inf, "m/s²")
+_TOOL_SPEED = (1e-6, 5.0, "m/s")
+_TOOL_ACCELERATION = (1e-6, math.inf, "m/s²")
 
 
 class ExternalAxisHandlers(PathSection):
@@ -257,7 +258,7 @@ class ExternalAxisHandlers(PathSection):
     def _with(self, plan: Plan, scheme_name: str, epose: Sequence[float], eaxis_v: float) -> Plan:
         """A motion of the arm, with which the axes of a scheme go to their positions."""
         target = arguments.numbers("epose", epose, 3)
-        speed = arguments.positive("eaxis_v", eaxis_v, _FASTEST, "rad/s or m/s")
+        speed = arguments.number("eaxis_v", eaxis_v, *_SPEEDS)
         external = self._runtime.external_axes
         external.check_active(scheme_name)
 
@@ -268,11 +269,20 @@ class ExternalAxisHandlers(PathSection):
 
 
 def _axis(param: EAxisParam) -> Axis:
-    """What of an axis's parameters has a meaning here; reference values that are 0 are limits."""
+    """What of an axis's parameters has a meaning here."""
     limits = param.position_limit or (-_FARTHEST, _FARTHEST)
-    lower, upper = arguments.numbers("position_limit", limits, 2)
-    fastest = arguments.positive("max_velo", param.max_velo, _FASTEST, "rad/s or m/s")
-    steepest = arguments.positive("max_acc", param.max_acc, math.inf, "rad/s² or m/s²")
-    speed = arguments.number("ref_velo", param.ref_velo, 0.0, fastest, "rad/s or m/s")
-    change = arguments.number("ref_acc", param.ref_acc, 0.0, steepest, "rad/s² or m/s²")
-    return Axis(lower, upper, fastest, change or steepest, steepest, speed)
+    lower, upper = (
+        arguments.number("position_limit", limit, -_FARTHEST, _FARTHEST, "rad or m")
+        for limit in arguments.numbers("position_limit", limits, 2)
+    )
+    fastest = arguments.number("max_velo", param.max_velo, *_SPEEDS)
+    steepest = arguments.number("max_acc", param.max_acc, *_ACCELERATIONS)
+    speed = _reference("ref_velo", param.ref_velo, fastest)
+    return Axis(
+        lower, upper, fastest, _reference("ref_acc", param.ref_acc, steepest), steepest, speed
+    )
+
+
+def _reference(name: str, value: float, most: float) -> float:
+    """A reference value: at most the highest one, which it is if it is left out."""
+    return most if value == 0.0 else arguments.number(name, value, 1e-6, most, "rad or m, s")

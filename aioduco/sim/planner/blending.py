@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["Blend", "blend"]
 
 _PIECES = 24
+_LEAST = 1e-6  # radius below which there is no blend [m]
 _SEARCH = 129  # samples in which the blend radius is looked for
 _SHARE = 0.8  # of the acceleration for the bend; the rest is for the speed along it
 
@@ -60,7 +61,7 @@ def blend(first: Segment, second: Segment) -> Blend | None:
         The blend, or None where there can be none and the first motion stops at its end: as
         between motions with different external axes.
     """
-    if first.path is None or second.path is None or first.radius <= 0.0:
+    if first.path is None or second.path is None or first.radius < _LEAST:
         return None
     one, two = first.axes, second.axes
     if (one and one.numbers) != (two and two.numbers):

@@ -467,6 +467,16 @@ def test_a_radius_longer_than_a_motion_takes_half_of_it() -> None:
     assert run.tool_acceleration().max() <= 1.0 * 1.03
 
 
+@pytest.mark.parametrize("radius", [5e-324, 1e-300, 1e-12, 9e-7])
+def test_a_radius_of_less_than_a_micrometre_is_none(radius: float) -> None:
+    run = Recorder()
+    run.mover.append(1, joints(0.3, r=radius))
+    run.mover.append(2, line(0.0, 0.1, r=radius))
+    run.mover.append(3, line(0.1, 0.1))
+    run.until_rest()
+    assert [kind for _, kind in run.kinds].count("finished") == 3
+
+
 def test_a_blend_needs_its_successor_in_time() -> None:
     late = Recorder()
     late.mover.append(1, line(0.0, 0.2, r=0.02))
