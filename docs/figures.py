@@ -92,10 +92,12 @@ def section(path: Path) -> Iterator[str]:
     machine: dict[str, Any] = data.pop("machine", {})
     packages = machine.pop("packages", {})
     script = BENCHMARKS / f"{path.stem}.py"
-    what = (ast.get_docstring(ast.parse(script.read_text(encoding="utf-8"))) or "").splitlines()
     yield f"## {path.stem.replace('_', ' ').capitalize()}"
-    yield what[0] if what else ""
-    yield f"`python benchmarks/{script.name} --save`"
+    if script.exists():
+        module = ast.parse(script.read_text(encoding="utf-8"))
+        yield (ast.get_docstring(module) or "").split("\n")[0]
+    # what no script of its own measures says by which command it was measured
+    yield f"`{data.pop('command', f'python benchmarks/{script.name} --save')}`"
     yield from blocks(data, 3)
     known = [f"{key} {value}" for key, value in machine.items()]
     known += [f"{name} {version}" for name, version in packages.items()]

@@ -8,6 +8,17 @@ from typing import Any
 import griffe
 
 
+class SectionsAreNotMade(griffe.Extension):
+    """Leaves out how a section is made, and of what: programs get each from their robot."""
+
+    def on_class(self, *, cls: griffe.Class, **_: Any) -> None:
+        """Rewrite one class."""
+        bases = [str(base) for base in cls.bases]
+        if "Section" in bases or cls.path.startswith("aioduco.streaming.sections."):
+            cls.bases = []
+            cls.members.pop("__init__", None)
+
+
 class UnitsAreNoLinks(griffe.Extension):
     """Escapes a bracket that follows another one after a space."""
 
