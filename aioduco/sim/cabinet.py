@@ -30,6 +30,7 @@ class Cabinet:
         project: its files.
         teach_speed: [%].
         pendant_enabled: whether the pendant's keys are.
+        mode_switch: whether a switch at the cabinet decides the mode, and programs do not.
         encoder_count: of the external encoder.
         dynamics: parameters of the dynamic calibration, as they were set.
         hand_teaching: what gives way in hand guiding; None for everything.
@@ -45,6 +46,7 @@ class Cabinet:
     project: Project = field(default_factory=Project)
     teach_speed: int = 100
     pendant_enabled: bool = True
+    mode_switch: bool = False
     encoder_count: int = 0
     dynamics: list[list[float]] = field(default_factory=list)
     hand_teaching: Giving | None = None

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
+    from aioduco.models.enums import OperationMode
     from aioduco.models.pose import JointsLike
     from aioduco.sim.clock import LoopStatistics
     from aioduco.sim.controller import View
@@ -438,6 +439,17 @@ class Simulator:
         """Set an input of the tool, 1 or 2."""
         with self._running().command() as controller:
             controller.signals.tool_in[num] = value
+
+    def switch_mode(self, mode: OperationMode) -> None:
+        """Turn the mode switch of the cabinet; what runs is paused, as by `switch_mode`.
+
+        With `cabinet.mode_switch` programs cannot switch the mode.
+
+        Args:
+            mode: manual, automatic or remote.
+        """
+        with self._running().command() as controller:
+            controller.switch_mode(mode)
 
     def emergency_stop(self) -> None:
         """Press the emergency stop."""

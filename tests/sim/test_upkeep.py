@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from aioduco.errors import ControllerError
-from aioduco.models.enums import TaskState
+from aioduco.models.enums import OperationMode, TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.simulator import READY
 
@@ -74,6 +74,21 @@ def test_collisions_are_not_detected_at_level_0(sim: Simulator, robot: Program) 
     assert robot.collision_detect(5) == TaskState.FINISHED
     sim.collide(2)
     assert robot.getRobotStatus().collisionAxis == 2
+
+
+def test_a_switch_at_the_cabinet_decides_the_mode(sim: Simulator, robot: Program) -> None:
+    robot.to(1.0, *READY[1:], v=0.2, block=False)
+    sim.wait_until(lambda: sim.moving)
+    sim.switch_mode(OperationMode.REMOTE)
+    sim.wait_until(lambda: not sim.moving)
+    assert robot.get_robot_state() == [6, 3, 5, 2]
+    robot.stop(True)
+    sim.cabinet.mode_switch = True
+    assert robot.switch_mode(1) == TaskState.ILLEGAL
+    assert "a switch at the cabinet" in robot.get_last_error()[-1]
+    assert robot.get_robot_state() == [6, 0, 5, 2]
+    sim.switch_mode(OperationMode.AUTO)
+    assert robot.get_robot_state() == [6, 0, 5, 1]
 
 
 def test_the_real_arm_is_in_use(sim: Simulator, robot: Program) -> None:

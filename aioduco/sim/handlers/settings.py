@@ -5,9 +5,10 @@ from __future__ import annotations
 import importlib.metadata
 from typing import TYPE_CHECKING
 
-from aioduco.models.enums import OperationMode
+from aioduco.models.enums import OperationMode, TaskState
 from aioduco.sim.handlers.arguments import number
 from aioduco.sim.handlers.base import Section, mismatch
+from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
     from aioduco.sim.controller import Controller
@@ -29,11 +30,13 @@ class SettingHandlers(Section):
         return self._runtime.snapshot.view.speed
 
     def switch_mode(self, mode: int) -> int:
-        """0: manual, 1: automatic."""
+        """0: manual, 1: automatic; refused where a switch at the cabinet decides."""
 
         def command(controller: Controller) -> int:
             if mode not in (OperationMode.MANUAL, OperationMode.AUTO):
                 raise mismatch(f"mode is {mode}, but must be 0 or 1")
+            if self._cabinet.mode_switch:
+                raise Rejected(TaskState.ILLEGAL, "a switch at the cabinet decides the mode")
             return controller.switch_mode(OperationMode(mode))
 
         return self._task("switch_mode", True, command)
