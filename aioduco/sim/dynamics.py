@@ -44,6 +44,9 @@ class Dynamics:
 
     Args:
         model: of MuJoCo: the arm with its tool, without a scene. It is changed.
+
+    Attributes:
+        positions, speeds: how many there are of the arm and its tool.
     """
 
     def __init__(self, model: Any) -> None:
@@ -52,7 +55,8 @@ class Dynamics:
             off.mjDSBL_CONSTRAINT | off.mjDSBL_ACTUATION | off.mjDSBL_SENSOR | off.mjDSBL_CONTACT
         )
         self._model, self._data = model, mujoco.MjData(model)
-        self._count: int = model.nv
+        self.positions: int = model.nq
+        self.speeds: int = model.nv
         self._qpos: Array = self._data.qpos
         self._qvel: Array = self._data.qvel
         self._bias: Array = self._data.qfrc_bias
@@ -66,11 +70,11 @@ class Dynamics:
         """Take the state for which torques are asked from now on.
 
         Args:
-            qpos: positions, those of the arm and its tool first [rad].
+            qpos: positions of the arm and its tool [rad].
             qvel: speeds, likewise [rad/s].
         """
-        self._qpos[:] = qpos[: self._qpos.size]
-        self._qvel[:] = qvel[: self._count]
+        self._qpos[:] = qpos
+        self._qvel[:] = qvel
         mujoco.mj_fwdPosition(self._model, self._data)
         mujoco.mj_fwdVelocity(self._model, self._data)
 
@@ -78,15 +82,15 @@ class Dynamics:
         """Give the torques that the arm needs for accelerations, and against its weight [N m].
 
         Args:
-            acceleration: of the joints, or of everything that moves [rad/s²].
+            acceleration: of the joints, or of arm and tool [rad/s²].
 
         Returns:
             Shape (6,), valid until the next call.
         """
-        count = min(acceleration.size, self._count)
-        self._acceleration[:count] = acceleration[:count]
-        self._acceleration[count:] = 0.0
-        mujoco.mj_mulM(self._model, self._data, self._product, self._acceleration)
+        wanted = self._acceleration
+        wanted[: acceleration.size] = acceleration
+        wanted[acceleration.size :] = 0.0
+        mujoco.mj_mulM(self._model, self._data, self._product, wanted)
         self._product += self._bias
         needed: Array = self._product[:6]
         return needed

@@ -80,6 +80,9 @@ class World:
         self._ctrl: Array = data.ctrl[:6]
         self._force: Array = data.actuator_force[:6]
         self._sensor: Array = data.sensordata[:6]
+        # Arm and tool: what the servos know of.
+        self._known_qpos: Array = data.qpos[: self._known.positions]
+        self._known_qvel: Array = data.qvel[: self._known.speeds]
         self._others: Array = data.qvel[6:]
         self._target = self._torque = self._external = np.zeros(6)
         self._flange = self.model.site("flange").id
@@ -106,17 +109,17 @@ class World:
             self._target = self._torque = self._external = np.zeros(6)
             return
         known = self._known
-        known.at(data.qpos, data.qvel)
+        known.at(self._known_qpos, self._known_qvel)
         self._target = known.torque(setpoint.qdd).copy()
         # MuJoCo pulls at the joint where the step begins, and damps the speed that the step
         # ends with, which is its mean speed: both are taken from the set-point of the end.
         lead = self._damping - self._timestep
         ahead = setpoint.q + lead * setpoint.qd - (0.5 * self._timestep) * lead * setpoint.qdd
         self._ctrl[:] = self._target / self._stiffness + ahead
-        before = data.qvel.copy()
+        before = self._known_qvel.copy()
         # Releases the GIL for its few microseconds: what waits for it may come in between.
         mujoco.mj_step(self.model, data)
-        change = data.qvel - before
+        change = self._known_qvel - before
         # MuJoCo gives the torques for the speed that the step began with, but integrates them with
         # the damping at the speed that it ended with, unless the drive is at its limit.
         force = self._force

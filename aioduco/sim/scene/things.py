@@ -23,7 +23,7 @@ __all__ = ["Box", "Cylinder", "Pad", "Rod", "Sphere", "Table", "Thing"]
 
 Colour = tuple[float, float, float]
 
-_WOOD, _STEEL, _RED, _RUBBER = (0.72, 0.6, 0.45), (0.6, 0.63, 0.66), (0.8, 0.3, 0.2), (0.2,) * 3
+_WOOD, _STEEL, _RUBBER = (0.72, 0.6, 0.45), (0.6, 0.63, 0.66), (0.2, 0.2, 0.2)
 # How surfaces touch; of two the one with the higher priority says so. As stiff as a step of 1 ms
 # allows, without bouncing:
 _LOOSE = {"solref": "0.004 1", "solimp": "0.99 0.999 0.0005", "priority": "1"}
