@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
@@ -19,8 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["Drive", "Sensed", "View"]
 
 
-@dataclass(frozen=True, slots=True)
-class Sensed:
+class Sensed(NamedTuple):
     """What the controller knows of the arm in one cycle.
 
     Attributes:
@@ -41,8 +39,7 @@ class Sensed:
     external: Vector
 
 
-@dataclass(frozen=True, slots=True)
-class Drive:
+class Drive(NamedTuple):
     """What the drives get: a set-point, or the brakes."""
 
     setpoint: SetPoint

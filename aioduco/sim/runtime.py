@@ -15,8 +15,7 @@ import logging
 import math
 import threading
 import time
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco.models.enums import RobotState
 from aioduco.sim.clock import LoopStatistics, LoopTimes, Pace, checked_speed
@@ -53,8 +52,7 @@ _NO_PUSH: tuple[float, ...] = (0.0,) * 6
 _STRONG: tuple[float, ...] = (math.inf,) * 6
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Snapshot:
+class Snapshot(NamedTuple):
     """Arm and controller after one cycle.
 
     Attributes:
@@ -198,7 +196,7 @@ class Runtime:
             try:
                 yield self._controller
             finally:
-                self._snapshot = replace(self._snapshot, view=self._controller.view())
+                self._snapshot = self._snapshot._replace(view=self._controller.view())
                 released = self._take_ended()
         for event in released:
             event.set()
