@@ -50,6 +50,11 @@ def test_without_an_address_on_a_simulated_arm() -> None:
     assert "back, within 0.0" in run(str(EXAMPLES / "01_connect_and_move.py"))
 
 
+def test_pressing_on_a_table() -> None:
+    said = run(str(EXAMPLES / "press_on_table.py"))
+    assert said == "pressing: -20 N\nmoved by 50 mm: -20 N\nlet go: 0 N\n"
+
+
 def test_each_is_short_and_opens_with_its_goal() -> None:
     for path in EXAMPLES.glob("0[1-37]_*.py"):
         lines = path.read_text(encoding="utf-8").splitlines()
