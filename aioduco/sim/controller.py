@@ -27,9 +27,9 @@ from aioduco.sim.frames import Frames
 from aioduco.sim.heartbeat import Heartbeat
 from aioduco.sim.motion import Motion, Phase
 from aioduco.sim.optimization import Optimization
+from aioduco.sim.planner.fifo import Pool
 from aioduco.sim.planner.mover import SetPoint
 from aioduco.sim.planner.realtime import Commands
-from aioduco.sim.planner.track import Pool
 from aioduco.sim.power import Power
 from aioduco.sim.recording import Recorder
 from aioduco.sim.safety import Safety

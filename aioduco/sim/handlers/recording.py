@@ -12,8 +12,9 @@ from aioduco.sim.following import Following
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import Section, mismatch
 from aioduco.sim.handlers.paths import DEFAULT_JOINT_ACCELERATION, DEFAULT_LINE_ACCELERATION
+from aioduco.sim.planner.fifo import Pool
 from aioduco.sim.planner.replaying import Chain
-from aioduco.sim.planner.track import JointTrack, Pool, ToolTrack
+from aioduco.sim.planner.track import JointTrack, ToolTrack
 from aioduco.sim.recording import BY_POSITION, BY_TIME, Track
 from aioduco.sim.refusal import Rejected
 

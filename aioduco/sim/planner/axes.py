@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from aioduco.sim.planner.limits import SHARE, least_limits
+from aioduco.sim.planner.limits import SHARE, axes_limits
 from aioduco.sim.planner.path import Path
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class AxesMove:
     def limits(self, path: Path, nodes: Array, share: float = SHARE) -> Limits:
         """Give what the axes' speeds and accelerations leave along their path."""
         speeds, rates = self.velocity, self.acceleration
-        return least_limits(nodes, path.sample(nodes), speeds, rates, self.braking, share=share)
+        return axes_limits(nodes, path.sample(nodes), speeds, rates, self.braking, share=share)
 
 
 def carry(segment: Segment, before: Mapping[int, float]) -> Segment:

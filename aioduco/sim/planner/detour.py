@@ -17,7 +17,7 @@ from aioduco.kinematics.inverse import closed_form, wrap
 from aioduco.sim.planner.errors import PlanError
 from aioduco.sim.planner.limits import joint_limits
 from aioduco.sim.planner.path import Path
-from aioduco.sim.planner.tracing import check_limits, fit, follow
+from aioduco.sim.planner.tracing import STRIDE, check_limits, fit, follow
 
 if TYPE_CHECKING:
     from aioduco.kinematics import Arm
@@ -33,7 +33,6 @@ NEAR = 0.08
 _SAMPLES = 600  # in which the neighbourhoods are looked for
 _LEAST = 4  # samples on the curve between two of them
 _PIECES = 24  # of a passage
-_STRIDE = 0.35  # largest step of a joint between samples [rad]
 
 
 class _Stretch(NamedTuple):
@@ -99,7 +98,7 @@ def _stretches(arm: Arm, q0: Array, solutions: Array) -> list[_Stretch]:
     away = np.abs(singular_values(arm.geometry, solutions)).min(axis=-1)
     usable = np.nan_to_num(away, nan=0.0) >= NEAR  # (n, 8)
     steps = np.nan_to_num(np.abs(wrap(np.diff(solutions, axis=0))).max(axis=-1), nan=np.inf)
-    joined = steps < _STRIDE  # (n - 1, 8)
+    joined = steps < STRIDE  # (n - 1, 8)
     found: list[_Stretch] = []
     q, i = q0, 0
     while i < count:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["SHARE", "STOPPING", "joint_limits", "least_limits", "tool_limits"]
+__all__ = ["SHARE", "STOPPING", "axes_limits", "joint_limits", "tool_limits"]
 
 SHARE = 0.5
 """Share of a joint's acceleration that the bends of a path may take."""
@@ -52,10 +52,10 @@ def joint_limits(
     speeds = np.minimum(np.broadcast_to(v, len(nodes))[:, None], arm.velocity)
     drives = np.array(arm.acceleration)
     rates = np.minimum(np.broadcast_to(a, len(nodes))[:, None], drives)
-    return least_limits(nodes, joints, speeds, rates, STOPPING * drives, share=share, top=top)
+    return axes_limits(nodes, joints, speeds, rates, STOPPING * drives, share=share, top=top)
 
 
-def least_limits(
+def axes_limits(
     nodes: Array,
     axes: Array,
     speeds: Array,

@@ -9,7 +9,6 @@ fit, that the filter is a low-pass of first order, and what the arm does while d
 from __future__ import annotations
 
 import math
-from collections import deque
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING, ClassVar
@@ -19,20 +18,16 @@ import numpy as np
 from aioduco.errors import Unreachable
 from aioduco.kinematics.forward import fkine
 from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+from aioduco.sim.planner.fifo import Fifo
 from aioduco.sim.planner.follower import Failure, Follower, FollowError
 from aioduco.sim.planner.mover import SetPoint
 from aioduco.sim.planner.velocity import joint_speeds
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["CAPACITY", "Command", "Commands", "Follow", "Realtime", "mismatch"]
-
-CAPACITY = 1000
-"""Points that fit into the queue. An assumption: as many as into the track pool."""
+__all__ = ["Command", "Commands", "Follow", "Realtime", "mismatch"]
 
 #: how far the first point may be from the arm
 _NEAR_JOINTS, _NEAR_POINT, _NEAR_ANGLE = 2e-3, 1e-3, 2e-3  # [rad, m, rad]
@@ -77,34 +72,8 @@ class Command:
         return np.array(given) if given else None
 
 
-class Commands:
-    """The queue: first in, first out."""
-
-    def __init__(self) -> None:
-        self._points: deque[Command] = deque()
-
-    def __len__(self) -> int:
-        return len(self._points)
-
-    def put(self, points: Iterable[Command]) -> bool:
-        """Put all of them in, or none if they do not fit; whether they did."""
-        new = list(points)
-        if len(self._points) + len(new) > CAPACITY:
-            return False
-        self._points.extend(new)
-        return True
-
-    def clear(self) -> None:
-        """Drop all."""
-        self._points.clear()
-
-    def first(self) -> Command | None:
-        """The next point, which stays."""
-        return self._points[0] if self._points else None
-
-    def take(self) -> Command | None:
-        """The next point; None when there is none."""
-        return self._points.popleft() if self._points else None
+class Commands(Fifo[Command]):
+    """The queue."""
 
 
 def mismatch(arm: Arm, q: Array, command: Command, what: Follow, tool: Array, wobj: Array) -> str:

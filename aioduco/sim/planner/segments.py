@@ -168,8 +168,7 @@ def line_move(
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
-    frame = np.eye(4) if tool is None else tool
-    start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
+    start, frame = _start(arm, q0, tool)
     return _cartesian(arm, q0, Line.between(start, target @ frame), v, a, r, frame, weave, around)
 
 
@@ -206,8 +205,7 @@ def arc_move(
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
-    frame = np.eye(4) if tool is None else tool
-    start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
+    start, frame = _start(arm, q0, tool)
     curve = arc_through(start, via @ frame, target @ frame, mode)
     return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
 
@@ -246,8 +244,7 @@ def circle_move(
     """
     if mode not in (1, 2):
         raise PlanError("parameter", f"mode {mode} of a full circle is not 1 or 2")
-    frame = np.eye(4) if tool is None else tool
-    start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
+    start, frame = _start(arm, q0, tool)
     curve = arc_through(start, first @ frame, second @ frame, mode, full=True)
     return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
 
@@ -288,8 +285,7 @@ def spiral_move(
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
-    frame = np.eye(4) if tool is None else tool
-    start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
+    start, frame = _start(arm, q0, tool)
     end = None if target is None else target @ frame
     curve = spiral(start, centre, turns, axial, radius, end)
     return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
@@ -323,10 +319,15 @@ def spline_move(
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
-    frame = np.eye(4) if tool is None else tool
-    start = fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame
+    start, frame = _start(arm, q0, tool)
     curve = spline(start, [target @ frame for target in targets])
     return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
+
+
+def _start(arm: Arm, q0: Array, tool: Array | None) -> tuple[Array, Array]:
+    """Give the tool centre point at the start, and in the frame of the flange. Shapes (4, 4)."""
+    frame = np.eye(4) if tool is None else tool
+    return fkine(arm.geometry, np.asarray(q0, dtype=float)) @ frame, frame
 
 
 def _cartesian(

@@ -16,5 +16,5 @@ __all__ = ["Standing"]
 class Standing(Follower):
     """Commands the joints to be where they were at the start, until it is stopped."""
 
-    def _next(self, _q: Array, _qd: Array) -> SetPoint:
+    def _next(self, q: Array, qd: Array) -> SetPoint:  # noqa: ARG002 - it follows no sensors
         return self._setpoint

@@ -24,11 +24,13 @@ __all__ = ["check_limits", "fit", "follow", "trace"]
 SINGULAR = 1e-3
 """Singular value (see `Arm.singularity`) below which a path is refused. An assumption."""
 
+STRIDE = 0.35
+"""Largest step of a joint between samples: more is a jump to another branch [rad]."""
+
 _EXACT = 1e-5  # largest deviation of the path from the curve [rad of a joint]
 _SPACING = 0.01  # distance of samples to begin with [m]
 _TURNING = 0.05  # angle between samples to begin with [rad]
 _FEWEST, _MOST = 24, 3072  # samples, if no bend needs more
-_STRIDE = 0.35  # largest step of a joint between samples [rad]: more is a jump to another branch
 _NAMES = ("shoulder", "elbow", "wrist")
 
 
@@ -132,7 +134,7 @@ def fit(joints: Callable[[Array], Array], length: float, count: float) -> tuple[
         s = np.linspace(0.0, length, 2 * pieces + 1)
         every = joints(s)
         q = every[::2]
-        if np.abs(np.diff(q, axis=0)).max() < _STRIDE:
+        if np.abs(np.diff(q, axis=0)).max() < STRIDE:
             path = Path.through(q, *differentiate(q, length / pieces), length)
             if np.abs(path.sample(s[1::2])[:, 0] - every[1::2]).max() < _EXACT:
                 return path, every

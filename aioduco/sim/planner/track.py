@@ -33,58 +33,19 @@ from aioduco.sim.planner.follower import Follower, FollowError
 from aioduco.sim.planner.mover import SetPoint
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
+    from aioduco.sim.planner.fifo import Pool
 
-__all__ = ["CAPACITY", "JointTrack", "Pool", "ToolTrack"]
-
-CAPACITY = 1000
-"""Points that fit into the pool (manual 1.3.12)."""
+__all__ = ["JointTrack", "ToolTrack"]
 
 _ACROSS = 0.5  # share of the acceleration for the bends of the way; the rest is along it
 _SAME = 1e-9  # points nearer than this are one [m, rad]
 _MARGIN = 0.95  # of the joints' largest speeds, for what chords do not tell of the curve
 _PER_CYCLE = 8  # points that are looked at in one cycle, so that none takes long
 _JUMP = 0.1  # largest change of a joint in one cycle that is still the same branch [rad]
-
-
-class Pool:
-    """The points, first in, first out; each with what is to happen there, or None."""
-
-    def __init__(self) -> None:
-        self._points: deque[tuple[tuple[float, ...], Any]] = deque()
-        self.taken: int = 0  # points that have left it at its front, or were dropped
-        self.cleared: int = 0  # how often it was emptied
-
-    def __len__(self) -> int:
-        return len(self._points)
-
-    def put(self, points: Iterable[tuple[tuple[float, ...], Any]]) -> bool:
-        """Put all of them in, or none if they do not fit; whether they did."""
-        new = list(points)
-        if len(self._points) + len(new) > CAPACITY:
-            return False
-        self._points.extend(new)
-        return True
-
-    def clear(self) -> None:
-        """Drop all."""
-        self.taken += len(self._points)
-        self.cleared += 1
-        self._points.clear()
-
-    def get(self, number: int) -> tuple[tuple[float, ...], Any] | None:
-        """The point of a number, counted from the very first; None if there is none yet."""
-        index = number - self.taken
-        return self._points[index] if index < len(self._points) else None
-
-    def take(self, number: int) -> None:
-        """The point of a number, and any before it, leave the pool."""
-        while self.taken <= number and self._points:
-            self._points.popleft()
-            self.taken += 1
 
 
 @dataclass(slots=True, eq=False)
@@ -170,7 +131,7 @@ class _Track(Follower):
             node = _Node(last.number + 1, x, q, last.at + length, event)
             if length < _SAME:
                 last.number += 1
-                self._pool.take(last.number)
+                self._pool.take_to(last.number)
                 if event is not None:
                     self._reached(event)
                 continue
@@ -296,7 +257,7 @@ class _Track(Follower):
             q = self._here.q
             self._rate = 0.0
             return SetPoint.at_rest(q)
-        self._pool.take(self._nodes[0].number)
+        self._pool.take_to(self._nodes[0].number)
         q = self._joints(self._curve())
         qd = (q - self._setpoint.q) / self._cycle if rate > 0.0 else np.zeros(6)
         return SetPoint(q, qd, (qd - self._setpoint.qd) / self._cycle)
@@ -305,7 +266,7 @@ class _Track(Follower):
         self._here = self._nodes.popleft()
         if self._window and self._window[0] is self._here:
             self._window.popleft()
-        self._pool.take(self._here.number)
+        self._pool.take_to(self._here.number)
         if self._here.event is not None:
             self._reached(self._here.event)
         if not self._nodes:

@@ -27,7 +27,7 @@ _ROUNDED = 2e-4  # what rounding takes off a corner of the shape at most [m]
 _SHARPEST, _BLUNTEST = 0.005, 0.03  # width of the rounding, in parts of a swing
 _FINE = 24  # samples of the path per swing, at least
 _SQUARE = 0.1  # sine of the angle between path and normal of the plane, below which it is refused
-_MOST = 50_000  # samples of one path
+_MOST = 30_000  # samples of one path
 _NUDGE = 1e-5  # share of the length over which the direction of the path is measured
 #: the third axis, to which each plane is square
 _NORMALS = {"XY": 2, "XZ": 1, "YZ": 0}

@@ -9,7 +9,8 @@ import pytest
 
 from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
-from aioduco.sim.planner.realtime import CAPACITY, Command, Commands, Follow, Realtime
+from aioduco.sim.planner.fifo import CAPACITY
+from aioduco.sim.planner.realtime import Command, Commands, Follow, Realtime
 
 ARM = arm("gcr5_910")
 CYCLE = 0.001

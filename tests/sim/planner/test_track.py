@@ -9,7 +9,8 @@ import pytest
 
 from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
-from aioduco.sim.planner.track import CAPACITY, JointTrack, Pool, ToolTrack
+from aioduco.sim.planner.fifo import CAPACITY, Pool
+from aioduco.sim.planner.track import JointTrack, ToolTrack
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
