@@ -255,7 +255,7 @@ class Runner:
                 break
             await self._let_go_of_unheld()
             due = max(due + _WATCH_EVERY, time.monotonic())
-            await anyio.sleep(due - time.monotonic())
+            await anyio.sleep(max(0.0, due - time.monotonic()))
         try:
             await self.robot.aclose()
         except DucoError:
