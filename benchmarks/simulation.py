@@ -1,7 +1,9 @@
-"""The simulated arm: what a cycle costs, how fast simulated time can run, how well joints follow.
+"""The simulated arm: what it costs, how fast its time can run, how well it answers and follows.
 
     python benchmarks/simulation.py [--quick] [--save]
 
+The first rows say what is asked for and whether it was reached: by a simulator in a process of its
+own, on a core of its own, whose arm moves all the time. Run it on a quiet machine with two cores.
 Each model makes the same joint moves and lines at its full speed and acceleration, once through
 the planner and MuJoCo together. The inverse kinematics of many poses is compared with EAIK, which
 solves them one by one.
@@ -14,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from _common import arguments, percentile, print_table, write_results
+from simulation_service import measure
 
 from aioduco.kinematics import Arm, arm, models
 from aioduco.kinematics.inverse import closed_form
@@ -110,6 +113,10 @@ def inverse(poses: int) -> dict[str, float]:
 
 def main() -> None:
     options = arguments(__doc__, "simulation")
+    service = measure(options.quick)
+    for title, table in service.items():
+        rows = [[name, *row.values()] for name, row in table.items()]
+        print_table(title.replace("_", " "), ["", *next(iter(table.values()))], rows)
     chosen = ("gcr3_618", "gcr5_910", "gcr25_1800") if options.quick else models()
     results = {model: cycles(arm(model), 1 if options.quick else 3) for model in chosen}
     columns = list(next(iter(results.values())))
@@ -118,7 +125,10 @@ def main() -> None:
     solved = inverse(500 if options.quick else 5000)
     print_table("Inverse kinematics, µs a pose", ["", "µs"], [list(row) for row in solved.items()])
     if options.save:
-        path = write_results("simulation", {"cycles": results, "inverse_us": solved})
+        inverse_us = {name: {"us": figure} for name, figure in solved.items()}
+        path = write_results(
+            "simulation", service | {"cycles": results, "inverse_kinematics": inverse_us}
+        )
         print(f"written: {path}")
 
 

@@ -1,0 +1,137 @@
+"""What the simulated controller costs as a service: its process, its clock, its answers."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import threading
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from _common import ServerProcess, percentile
+
+from aioduco._wire.connection import Connection
+from aioduco._wire.rpc import Op, RpcClient
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+#: what is asked for: of a core, of real time, calls a second, and their p99 [ms]
+SHARE, TIMES, CALLS, LATENCY = 0.15, 20.0, 5000.0, 1.0
+HOME = np.radians([0.0, 0.0, 90.0, 0.0, -90.0, 0.0])
+WAY = np.array([1.0, 0.3, -0.3, 0.2, 0.3, 0.5])
+
+
+@contextlib.contextmanager
+def client(port: int) -> Iterator[RpcClient]:
+    """A connection below the SDK: each function, blocking."""
+    connection = Connection("127.0.0.1", port)
+    connection.open()
+    try:
+        yield RpcClient(lambda name, args: connection.call(name, args, 60.0))
+    finally:
+        connection.close()
+
+
+def move(port: int, done: threading.Event) -> None:
+    """Move to and fro, one blocking joint motion after the other."""
+    with client(port) as robot:
+        while not done.is_set():
+            for goal in (HOME + WAY, HOME - WAY):
+                robot.movej2(goal.tolist(), 1.0, 3.0, 0.0, True, Op(), False)
+
+
+@contextlib.contextmanager
+def moving(speed: str) -> Iterator[tuple[ServerProcess, RpcClient]]:
+    """A simulator in a process of its own, on a core of its own, whose arm moves all the time."""
+    with ServerProcess("simulation_server.py", speed) as server:
+        port, done = server.endpoints["port"], threading.Event()
+        with client(port) as robot:
+            robot.power_on(True)
+            robot.enable(True)
+            mover = threading.Thread(target=move, args=(port, done))
+            mover.start()
+            time.sleep(1.0)
+            try:
+                yield server, robot
+            finally:
+                done.set()
+                mover.join()
+
+
+def share(speed: str, seconds: float) -> dict[str, float]:
+    """What a second costs: of a core, and how much simulated time it gives."""
+    with moving(speed) as (server, _):
+        before, began = json.loads(server.ask("?")), time.perf_counter()
+        time.sleep(seconds)
+        after, took = json.loads(server.ask("?")), time.perf_counter() - began
+    simulated = after["time"] - before["time"]
+    cpu = after["cpu"] - before["cpu"]
+    return {
+        "core_percent": round(100.0 * cpu / took, 1),
+        "x_real_time": round(simulated / took, 2),
+        "cpu_per_cycle_us": round(cpu / simulated * 1e3, 1),
+        "slipped_s": round(after["slipped"] - before["slipped"], 4),
+        "cycle_late_p99_us": round(after["late_p99"] * 1e6, 1),
+    }
+
+
+def calls(name: str, seconds: float) -> dict[str, float]:
+    """One client calls a function as fast as it is answered, while the arm moves in real time."""
+    with moving("1") as (server, robot):
+        call, took = getattr(robot, name), []
+        now = began = time.perf_counter()
+        while now - began < seconds:
+            call()
+            after = time.perf_counter()
+            took.append(after - now)
+            now = after
+        kept = json.loads(server.ask("?"))
+    took.sort()
+    return {
+        "calls_a_second": round(len(took) / (now - began)),
+        "p50_ms": round(percentile(took, 50) * 1e3, 3),
+        "p99_ms": round(percentile(took, 99) * 1e3, 3),
+        "p99.9_ms": round(percentile(took, 99.9) * 1e3, 3),
+        "slipped_s": round(kept["slipped"], 4),
+    }
+
+
+def measure(quick: bool) -> dict[str, Any]:
+    """All of it, the verdicts first."""
+    seconds = 2.0 if quick else 15.0
+    clock = {"in real time": share("1", seconds), "without the clock": share("inf", seconds)}
+    names = ("get_robot_state", "get_actual_joints_position", "getRobotStatus")
+    answers = {name: calls(name, seconds) for name in names}
+    return {"asked_for": judged(clock, answers), "clock": clock, "calls_while_moving": answers}
+
+
+def judged(
+    clock: dict[str, dict[str, float]], answers: dict[str, dict[str, float]]
+) -> dict[str, dict[str, Any]]:
+    """Each line: what is asked for, what was found, and whether that is enough."""
+    real, free = clock["in real time"], clock["without the clock"]
+    state = answers["get_robot_state"]
+    return {
+        "one arm at 1 kHz in real time, % of a core": {
+            "asked": f"at most {100 * SHARE:g}",
+            "found": real["core_percent"],
+            "reached": real["core_percent"] <= 100.0 * SHARE,
+        },
+        "without the clock, server included, times real time": {
+            "asked": f"at least {TIMES:g}",
+            "found": free["x_real_time"],
+            "reached": free["x_real_time"] >= TIMES,
+        },
+        "calls a second to one client while moving": {
+            "asked": f"at least {CALLS:g}",
+            "found": state["calls_a_second"],
+            "reached": state["calls_a_second"] >= CALLS,
+        },
+        "their p99 [ms]": {
+            "asked": f"below {LATENCY:g}",
+            "found": state["p99_ms"],
+            "reached": state["p99_ms"] < LATENCY,
+        },
+    }
