@@ -87,7 +87,7 @@ READERS = [
 
 def test_the_status_agrees_with_the_functions(cell: Simulator, program: Program) -> None:
     program.movej2([0.5, *READY[1:]], 1.0, 2.0, 0.0, True, Op(), False)
-    after(cell, 2.0)  # until the simulation has nothing left to do, and all reads are of one time
+    after(cell, 0.5)  # until the simulation has nothing left to do, and all reads are of one time
     status = program.getRobotStatus()
     for field, function in READERS:
         assert getattr(status, field) == pytest.approx(getattr(program, function)(), abs=1e-9)
@@ -122,7 +122,7 @@ def test_temperatures_follow_the_load_slowly() -> None:
 def test_a_loaded_arm_becomes_warm(cell: Simulator, program: Program) -> None:
     before = program.getRobotStatus()
     program.movej2([0.0, 1.2, 1.0, 0.0, -1.5, 0.0], 1.0, 2.0, 0.0, True, Op(), False)
-    after(cell, 5.0)
+    after(cell, 0.1)
     now = program.getRobotStatus()
     # Joint 2 carries the arm that is stretched out; joint 6 carries nothing.
     warmer = np.array(now.jointTemperature) - before.jointTemperature
