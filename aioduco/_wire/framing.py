@@ -1,23 +1,21 @@
-"""Where a reply ends, and whether it is one: read before thriftpy2 decodes it.
+"""Where an encoded struct ends, and whether it is one: read before thriftpy2 decodes it.
 
-thriftpy2 believes what it reads. It allocates what a length claims, returns an empty list when
-the elements have another type than the IDL says, and leaves a field of another type out. So
-each reply is measured and its types are checked here first, byte by byte as it comes, without
-any I/O; only a reply that is whole and fits is decoded.
+The wire has no frames: the only way to know that a message is whole is to walk through its
+fields. And thriftpy2 believes what it reads. It allocates what a length claims, returns an empty
+list when the elements have another type than the IDL says, and leaves a field of another type
+out. So what a peer sends is measured and its types are checked here first, byte by byte as it
+comes, without any I/O; only a struct that is whole and fits is decoded.
 """
 
 from __future__ import annotations
 
 import struct
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from thriftpy2.thrift import TType
 
 #: the longest reply that is believed; a status has 1 kB, the longest list of files some 100 kB
 MAX_REPLY: Final = 4 * 1024 * 1024
-
-#: structs and containers in one another; the deepest reply on the wire has four
-_MAX_DEPTH: Final = 32
 
 _I32 = struct.Struct("!i").unpack_from
 
@@ -45,7 +43,26 @@ _ANY: Final = None
 
 
 class Malformed(Exception):
-    """The bytes are no reply that fits the IDL."""
+    """The bytes are no message, or none that fits the IDL: the stream cannot go on."""
+
+
+class Bounds(NamedTuple):
+    """What is believed of a message.
+
+    Attributes:
+        size: most bytes, from the message's begin to its end.
+        elements: most elements of all its lists, sets and maps together: bounds what a short
+            message unpacks to.
+        depth: most structs and containers in one another.
+    """
+
+    size: int
+    elements: int
+    depth: int
+
+
+#: of replies, the deepest of which has four levels
+REPLY: Final = Bounds(size=MAX_REPLY, elements=MAX_REPLY, depth=32)
 
 
 class _Struct:
@@ -72,21 +89,25 @@ class StructScanner:
     """Finds the end of one encoded struct in bytes that grow.
 
     Invariants: each byte is looked at once, however the stream is cut. `position` may lie past
-    the end of the bytes, after a value that is announced but has not come; it never passes
-    `MAX_REPLY`, so no length that a peer claims makes anybody wait or allocate for it.
+    the end of the bytes, after a value that is announced but has not come; it never passes the
+    bounds, so no length that a peer claims makes anybody wait or allocate for it.
     """
 
-    __slots__ = ("_open", "position")
+    __slots__ = ("_depth", "_elements", "_open", "_size", "position")
 
-    def __init__(self, fields: dict[int, tuple[Any, ...]], start: int) -> None:
+    def __init__(
+        self, fields: dict[int, tuple[Any, ...]], start: int, bounds: Bounds = REPLY
+    ) -> None:
         """Make a scanner.
 
         Args:
             fields: thriftpy2's spec of the struct: by field id a tuple of type, name, perhaps
-                the shape, and whether it is required.
+                the shape, and whether it is required; empty to take any struct.
             start: where in the bytes the struct begins.
+            bounds: what is believed.
         """
         self.position = start
+        self._size, self._elements, self._depth = bounds
         self._open: list[_Struct | _Items] = [_Struct(fields)]
 
     def whole(self, data: bytes | bytearray) -> bool:
@@ -109,8 +130,8 @@ class StructScanner:
                 went_on = self._fields(inner, data, size)
             else:
                 went_on = self._items(inner, data, size)
-            if self.position > MAX_REPLY:
-                raise Malformed(f"a reply of more than {MAX_REPLY} bytes")
+            if self.position > self._size:
+                raise Malformed(f"a message of more than {self._size} bytes")
             if not went_on:
                 return False
         return True
@@ -138,7 +159,8 @@ class StructScanner:
             # lists of numbers, most of a status, are passed right here
             if kind == _LIST and shape in fixed and at + 8 <= size and data[at + 3] == shape:
                 count = _I32(data, at + 4)[0]
-                if 0 <= count <= MAX_REPLY:
+                if 0 <= count <= self._elements:
+                    self._elements -= count
                     at += 8 + count * fixed[shape]
                     continue
             after = self._value(kind, shape, data, at + 3, size)
@@ -189,7 +211,7 @@ class StructScanner:
         if at + _HEAD.get(kind, 0) > size:
             return None
         if kind == _STRING:
-            return at + 4 + self._count(data, at)
+            return at + 4 + self._length(data, at)
         if kind == _STRUCT:
             return self._enter(_Struct(shape.thrift_spec if shape is not None else {}), at)
         if kind == _MAP:
@@ -208,6 +230,7 @@ class StructScanner:
         width = _FIXED.get(element)
         if width is not None:
             return at + 5 + count * width
+        _check_types((element,), count)
         return self._enter(_Items((element,), (deeper,), count), at + 5)
 
     def _map(self, shape: Shape, data: bytes | bytearray, at: int) -> int:
@@ -217,21 +240,35 @@ class StructScanner:
         for kind, (known, _) in zip(types, wanted, strict=True):
             if count and known is not None and known != kind:
                 raise Malformed(f"a map has keys or values of the type {kind}, not {known}")
+        _check_types(types, count)
         return self._enter(_Items(types, tuple(part[1] for part in wanted), count), at + 6)
 
     def _enter(self, inner: _Struct | _Items, at: int) -> int:
-        if len(self._open) >= _MAX_DEPTH:
-            raise Malformed(f"more than {_MAX_DEPTH} structs and lists in one another")
+        if len(self._open) >= self._depth:
+            raise Malformed(f"nested deeper than {self._depth} levels")
         self._open.append(inner)
         self.position = at
         return -1
 
-    @staticmethod
-    def _count(data: bytes | bytearray, at: int) -> int:
+    def _length(self, data: bytes | bytearray, at: int) -> int:
+        length: int = _I32(data, at)[0]
+        if not 0 <= length <= self._size:
+            raise Malformed(f"a string of {length} bytes")
+        return length
+
+    def _count(self, data: bytes | bytearray, at: int) -> int:
         count: int = _I32(data, at)[0]
-        if not 0 <= count <= MAX_REPLY:
-            raise Malformed(f"a length of {count}")
+        if not 0 <= count <= self._elements:
+            raise Malformed(f"a container of {count} elements")
+        self._elements -= count
         return count
+
+
+def _check_types(types: tuple[int, ...], count: int) -> None:
+    """See that there are such types; an empty container may name any."""
+    for kind in types:
+        if count and kind not in _FIXED and kind not in _HEAD and kind != _STRUCT:
+            raise Malformed(f"there is no type {kind}")
 
 
 def _parts(part: Any) -> tuple[int | None, Shape]:

@@ -156,24 +156,24 @@ def test_whole_messages_before_a_wrong_one_are_given_first() -> None:
     parser = MessageParser()
     assert parser.feed(GOOD.encode() + b"garbage!") == [GOOD]
     assert parser.pending == b"garbage!"
-    with pytest.raises(MessageError, match="cannot begin with 0x67617262"):
+    with pytest.raises(MessageError, match=r"garbage!.* begins no message"):
         parser.feed(b"")
 
 
 @pytest.mark.parametrize(
     ("stream", "reason"),
     [
-        (b"\x00\x00\x00\x04stop", "cannot begin with"),  # not strict
-        (b"\x80\x01\x00\x09", "cannot begin with"),
-        (b"\x80\x01\x00\x01\xff\xff\xff\xff", "name cannot have"),
-        (b"\x80\x01\x00\x01\x00\x00\x00\x00", "name cannot have"),
-        (b"\x80\x01\x00\x01\x00\x00\x00\x01\xff\x00\x00\x00\x01", "not UTF-8"),
+        (b"\x00\x00\x00\x04stop", "strict"),  # not strict
+        (b"\x80\x01\x00\x09", "type 9"),
+        (b"\x80\x01\x00\x01\xff\xff\xff\xff", "name of -1"),
+        (b"\x80\x01\x00\x01\x00\x00\x00\x00", "name of 0"),
+        (b"\x80\x01\x00\x01\x00\x00\x00\x01\xff\x00\x00\x00\x01", "not ASCII"),
         (replace(GOOD, body=b"\x05\x00\x01").encode(), "no type 5"),
-        (replace(GOOD, body=b"\x0b\x00\x01\xff\xff\xff\xff").encode(), "length of -1"),
-        (replace(GOOD, body=b"\x0b\x00\x01\x7f\xff\xff\xff").encode(), "length of"),
+        (replace(GOOD, body=b"\x0b\x00\x01\xff\xff\xff\xff").encode(), "string of -1"),
+        (replace(GOOD, body=b"\x0b\x00\x01\x7f\xff\xff\xff").encode(), "string of"),
         (replace(GOOD, body=b"\x0f\x00\x01\x04\x00\x20\x00\x00").encode(), "more than"),
         (replace(GOOD, body=b"\x0f\x00\x01\x01\x00\x00\x00\x01\x00").encode(), "no type 1"),
-        (replace(GOOD, body=b"\x0c\x00\x01" * 200).encode(), "in one another"),
+        (replace(GOOD, body=b"\x0c\x00\x01" * 200).encode(), "nested deeper"),
     ],
 )
 def test_says_what_is_wrong(stream: bytes, reason: str) -> None:
