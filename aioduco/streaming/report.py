@@ -29,6 +29,8 @@ _MEANINGS = {
     "depth": "points in the controller's queue",
 }
 
+_PERCENTILES = (("p50", "p50"), ("p99", "p99"), ("p99.9", "p999"), ("max", "max"))
+
 
 class StreamStatistics(NamedTuple):
     """Figures of one stream, at one moment.
@@ -144,7 +146,7 @@ class StreamStatistics(NamedTuple):
         )
         title = f"{self.state.name}{f' ({self.reason.name})' if self.reason else ''} · {counts}"
         times = [
-            (f"{name}: {meaning}", getattr(self, name))
+            (f"{name.replace('_', ' ')}: {meaning}", getattr(self, name))
             for name, meaning in _MEANINGS.items()
             if name != "depth"
         ]
@@ -190,26 +192,17 @@ def plot(statistics: StreamStatistics | dict[str, Any], path: str | Path) -> Non
         axes = figure.add_subplot(len(shown), 1, index + 1)
         depth = name == "depth"
         _draw(axes, found["buckets"][name], scale=1.0 if depth else 1e-3, log=not depth)
-        axes.set_title(
-            f"{name.replace('_', ' ')}: {_MEANINGS[name]}", fontsize="medium", loc="left"
-        )
-        axes.set_xlabel("points" if depth else "µs")
-        axes.set_ylabel("times")
-        figures = found["queue" if depth else name]
-        scale = 1.0 if depth else 1e6
-        for label, key in (("p50", "p50"), ("p99", "p99"), ("p99.9", "p999"), ("max", "max")):
-            value = figures[key] * scale
+        unit = "points" if depth else "µs"
+        figures, scale = found["queue" if depth else name], 1.0 if depth else 1e6
+        percentiles = [(label, figures[key] * scale) for label, key in _PERCENTILES]
+        for _, value in percentiles:
             axes.axvline(value, linewidth=0.8, linestyle="--", color="black")
-            axes.annotate(
-                f"{label} {value:,.0f}",
-                (value, 0.5 if key == "p999" else 1.0),
-                xycoords=("data", "axes fraction"),
-                xytext=(2, -2),
-                textcoords="offset points",
-                rotation=90,
-                va="top",
-                fontsize="x-small",
-            )
+        said = " · ".join(f"{label} {value:,.0f}" for label, value in percentiles)
+        title = f"{name.replace('_', ' ')}: {_MEANINGS[name]}"
+        axes.set_title(title, fontsize="medium", loc="left")
+        axes.set_title(f"{said} {unit}", fontsize="small", loc="right")
+        axes.set_xlabel(unit)
+        axes.set_ylabel("times")
     figure.savefig(path, dpi=120)
 
 

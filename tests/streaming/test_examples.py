@@ -105,7 +105,7 @@ def test_teleoperation_by_keys_from_a_pipe() -> None:
         said, complaints = program.communicate("q", timeout=20)
         assert (complaints, program.returncode) == ("", 0)
         assert "the tool stands at Pose(" in said
-        assert not sim.moving
+        assert not sim.view.moving
 
 
 def test_a_gamepad_is_read_as_the_system_writes_it(tmp_path: Path) -> None:

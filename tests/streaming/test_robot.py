@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import threading
 import time
 from collections.abc import Awaitable
@@ -13,8 +15,10 @@ import pytest
 
 import aioduco
 from aioduco.errors import (
+    LaneFailed,
     ParameterError,
     RobotStateError,
+    StreamRefused,
     StreamStarved,
     StreamStopped,
 )
@@ -122,15 +126,16 @@ async def ended_by(
         assert opened.quiet
 
 
-@pytest.mark.parametrize("options", [PROCESS, THREAD], ids=["process", "thread"])
-@pytest.mark.parametrize("kind", FOLLOWED)
+@pytest.mark.parametrize(
+    ("kind", "options"), [*((kind, PROCESS) for kind in FOLLOWED), ("servoj", THREAD)]
+)
 async def test_a_stop_ends_it_and_the_arm_stands(
     robot: aioduco.Robot, sim: Simulator, kind: str, options: LaneOptions
 ) -> None:
     async with no_leaks():
         await ended_by(robot, sim, kind, robot.stop, options)
-    assert not sim.moving
-    assert not sim.tasks
+    assert not sim.view.moving
+    await eventually_async(lambda: not sim.tasks)
 
 
 @pytest.mark.parametrize("way", ["stop_now", "pause", "abort"])
@@ -182,7 +187,67 @@ async def test_leaving_the_robot_ends_it(sim: Simulator) -> None:
             await stream.send(await robot.state.get_actual_joints_position())
         with pytest.raises(StreamStopped):
             await stream.__aexit__(None, None, None)
-    assert not sim.moving
+    assert not sim.view.moving
+
+
+async def test_a_stop_does_not_wait_for_a_lane_that_hangs(
+    robot: aioduco.Robot, sim: Simulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("aioduco.supervision.keeper._SILENCE", 0.2)
+    async with no_leaks():
+        stream = robot.servo.joints(v=1.0, a=8.0)
+
+        async def program() -> None:
+            async with stream:
+                await stream.send(START)
+                assert stream.pid is not None
+                os.kill(stream.pid, signal.SIGSTOP)
+                await robot.stop()
+                await stream.ended()
+
+        with pytest.raises(LaneFailed, match="killed by SIGKILL"):
+            await program()
+    assert not sim.view.moving
+
+
+@pytest.mark.parametrize("kind", ["servoj", "joint_position"])
+async def test_an_emergency_stop_ends_it(robot: aioduco.Robot, sim: Simulator, kind: str) -> None:
+    async def program() -> None:
+        async with KINDS[kind].open(robot, THREAD) as stream:
+            for n in range(5000):
+                await stream.send([2e-4 * n, *START[1:]])
+                if n == 100:
+                    sim.emergency_stop()
+
+    with pytest.raises(StreamRefused, match=r"the robot is in state|takes no points|answered"):
+        await program()
+    await eventually_async(lambda: not sim.moving)
+    sim.release_emergency_stop()
+    await robot.recover()
+
+
+async def test_a_program_that_hangs_while_an_array_is_played_loses_the_heartbeat(
+    sim: Simulator,
+) -> None:
+    """The lane alone would play it to its end."""
+
+    async def program() -> None:
+        opened = aioduco.connect(
+            sim.host, sim.port, heartbeat=0.3, loop_stall_limit=0.3, lag_limit=None
+        )
+        async with opened as robot:
+            await robot.recover()
+            start = np.array(await robot.state.get_actual_joints_position())
+            rows = start + np.linspace(0, 0.3, 1500)[:, None] * np.eye(6)[0]
+            async with robot.servo.joints(v=1.0, a=8.0) as stream, anyio.create_task_group() as t:
+                t.start_soon(stream.play, rows)
+                await eventually_async(lambda: stream.taken > 50)
+                time.sleep(1.0)  # noqa: ASYNC251 - the stall is what is tested
+                assert not sim.view.moving
+
+    with pytest.raises(BaseExceptionGroup) as caught:
+        await program()
+    assert caught.group_contains(StreamRefused)
 
 
 # -- one at a time -----------------------------------------------------------------------------
@@ -226,7 +291,7 @@ async def test_a_loop_that_is_held_up_starves_the_stream_and_the_arm_stands(
             for n in range(60):
                 await stream.send([START[0] + 2e-5 * n * n, *START[1:]])
             time.sleep(0.6)  # noqa: ASYNC251 - the stall is what is tested
-            assert not sim.moving
+            assert not sim.view.moving
             await stream.send(START)
 
     with pytest.raises(StreamStarved):
@@ -283,7 +348,7 @@ async def test_a_cancelled_trajectory_leaves_a_standing_arm(
             JointTrajectory([start, start + 0.2], [0.0, 0.6]), v=1.5, a=20.0, feedback=half_way
         )
     assert scope.cancelled_caught
-    assert not sim.moving
+    assert not sim.view.moving
     assert 0.02 < sim.joints[0] < 0.19
 
 
