@@ -49,7 +49,7 @@ MAY_IMPORT: dict[str, set[str]] = {
 #: by library, the files that may import it, each with all that is under it
 ONLY_IN: dict[str, set[str]] = {
     "thriftpy2": {"_wire", "sim/server", "sim/server.py"},
-    "mujoco": {"sim/world.py", "sim/dynamics.py", "sim/scene", "sim/render.py", "sim/viewer.py"},
+    "mujoco": {"sim/world.py", "sim/dynamics.py", "sim/scene", "sim/drawing.py", "sim/viewer.py"},
     "ruckig": {"sim/planner", "streaming"},
     "eaik": {"kinematics/eaik.py"},
     "typer": {"cli"},

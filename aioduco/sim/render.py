@@ -1,38 +1,36 @@
-"""Pictures of the simulated arm, drawn off screen.
+"""Pictures of the simulated arm, drawn off screen by a process that does nothing else.
 
-Positions are drawn that were copied before, on a thread that has nothing to do with the physics:
-a picture takes milliseconds to a second, a cycle of the controller a tenth of one.
+A picture takes milliseconds to a second and much of it under the interpreter's lock, and drivers of
+graphics crash: neither is to touch a controller with a cycle of a millisecond.
 """
 
 from __future__ import annotations
 
+import contextlib
 import copy
-import importlib
-import os
+import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
+import tempfile
+import threading
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from aioduco.errors import ParameterError, RenderError
 from aioduco.sim.camera import Camera
+from aioduco.sim.drawing import ADVICE, Request, receive, send
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
-    Vector = NDArray[np.float64]
     Picture = NDArray[np.uint8]
-
-    mujoco: Any  # its bindings are compiled, without types
-else:
-    import mujoco
 
 __all__ = ["Studio"]
 
+_END = 5.0  # until the process has ended after its input was closed [s]
+
 
 class Studio:
-    """Draws pictures of one model, on a thread of its own that OpenGL's context belongs to.
+    """Has pictures of one model drawn.
 
     Args:
         model: of MuJoCo; a copy is taken.
@@ -43,11 +41,14 @@ class Studio:
 
     def __init__(self, model: Any) -> None:
         self.model: Any = copy.copy(model)
-        self._thread: ThreadPoolExecutor | None = None
-        self._drawer: _Drawer | None = None
+        self._lock = threading.Lock()
+        self._process: subprocess.Popen[bytes] | None = None
+        self._errors: Any = None
 
-    def picture(self, positions: Vector, width: int, height: int, camera: Camera | str) -> Picture:
-        """Draw a picture.
+    def picture(
+        self, positions: NDArray[np.float64], width: int, height: int, camera: Camera | str
+    ) -> Picture:
+        """Have a picture drawn.
 
         Args:
             positions: of everything that moves.
@@ -59,7 +60,8 @@ class Studio:
             Red, green, blue. Shape (height, width, 3).
 
         Raises:
-            ParameterError: The picture is too large, or there is no such camera.
+            ParameterError: The picture is too large, there is no such camera, or there are not as
+                many positions as the model has.
             RenderError: This computer cannot draw.
         """
         most = self.model.vis.global_
@@ -67,85 +69,71 @@ class Studio:
             raise ParameterError(
                 "size", (width, height), f"from (1, 1) to ({most.offwidth}, {most.offheight})"
             )
-        view = self._view(camera)
-        if self._thread is None:
-            self._thread = ThreadPoolExecutor(1, "sim-render")
-        return self._thread.submit(self._draw, positions, width, height, view).result()
+        if positions.shape != (self.model.nq,):
+            raise ParameterError("positions", positions.shape, f"of shape ({self.model.nq},)")
+        request = Request(positions, width, height, self._camera(camera))
+        with self._lock:
+            answer = self._ask(request)
+        if isinstance(answer, str):
+            raise RenderError(answer)
+        picture: Picture = answer
+        return picture
 
     def close(self) -> None:
-        """Let go of OpenGL and end the thread."""
-        if self._thread is not None:
-            if self._drawer is not None:
-                self._thread.submit(self._drawer.close).result()
-            self._thread.shutdown()
-        self._thread = self._drawer = None
+        """End the process; returns when it has ended."""
+        with self._lock:
+            if self._process is not None:
+                self._end(self._process)
 
-    def _draw(self, positions: Vector, width: int, height: int, view: Any) -> Picture:
-        if self._drawer is None:
-            self._drawer = _Drawer(self.model)
-        return self._drawer.draw(positions, width, height, view)
+    def _ask(self, request: Request) -> Any:
+        process, new = self._process, self._process is None
+        if process is None:
+            process = self._process = self._start()
+        assert process.stdin is not None
+        assert process.stdout is not None
+        try:
+            if new:
+                send(process.stdin, self.model)  # type: ignore[arg-type]  # typeshed: IO[bytes]
+            send(process.stdin, request)  # type: ignore[arg-type]  # typeshed: IO[bytes]
+            return receive(process.stdout)  # type: ignore[arg-type]  # typeshed: IO[bytes]
+        except (EOFError, OSError) as exc:
+            self._errors.seek(0)
+            said = self._errors.read().decode(errors="replace").strip().splitlines()
+            self._end(process)
+            why = said[-1] if said else repr(exc)
+            raise RenderError(f"the process that draws has ended ({why}). {ADVICE}") from exc
 
-    def _view(self, camera: Camera | str) -> Any:
-        view = mujoco.MjvCamera()
+    def _start(self) -> subprocess.Popen[bytes]:
+        # A file, not a pipe that nobody reads: a full pipe would stop the process.
+        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
+        # In a session of its own: a Ctrl-C on the terminal is for the program, which may draw on.
+        return subprocess.Popen(
+            [sys.executable, "-m", "aioduco.sim.drawing"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self._errors,
+            start_new_session=True,
+        )
+
+    def _end(self, process: subprocess.Popen[bytes]) -> None:
+        self._process = None
+        assert process.stdin is not None
+        assert process.stdout is not None
+        with contextlib.suppress(OSError):  # what could not be written is for nobody
+            process.stdin.close()
+        try:
+            process.wait(_END)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        process.stdout.close()
+        self._errors.close()
+
+    def _camera(self, camera: Camera | str) -> Camera | int:
         if isinstance(camera, Camera):
-            camera.put(view)
-            return view
+            return camera
         names = [self.model.camera(i).name for i in range(self.model.ncam)]
         for name in (camera, f"scene/{camera}", f"tool/{camera}"):
             if name in names:
-                view.type = mujoco.mjtCamera.mjCAMERA_FIXED
-                view.fixedcamid = names.index(name)
-                return view
+                return names.index(name)
         raise ParameterError("camera", camera, f"a Camera, or one of the scene's: {names}")
-
-
-class _Drawer:
-    """OpenGL's context and what MuJoCo keeps in it; for one thread."""
-
-    def __init__(self, model: Any) -> None:
-        self._model, self._data = model, mujoco.MjData(model)
-        self._gl = _context(model.vis.global_.offwidth, model.vis.global_.offheight)
-        try:
-            self._gl.make_current()
-            self._scene = mujoco.MjvScene(model, maxgeom=10_000)
-            self._option = mujoco.MjvOption()
-            self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
-            mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
-        except Exception as exc:
-            self._gl.free()
-            raise RenderError(f"OpenGL draws nothing here: {exc}. {_ADVICE}") from exc
-
-    def draw(self, positions: Vector, width: int, height: int, view: Any) -> Picture:
-        data, model = self._data, self._model
-        data.qpos[:] = positions
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_camlight(model, data)
-        everything = mujoco.mjtCatBit.mjCAT_ALL
-        mujoco.mjv_updateScene(model, data, self._option, None, view, everything, self._scene)
-        rectangle = mujoco.MjrRect(0, 0, width, height)
-        picture = np.empty((height, width, 3), np.uint8)
-        mujoco.mjr_render(rectangle, self._scene, self._context)
-        mujoco.mjr_readPixels(picture, None, rectangle, self._context)
-        return np.ascontiguousarray(picture[::-1])  # OpenGL begins at the bottom
-
-    def close(self) -> None:
-        self._context.free()
-        self._gl.free()
-
-
-_ADVICE = "On Debian: apt-get install libegl1 libgl1-mesa-dri, or set MUJOCO_GL to what there is"
-
-
-def _context(width: int, height: int) -> Any:
-    """Open what OpenGL draws in: what MUJOCO_GL says, else the first of what needs no display."""
-    wanted = os.environ.get("MUJOCO_GL", "").lower()
-    native = {"darwin": "cgl", "win32": "glfw"}.get(sys.platform)
-    tries = [wanted] if wanted else [native] if native else ["egl", "osmesa"]
-    failures = []
-    for kind in tries:
-        try:
-            return importlib.import_module(f"mujoco.{kind}").GLContext(width, height)
-        except Exception as exc:  # PyOpenGL raises all sorts, an AttributeError too
-            failures.append(f"{kind}: {exc}")
-    raise RenderError(f"there is no OpenGL ({'; '.join(failures)}). {_ADVICE}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import math
 import threading
 from functools import partial
@@ -212,11 +213,14 @@ class Simulator(Operating):
             self._status = status
         self._server, self._runtime, self._controller = server, runtime, controller
         self._studio = Studio(world.model)
+        # An interpreter that ends under a running simulation would free what is being stepped.
+        atexit.register(self.close)
         runtime.start()
         return self
 
     def close(self) -> None:
         """Cut the connections and stop the simulation; returns when its threads have ended."""
+        atexit.unregister(self.close)
         server, runtime = self._server, self._runtime
         self._server = None
         if runtime is None or server is None:
@@ -332,7 +336,8 @@ class Simulator(Operating):
     ) -> NDArray[np.uint8]:
         """Draw a picture of the arm and what is around it, without a display.
 
-        It is drawn in a thread of its own, while the simulation goes on.
+        It is drawn by a process of its own, which starts with the first picture: the simulation
+        goes on meanwhile.
 
         Args:
             width: of the picture, at most 1920 [pixels].

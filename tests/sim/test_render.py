@@ -85,8 +85,26 @@ def test_the_simulation_goes_on_while_a_picture_is_drawn() -> None:
 
 def test_without_opengl_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MUJOCO_GL", "nothing")
-    with Simulator() as sim, pytest.raises(RenderError, match="libegl1"):
-        sim.render()
+    with Simulator() as sim:
+        for _ in range(2):
+            with pytest.raises(RenderError, match="libegl1"):
+                sim.render()
+
+
+def test_a_process_that_is_killed_is_said_and_replaced(sim: Simulator) -> None:
+    sim.render(width=10, height=10)
+    assert sim._studio is not None
+    process = sim._studio._process
+    assert process is not None
+    process.kill()
+    with pytest.raises(RenderError, match="has ended"):
+        sim.render(width=10, height=10)
+    assert sim.render(width=10, height=10).shape == (10, 10, 3)
+
+
+def test_positions_of_another_arm_are_refused(sim: Simulator) -> None:
+    with pytest.raises(ParameterError, match="positions"):
+        sim.render(positions=np.zeros(7))
 
 
 def test_a_picture_needs_a_running_simulator() -> None:
