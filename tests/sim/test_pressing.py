@@ -26,6 +26,8 @@ from .conftest import Program, Wire
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from aioduco.kinematics import Arm
+
 Vector = NDArray[np.float64]
 CYCLE = 0.001
 FIVE = arm("gcr5_910")
@@ -40,23 +42,31 @@ CAP = (0.05,) * 3 + (0.2,) * 3
 NOTHING = (0.0,) * 6
 
 
-def table(gap: float, stiffness: float | None = None, below: float = 0.0) -> Table:
+def table(
+    gap: float, stiffness: float | None = None, below: float = 0.0, model: Arm = FIVE
+) -> Table:
     """So far below the flange, or below a tool of some length [m, N/m]."""
-    return Table(at=(*POSE[:2, 3].tolist(), POSE[2, 3] - below - gap), stiffness=stiffness)
+    x, y, z = model.fkine(READY)[:3, 3].tolist()
+    return Table(at=(x, y, z - below - gap), stiffness=stiffness)
 
 
 class Cell:
     """An arm in its surroundings, whose force control presses along z of the tool."""
 
     def __init__(
-        self, *things: Table, probe: float = 0.0, target: tuple[float, ...] = PRESS, **law: Any
+        self,
+        *things: Table,
+        model: Arm = FIVE,
+        probe: float = 0.0,
+        target: tuple[float, ...] = PRESS,
+        **law: Any,
     ) -> None:
         tool = mjcf_of([Rod(length=probe, mass=0.2)], free=False) if probe else None
         tip = np.eye(4)
         tip[2, 3] = probe
-        self.world = World(FIVE, CYCLE, READY, scene=mjcf_of(things), tool=tool)
-        self.mover = Mover(FIVE, READY, CYCLE)
-        self.control = ForceControl(FIVE, CYCLE)
+        self.world = World(model, CYCLE, READY, scene=mjcf_of(things), tool=tool)
+        self.mover = Mover(model, READY, CYCLE)
+        self.control = ForceControl(model, CYCLE)
         self.control.sensor = self.control.sensor.tared(self.world.wrench, DOWN)
         usual = {"direction": Z, "damping": DAMPING, "cap": CAP, "band": NOTHING}
         self.control.law = Law(target=target, axes=Axes(tip, np.eye(4)), **{**usual, **law})
@@ -90,6 +100,13 @@ def test_pressing_settles_at_the_target(stiffness: float | None) -> None:
     assert pressed[1500:, 2] == pytest.approx(-20.0, abs=1.0)
     assert pressed[:, 2].min() > -22.0
     assert np.abs(pressed[1500:, :2]).max() < 2.0
+
+
+@pytest.mark.parametrize("name", ["gcr3_618", "gcr30_1100"])
+def test_small_and_large_arms_press(name: str) -> None:
+    model = arm(name)
+    cell = Cell(table(0.003, 20_000.0, model=model), model=model)
+    assert cell.run(1.5)[1000:, 2] == pytest.approx(-20.0, abs=1.0)
 
 
 def test_sliding_along_the_table_keeps_the_pressure() -> None:
@@ -315,4 +332,53 @@ def test_motions_give_way_too(simulator: Simulator, robot: Program) -> None:
     assert robot.movel(through, 0.02, 0.5, 0.0, [], "", "", True, Op(), False) == 5
     settle(simulator, robot)
     assert robot.get_tcp_pose()[2] > here[2] - 0.04
+    done(robot, robot.fc_stop())
+
+
+def free(robot: Program) -> None:
+    """The arm gives way along every axis, and turns about none."""
+    on = [True] * 3 + [False] * 3
+    done(robot, robot.fc_config(on, NOTHING, DAMPING, CAP, NOTHING, "", "", 0))
+    done(robot, robot.fc_start())
+
+
+def lift(sim: Simulator, robot: Program, seconds: float) -> float:
+    """Push upwards with 15 N for some simulated time; how far it went up [m]."""
+    before, begin = robot.get_tcp_pose()[2], sim.time
+    sim.push([0.0, 0.0, 15.0, 0.0, 0.0, 0.0])
+    sim.wait_until(lambda: sim.time > begin + seconds)
+    sim.push(NOTHING)
+    return robot.get_tcp_pose()[2] - before
+
+
+def test_a_paused_arm_gives_way_to_nothing(simulator: Simulator, robot: Program) -> None:
+    free(robot)
+    id_ = robot.fc_move(False)
+    assert lift(simulator, robot, 0.5) > 0.004
+    assert robot.pause(True) == TaskState.FINISHED
+    assert lift(simulator, robot, 0.5) < 0.001
+    assert robot.resume(True) == TaskState.FINISHED
+    assert lift(simulator, robot, 0.5) > 0.004
+    assert robot.get_noneblock_taskstate(id_) == TaskState.RUNNING
+    assert robot.stop(True) == TaskState.FINISHED
+    done(robot, robot.fc_stop())
+
+
+def test_velocities_give_way_and_hand_guiding_is_left_alone(
+    simulator: Simulator, robot: Program
+) -> None:
+    free(robot)
+    here = robot.get_tcp_pose()
+    id_ = robot.speedl([0.02, 0.0, 0.0, 0.0, 0.0, 0.0], 0.5, 1000, False)
+    assert lift(simulator, robot, 0.5) > 0.004
+    assert robot.get_noneblock_taskstate(id_) == TaskState.RUNNING
+    assert robot.stop(True) == TaskState.FINISHED
+    settle(simulator, robot)
+    assert math.dist(robot.get_tcp_pose()[:2], here[:2]) > 0.005
+    # It is where its offset has led it; in hand guiding, that offset must not lead it on.
+    there, begin = robot.get_tcp_pose(), simulator.time
+    robot.teach_mode(False)
+    simulator.wait_until(lambda: simulator.time > begin + 1.0)
+    assert robot.get_tcp_pose()[:3] == pytest.approx(there[:3], abs=1e-3)
+    assert robot.end_teach_mode(True) == TaskState.FINISHED
     done(robot, robot.fc_stop())
