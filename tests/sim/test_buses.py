@@ -88,6 +88,24 @@ def test_frames_are_found_behind_other_bytes_and_wait_until_they_are_complete() 
     assert len(port.read()) == 4096
 
 
+def test_an_answer_may_take_its_time(sim: Simulator, program: Program) -> None:
+    port = SerialPort()
+    port.peer, port.delay = Echo(), 0.1
+    assert port.write(b"a", 5.0)
+    assert port.write(b"b", 5.05)
+    port.advance(5.09)
+    assert port.read() == b""
+    port.advance(5.1)
+    assert port.read() == b"a"
+    port.advance(6.0)
+    assert port.read() == b"b"
+    sim.cabinet.tool_serial.peer, sim.cabinet.tool_serial.delay = Echo(), 0.12
+    begin = sim.time
+    program.tool_write_data_485([7])
+    sim.wait_until(lambda: program.tool_read_data_485() == [7])
+    assert sim.time - begin > 0.11
+
+
 @pytest.mark.parametrize("name", ["set_baudrate_485", "set_baudrate_can"])
 def test_rates_are_set(sim: Simulator, program: Program, name: str) -> None:
     assert getattr(program, name)(9600, True) == TaskState.FINISHED

@@ -105,11 +105,12 @@ class SerialHandlers(Section):
 
     def _receive(self, port: SerialPort, read: Callable[[SerialPort], bytes]) -> Octets:
         with self._cabinet.lock:
+            port.advance(self._runtime.snapshot.time)
             return _octets(read(port))
 
     def _send(self, port: SerialPort, *parts: Sequence[int]) -> bool:
         with self._cabinet.lock:
-            return port.write(b"".join(map(_bytes, parts)))
+            return port.write(b"".join(map(_bytes, parts)), self._runtime.snapshot.time)
 
     def _rate(self, name: str, value: int, block: bool, change: Callable[[int], None]) -> int:
         def command(controller: Controller) -> int:
