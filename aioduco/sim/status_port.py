@@ -107,7 +107,7 @@ class StatusPort:
         self, frame: Callable[[], StatusFrame], *, host: str = "127.0.0.1", port: int = 0
     ) -> None:
         self.host = host
-        self.port = port
+        self.port: int = port
         self._frame = frame
         self._clients: set[socket.socket] = set()
         self._listener: socket.socket | None = None

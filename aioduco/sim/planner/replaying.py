@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
+    from aioduco.sim.planner.follower import FollowError
     from aioduco.sim.planner.mover import SetPoint
 
 __all__ = ["Chain"]
@@ -26,6 +27,8 @@ class Chain(Follower):
         cycle: time between two ticks [s].
         parts: makes each follower for the joints [rad] at which the arm stands.
     """
+
+    failure: FollowError | None
 
     def __init__(
         self, arm: Arm, q: Array, cycle: float, parts: Sequence[Callable[[Array], Follower]]

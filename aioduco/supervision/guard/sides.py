@@ -211,23 +211,21 @@ class GuardedControl(Control):
     async def stop(self, timeout: float) -> None:
         """As `Control.stop`; the guard has it before this first waits."""
         until = time.monotonic() + timeout
-        self.epoch += 1
-        self.attempts += 1
+        self._asked_for()
         done = anyio.Event()
         answer = self._seat.stop(timeout, doorbell(done.set))
         if answer is not None:
             with anyio.move_on_after(min(PATIENCE, timeout)):
                 await done.wait()
             if answer.given and not answer.error:
-                self.stops += 1
+                self._taken()
                 return
         await super().stop(max(0.0, until - time.monotonic()))
 
     def stop_now(self, timeout: float) -> None:
         """As `Control.stop_now`."""
         until = time.monotonic() + timeout
-        self.epoch += 1
-        self.attempts += 1
+        self._asked_for()
         done: SimpleQueue[None] = SimpleQueue()
         answer = self._seat.stop(timeout, lambda: done.put(None))
         if answer is not None:
@@ -237,7 +235,7 @@ class GuardedControl(Control):
                 pass
             else:
                 if not answer.error:
-                    self.stops += 1
+                    self._taken()
                     return
         super().stop_now(max(0.0, until - time.monotonic()))
 
