@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 HOME = [0.0, 0.0, 1.5708, 0.0, -1.5708, 0.0]
 FINISHED, AUTO = 4, 1
 READY, UNPOWERED = [6, 0, 5, 1], [4, 0, 4, 1]
-_FIRST_ID, _UNDER_WAY = 1000, (0, 1, 2)
+_UNDER_WAY = (0, 1, 2)
+#: how long a motion of the table may take, by the wall clock [s]
+_PATIENCE = 2.0
 _BLOCK = {"block": True}
 _WAY_HOME = {"joints_list": HOME, "v": 3.0, "a": 20.0, "block": True}
 
@@ -44,14 +46,22 @@ class Session:
         eventually(answered)
         return answers[-1]
 
-    def settle(self, answer: Any) -> None:
-        """Wait for the end of a task, if an answer is the id of one."""
-        if type(answer) is int and answer >= _FIRST_ID:
-            eventually(lambda: self._ended(answer))
+    def end(self, id_: int) -> Any:
+        """The state in which a task ends; "lost" if the connection does first.
 
-    def _ended(self, id_: int) -> bool:
-        state = self.call("get_noneblock_taskstate", {"id": id_})
-        return isinstance(state, Lost) or state not in _UNDER_WAY
+        A task without an end is stopped, and its state before that told.
+        """
+        states: list[Any] = []
+
+        def ended() -> bool:
+            states.append(self.call("get_noneblock_taskstate", {"id": id_}))
+            return isinstance(states[-1], Lost) or states[-1] not in _UNDER_WAY
+
+        try:
+            eventually(ended, _PATIENCE)
+        except AssertionError:
+            self.call("stop", _BLOCK)
+        return "lost" if isinstance(states[-1], Lost) else states[-1]
 
     def enabled(self) -> None:
         """An enabled arm at home, in automatic mode, with nothing under way."""

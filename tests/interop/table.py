@@ -3,9 +3,11 @@
 `calls.json` has for each function
 
 - `args`: a call that a controller with an enabled arm can do;
-- `answer`: what it answers: a number, or a kind of answer (see `KINDS`);
+- `answer`: what it answers: a number, a kind of answer (see `KINDS`), or "id 4" for the id of a task
+  that ends in state 4;
 - `off`: the same without power; left out where it makes no difference;
-- `short`: the same without what wrappers leave out (`layouts.left_out`); `id` if that is `block`;
+- `short`: the same without what wrappers leave out (`layouts.left_out`); the id of a task in place
+  of its end, if that is `block`;
 - `bad`: by argument, the answer to values that make no sense, one for all or by kind of nonsense
   (see `nonsense`); an argument that is not there takes any value, and the answer is the usual one;
 - `older`, `oldest`: what older clients are answered; `older_args` what they send otherwise;
@@ -33,10 +35,10 @@ TABLE: dict[str, Any] = json.loads(Path(__file__).with_name("calls.json").read_t
 FUNCTIONS: dict[str, dict[str, Any]] = TABLE["functions"]
 REFUSED: dict[str, str] = TABLE["refused"]
 
+_FIRST_ID = 1000
 #: six zero bytes of an answer are no proof of anything, so numbers are finite besides
 KINDS: dict[str, Callable[[Any], bool]] = {
     "void": lambda a: a is None,
-    "id": lambda a: type(a) is int and a >= 1000,
     "int": lambda a: type(a) is int,
     "bool": lambda a: type(a) is bool,
     "number": lambda a: type(a) is float and math.isfinite(a),
@@ -137,7 +139,10 @@ def short_call(name: str) -> tuple[dict[str, Any], Any]:
     out = layouts.left_out(name)
     row = FUNCTIONS[name]
     args = {argument: value for argument, value in row["args"].items() if argument not in out}
-    return args, row.get("short", "id" if "block" in out else row.get("answer"))
+    usual = row.get("answer")
+    if "block" in out and type(usual) is int:
+        usual = f"id {usual}"  # it does not block
+    return args, row.get("short", usual)
 
 
 def older_call(service: str, name: str) -> tuple[dict[str, Any], Any]:
@@ -150,5 +155,5 @@ def older_call(service: str, name: str) -> tuple[dict[str, Any], Any]:
 
 
 def is_id(name: str, answer: Any) -> bool:
-    """Whether an answer is the id of a task that goes on."""
-    return bool(KINDS["id"](answer)) and "int" not in (FUNCTIONS[name].get("answer"),)
+    """Whether an answer is the id of a task."""
+    return type(answer) is int and answer >= _FIRST_ID and FUNCTIONS[name].get("answer") != "int"

@@ -60,6 +60,7 @@ def simulator() -> Simulator:
     return Simulator(
         speed=math.inf,
         values={"a_bool": False, "a_double": 0.0, "a_str": "", "a_list": [0.0], "a_lists": [[0.0]]},
+        external_axes={"rail": [(-1.0, 1.0, 0.5, 2.0)]},
         programs={"wave": [["movej2", [0.05, 0.0, 1.57, 0.0, -1.57, 0.0], 1.0, 2.0]]},
     )
 
@@ -79,13 +80,11 @@ def unpowered(start: Start) -> Iterator[Session]:
 
 
 def answer(session: Session, service: str, name: str, args: dict[str, Any]) -> Any:
-    """Prepare what the table names, call, and wait for the end of a task that was begun."""
+    """Prepare what the table names, and call; of a task's id, say how the task ends."""
     for before, given in table.FUNCTIONS[name].get("setup", ()):
         session.call(before, given)
     got = session.client.call(service, name, args)
-    if table.is_id(name, got):
-        session.settle(got)
-    return got
+    return f"id {session.end(got)}" if table.is_id(name, got) else got
 
 
 def tidy(session: Session, name: str) -> None:
