@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -115,7 +116,7 @@ class Kinematics(Section):
         wobj_ = ranges.POSE_OR_CURRENT("wobj", wobj)
         found = await self._rpc.cal_ikine(pose_, near_, tool_, wobj_)
         target = Pose(*pose_)
-        if len(found) < 6:
+        if len(found) < 6 or not all(map(math.isfinite, found)):
             raise Unreachable(f"the controller found no joints for {target}; nothing was moved")
         led = pose_of(await self._rpc.cal_fkine(found, tool_, wobj_))
         if not led.almost_equal(target, position=_POSITION, rotation=_ROTATION):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import itertools
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
-from aioduco.errors import StaleState
+from aioduco.errors import ParameterError, StaleState
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.state import IOStatus, RobotStates, RobotStatus, vectors
@@ -134,18 +134,32 @@ def joints(wire: Sequence[float]) -> Joints:
     """Joint angles of the wire; external axes after the sixth are left out.
 
     Raises:
-        StaleState: there are fewer than six: the controller is still starting.
+        StaleState: there are fewer than six, or some are not finite: the controller is starting.
     """
-    return Joints(*_six(wire, "joint angles"))
+    return _made(Joints, _six(wire, "joint angles"))
 
 
 def pose(wire: Sequence[float]) -> Pose:
     """A pose of the wire.
 
     Raises:
-        StaleState: there are fewer than six numbers: the controller is still starting.
+        StaleState: there are fewer than six numbers, or some are not finite: the controller is
+            still starting.
     """
-    return Pose(*_six(wire, "numbers of a pose"))
+    return _made(Pose, _six(wire, "numbers of a pose"))
+
+
+T = TypeVar("T", Joints, Pose)
+
+
+def _made(kind: type[T], six: Sequence[float]) -> T:
+    try:
+        return kind(*six)
+    except ParameterError as exc:
+        raise StaleState(
+            f"the controller sent {list(six)}, which is not finite: it is still starting, or at "
+            "fault; ask again"
+        ) from exc
 
 
 def _six(wire: Sequence[float], what: str) -> Sequence[float]:

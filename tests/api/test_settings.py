@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import pytest
@@ -27,9 +28,10 @@ async def test_a_pose_out_of_reach_is_an_error(robot: aioduco.Robot, desk: Desk)
     with pytest.raises(aioduco.Unreachable, match="out of the arm's reach"):
         await robot.kinematics.cal_ikine(OTHER, q_near=NEAR)
     assert await robot.kinematics.cal_ikine(POSE, q_near=NEAR) == Joints(*NEAR)
-    desk.answer("cal_ikine", [])
-    with pytest.raises(aioduco.Unreachable, match="no joints"):
-        await robot.kinematics.cal_ikine(POSE)
+    for nothing in ([], [math.nan] * 6):
+        desk.answer("cal_ikine", nothing)
+        with pytest.raises(aioduco.Unreachable, match="no joints"):
+            await robot.kinematics.cal_ikine(POSE)
 
 
 async def test_joints_are_led_back_with_the_same_frames(robot: aioduco.Robot, desk: Desk) -> None:

@@ -114,9 +114,10 @@ async def test_a_place_that_is_read(robot: aioduco.Robot, bench: Bench, name: st
     place = await getattr(robot.state, name)()
     assert isinstance(place, PLACES[name])
     assert list(place) == POSE
-    bench.answer(name, [])
-    with pytest.raises(aioduco.StaleState, match="still starting"):
-        await getattr(robot.state, name)()
+    for wire in ([], [float("nan")] * 6):
+        bench.answer(name, wire)
+        with pytest.raises(aioduco.StaleState, match="still starting"):
+            await getattr(robot.state, name)()
 
 
 async def test_states_status_errors_and_tasks(robot: aioduco.Robot, bench: Bench) -> None:
