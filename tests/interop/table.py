@@ -3,8 +3,8 @@
 `calls.json` has for each function
 
 - `args`: a call that a controller with an enabled arm can do;
-- `answer`: what it answers: a number, a kind of answer (see `KINDS`), or "id 4" for the id of a task
-  that ends in state 4;
+- `answer`: what it answers: a number, a kind of answer (see `KINDS`), or "id 4" for the id of a
+  task that ends in state 4;
 - `off`: the same without power; left out where it makes no difference;
 - `short`: the same without what wrappers leave out (`layouts.left_out`); the id of a task in place
   of its end, if that is `block`;
