@@ -30,6 +30,8 @@ class Cabinet:
         project: its files.
         teach_speed: [%].
         pendant_enabled: whether the pendant's keys are.
+        empty_statuses: how many of the next getRobotStatus have empty lists, as has been seen of a
+            controller just after connecting.
         mode_switch: whether a switch at the cabinet decides the mode, and programs do not.
         encoder_count: of the external encoder.
         dynamics: parameters of the dynamic calibration, as they were set.
@@ -46,6 +48,7 @@ class Cabinet:
     project: Project = field(default_factory=Project)
     teach_speed: int = 100
     pendant_enabled: bool = True
+    empty_statuses: int = 0
     mode_switch: bool = False
     encoder_count: int = 0
     dynamics: list[list[float]] = field(default_factory=list)
