@@ -96,6 +96,13 @@ def test_the_status_agrees_with_the_functions(cell: Simulator, program: Program)
     assert status.jointActualCurrent == pytest.approx((1000.0 * share).tolist(), abs=1e-6)
 
 
+def test_lists_may_be_empty_just_after_connecting(cell: Simulator, program: Program) -> None:
+    cell.cabinet.empty_statuses = 2
+    seen = [program.getRobotStatus() for _ in range(3)]
+    assert [len(status.jointActualPosition) for status in seen] == [0, 0, 6]
+    assert [status.robotState for status in seen] == [RobotState.ENABLE] * 3
+
+
 # -- temperatures --------------------------------------------------------------------------------
 
 

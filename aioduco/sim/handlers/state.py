@@ -112,6 +112,9 @@ class StateHandlers(Section):
         snapshot = self._runtime.snapshot
         view, setpoint = snapshot.view, snapshot.setpoint
         actual, expected = self._tips(snapshot)
+        if self._cabinet.empty_statuses > 0:
+            self._cabinet.empty_statuses -= 1
+            return RobotStatus(robotState=int(view.robot), robotError=view.error)
         return RobotStatus(
             jointExpectPosition=_list(setpoint.q),
             jointExpectVelocity=_list(setpoint.qd),
