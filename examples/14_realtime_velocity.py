@@ -37,7 +37,7 @@ async def main(host: str, port: int, seconds: float) -> None:
         before = await robot.state.get_actual_joints_position()
 
         async with robot.realtime.stream(
-            "joint_velocity", v=0.1, a=20.0, com_lost_time=0.04
+            "joint_velocity", v=0.1, a=20.0, depth=100, com_lost_time=0.04
         ) as stream:
             # The manual goes on with the last row `while not stop_realtime_control`.
             await stream.play(ROWS + [ROWS[-1]] * round(seconds * 1000))

@@ -41,7 +41,7 @@ class Feedback(NamedTuple):
 
     Attributes:
         time: time on the trajectory, of what was sent last [s].
-        desired: the place of the path closest to the arm, within the last quarter of a second
+        desired: the place of the path closest to the arm, within the last 0.3 s
             [rad]. Shape (6,).
         actual: where the arm is [rad]. Shape (6,).
         error: `actual` less `desired` [rad]. Shape (6,).

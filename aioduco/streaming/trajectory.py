@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 __all__ = ["follow"]
 
 _LOOK = 0.02  # seconds between two looks at where the arm is
-_LAG = 0.25  # seconds by which the arm may lag behind its set-points without being off its path
-_WINDOW = 50  # places of the path in that time with which the arm is compared
-_DEPTH = 60  # points in the controller's queue
+_DEPTH = 100  # points in the controller's queue: 0.1 s for which nothing may come
+_LAG = 0.3  # seconds by which the arm may lag behind its set-points without being off its path
+_WINDOW = 60  # places of the path in that time with which the arm is compared
 
 
 async def follow(
