@@ -280,10 +280,11 @@ class Mover:
         self._law_piece = self._path_piece = self._axes_piece = 0
 
     def _at_rest_by_law(self) -> bool:
-        # At its start the law stands itself, so that there is nothing to ramp up to.
+        # Where the law stands itself, there is nothing to ramp up to; a wait goes on.
         assert self._law is not None
         if self._v == 0.0 and self._law.speed(self._s) == 0.0:
-            self._time = self._law.time(self._s)
+            if self._law.at(self._time)[1] != self._s:
+                self._time = self._law.time(self._s)
             self._tracking = True
         return self._tracking
 

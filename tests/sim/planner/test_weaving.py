@@ -152,6 +152,24 @@ def test_where_the_path_waits_the_arm_stands_at_the_sides() -> None:
         assert len(stood[place]) * CYCLE == pytest.approx(wait, abs=0.003)
 
 
+def test_a_pause_does_not_shorten_a_dwell() -> None:
+    weave = Weave(WeaveShape.SINE, WeavePlane.TOOL_XY, 1.0, 0.003, 0.2, 0.0, stands=True)
+
+    def stood(pause: bool) -> int:
+        mover = Mover(FIVE, HOME, CYCLE)
+        mover.append(1, lambda _q: woven(weave))
+        still = 0
+        while mover.moving or mover.paused:
+            still += not mover.tick().setpoint.qd.any()
+            if still == 50 and pause:
+                mover.pause()
+            elif still == 90 and pause:
+                mover.resume()
+        return still
+
+    assert stood(pause=True) == stood(pause=False) + 40
+
+
 def test_pauses_and_speeds_leave_the_way_as_it_is() -> None:
     weave = Weave(WeaveShape.FIGURE_EIGHT, WeavePlane.TOOL_XY, 2.0, 0.004, 0.1, 0.1, stands=True)
     segment = woven(weave)
