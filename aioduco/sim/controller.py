@@ -83,6 +83,7 @@ class Controller:
         self.collisions: Observer = Observer(np.full(6, np.inf))
         self.recorder: Recorder = Recorder()
         self.read_ahead: tuple[int, int] = (0, 1)
+        self.program_lag: float = 0.0
         self.mode: OperationMode = OperationMode.AUTO
         self.halted: bool = False
         self._power = Power(self.tasks)
@@ -325,6 +326,7 @@ class Controller:
     def tick(self, sensed: Sensed) -> Drive:
         """One cycle."""
         self._sensed = sensed
+        self._execution.watch(sensed.time, self._motion.phase, self.program_lag)
         if self.heartbeat.lost(sensed.now):
             self._lose_heartbeat()
         commanded = self._motion.moving or self.force.moving

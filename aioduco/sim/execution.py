@@ -56,6 +56,8 @@ class Execution:
         self._paused = False
         self._ending: tuple[TaskState, str] | None = None
         self._time = 0.0
+        self._lags_until = 0.0
+        self._now = 0.0
 
     @property
     def active(self) -> bool:
@@ -82,10 +84,17 @@ class Execution:
             case Phase.PAUSED:
                 return ProgramState.PAUSED
             case Phase.IDLE if not self.active:
-                return ProgramState.STOPPED
+                lags = self._now < self._lags_until
+                return ProgramState.STOPPING if lags else ProgramState.STOPPED
             case Phase.IDLE if self._paused:
                 return ProgramState.PAUSED
         return ProgramState.TASK_RUNNING if manual else ProgramState.RUNNING
+
+    def watch(self, time: float, motion: Phase, lag: float) -> None:
+        """Take note of what runs: the state may say so for a while after its end [s]."""
+        self._now = time
+        if self.active or motion is not Phase.IDLE:
+            self._lags_until = time + lag
 
     def begin(self, id_: int, run: Run) -> None:
         """Run a program; `id_` is its task. None may be active."""

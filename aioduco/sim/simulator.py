@@ -86,6 +86,8 @@ class Simulator(Operating):
         tool: what the flange carries, likewise, in the flange's frame.
         vibration_time: how much longer each motion to a stand takes while vibration control is
             on, which it is at first [s]: 0.2 to 0.4 on a real arm, none unless told.
+        program_lag: how long the program state reads 1, stopping, after all motions have ended
+            [s]: up to 2 has been seen of a real controller, none unless told.
         mounting: where the base is in the world: "floor", "wall", "ceiling", or a pose [m, rad].
         external_axes: schemes of external axes by name, which a controller's pendant would define:
             of each, one to three `aioduco.sim.external_axes.Axis`, or their numbers.
@@ -98,7 +100,7 @@ class Simulator(Operating):
         ParameterError: There is no such model, or `joints` are no six angles.
         ValueError: `external_axes` are none.
         SceneError: `mounting` is none, or `scene` or `tool` hold what is no thing.
-        ValueError: One of the `programs` is none, or `vibration_time` is negative.
+        ValueError: One of the `programs` is none, or a time is negative.
     """
 
     def __init__(
@@ -116,6 +118,7 @@ class Simulator(Operating):
         mounting: MountingLike = "floor",
         external_axes: Mapping[str, Sequence[Sequence[float]]] | None = None,
         vibration_time: float = 0.0,
+        program_lag: float = 0.0,
         values: Mapping[str, Value] | None = None,
         programs: Mapping[str, Script] | str | Path | None = None,
         on_shutdown: Callable[[], object] = lambda: None,
@@ -124,9 +127,10 @@ class Simulator(Operating):
         self._speed = speed
         self.seed = seed
         self._start = Joints.of(READY if joints is None else joints).array
-        if not 0.0 <= vibration_time < math.inf:
-            raise ValueError(f"vibration_time is {vibration_time}, but must be from 0 s")
-        self._vibration_time = vibration_time
+        for name, time in (("vibration_time", vibration_time), ("program_lag", program_lag)):
+            if not 0.0 <= time < math.inf:
+                raise ValueError(f"{name} is {time}, but must be from 0 s")
+        self._vibration_time, self._program_lag = vibration_time, program_lag
         self.mounting: Pose = mounting_of(mounting, self.arm)
         self._scene = None if scene is None else mjcf_of(scene)
         self._tool = None if tool is None else mjcf_of(tool, free=False)
@@ -177,6 +181,7 @@ class Simulator(Operating):
 
         force = ForceControl(self.arm, CYCLE, gravity(self.mounting))
         controller = Controller(mover, self._start, force)
+        controller.program_lag = self._program_lag
         controller.external_axes = self.external_axes
         controller.collisions = Observer(np.array(self.arm.effort))
         runtime = Runtime(
