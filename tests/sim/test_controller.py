@@ -285,6 +285,19 @@ def test_switching_the_mode_pauses_and_stop_clears_it(ready: Bench) -> None:
     assert ready.state == [6, 0, 5, 0]
 
 
+def test_the_program_state_may_lag_behind() -> None:
+    bench = Bench().enabled()
+    bench.controller.program_lag = 0.05
+    assert bench.state[1] == 0
+    for _ in range(2):
+        assert bench.ended(bench.controller.move("movej2", leg(0.1))) == TaskState.FINISHED
+        assert bench.state[1] == 1
+        bench.tick(45)
+        assert bench.state[1] == 1
+    bench.tick(10)
+    assert bench.state == [6, 0, 5, 1]
+
+
 def test_motions_in_manual_mode_are_teach_tasks(ready: Bench) -> None:
     ready.controller.switch_mode(OperationMode.MANUAL)
     ready.controller.move("movej2", leg(1.0, 100))
