@@ -254,8 +254,7 @@ class Robot:
         supervisor = getattr(self, "_supervisor", None)
         if supervisor is not None and supervisor.state == "open":
             warnings.warn(f"unclosed {self!r}", ResourceWarning, source=self, stacklevel=2)
-            if supervisor.heartbeat is not None:
-                supervisor.heartbeat.end()
+            supervisor.forget()
 
     async def open(self) -> None:
         """Connect, see that a controller answers, and start the heartbeat.

@@ -359,6 +359,10 @@ class Keeper:
         self.loose = True
         self._background.start(self._stop_unwatched(task, settle), "aioduco stop of a lost task")
 
+    def forgotten(self, task: Task) -> None:  # noqa: ARG002  # whichever it is
+        """A motion is not followed any more, since the poller ends: it may go on."""
+        self.loose = True
+
     def overdue(self, task: Task) -> None:
         """A task has not ended by its deadline."""
         if task.motion:

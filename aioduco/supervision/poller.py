@@ -50,6 +50,10 @@ class Watcher(Protocol):
         """A task has not ended by its deadline."""
         ...
 
+    def forgotten(self, task: Task) -> None:
+        """A motion is not followed any more, since the poller ends."""
+        ...
+
     def due(self, task: Task) -> None:
         """The time of a motion that this program has to end is over."""
         ...
@@ -227,6 +231,8 @@ class Poller:
         self._closed = True
         now = time.monotonic()
         for task in self.tasks:
+            if task.motion:
+                self._watcher.forgotten(task)
             self._roster.remove(task)
             task.life.lose()
             self._settle(task, (), now)

@@ -32,6 +32,7 @@ from aioduco.supervision.ladder import leave
 from aioduco.supervision.lag import LagMonitor, Watched, monitors
 from aioduco.supervision.launcher import Launcher
 from aioduco.supervision.opening import open_lines
+from aioduco.supervision.parting import Parting
 from aioduco.supervision.patience import Patience
 from aioduco.supervision.pulse import HeartbeatState
 from aioduco.supervision.samples import Samples
@@ -143,6 +144,7 @@ class Supervisor:
         self.events: Events = Events(
             self.feed, self._feed_lane, self._background, self._heartbeat_state
         )
+        self._parting: Parting | None = None
         self._lag: LagMonitor | None = None
         self._watched: Watched | None = None
         self._opened = False
@@ -239,11 +241,19 @@ class Supervisor:
         for lane in self.lanes:
             lane.version = self.version.text
         self._opened = True
+        self._parting = Parting(self.keeper)
         self._background.start(self._live(time.monotonic()), "aioduco sign of life")
         self._background.start(self.keeper.poller.run(), "aioduco poller")
         if self.settings.lag_limit is not None:
             self._watched = Watched(self._life, self.settings.lag_limit, self._loop_blocked())
             self._lag = monitors.watch(self._watched)
+
+    def forget(self) -> None:
+        """The robot was forgotten while it was open: stop what moves, and end the heartbeat."""
+        if self._parting is not None:
+            self._parting.take()
+        if self.heartbeat is not None:
+            self.heartbeat.end()
 
     def _loop_blocked(self) -> Callable[[float, str], None]:
         """What the lag monitor calls, on its thread."""
@@ -270,6 +280,8 @@ class Supervisor:
 
     async def close_lines(self) -> None:
         """End everything that runs for the robot, and close its connections."""
+        if self._parting is not None:
+            self._parting.call_off()
         if self.heartbeat is not None:
             self.heartbeat.end()
         self.feed.close()
