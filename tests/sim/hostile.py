@@ -9,7 +9,8 @@ Two kinds of frames:
   too deep, or noise. Their connection may be closed; the server goes on.
 
 A connection sends some odd frames and a broken one as the last, and reads until the server
-closes. Meanwhile a probe calls on a connection of its own, and is timed.
+closes. Meanwhile a probe calls on a connection of its own, and is timed; it also ends what the
+others have begun, and enables the arm again.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ SPARED = frozenset(("shutdown", "restart"))
 ODD_NUMBERS = (float("nan"), float("inf"), float("-inf"), 1e308, -1e308, 5e-324, 0.0, -0.0, 1e-9)
 _SIZES = (-(2**31), -1, 2**16 + 1, 2**20 + 1, 2**30, 2**31 - 1)
 _BATCH = 12
+_ENABLED = 6
 #: how long an answer may take: a motion ends by its own or by the probe's stop [s]
 _PATIENCE = 30.0
 _RESET = b"\x01\x00\x00\x00\x00\x00\x00\x00"  # linger for no time: a reset instead of an end
@@ -127,7 +129,8 @@ class Outcome:
         wrong: what must not be: calls without an answer or out of order, errors in the handlers,
             a probe that is not served.
         probes: how long each call of the probe took [s].
-        longest: odd frames of the connections that had to wait longest for an end [s].
+        longest: the longest that a connection had to wait for its end [s].
+        enabled: how many probes found the arm enabled.
     """
 
     frames: Counter[str] = field(default_factory=Counter)
@@ -135,6 +138,7 @@ class Outcome:
     wrong: list[str] = field(default_factory=list)
     probes: list[float] = field(default_factory=list)
     longest: float = 0.0
+    enabled: int = 0
 
 
 class Fuzzer:
@@ -227,6 +231,11 @@ class Fuzzer:
                     assert len(state) == 4
                     if number % 10 == 0:
                         client.call("stop", block=False)  # else a call may wait for ever
+                    if state[0] != _ENABLED and number % 5 == 0:
+                        # Else most of what follows would find an arm that does not move.
+                        for name in ("power_off", "power_on", "enable"):
+                            client.call(name, block=False)
+                    self.outcome.enabled += state[0] == _ENABLED
                     if self._done.wait(0.01):
                         return
         except Exception as exc:
