@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from aioduco.sim.buses import CanPort, SerialPort
+from aioduco.sim.load import Load
 from aioduco.sim.modbus import ModbusSignals
 from aioduco.sim.project import Project
 from aioduco.sim.values import SystemValues
@@ -36,6 +37,8 @@ class Cabinet:
         encoder_count: of the external encoder.
         dynamics: parameters of the dynamic calibration, as they were set.
         hand_teaching: what gives way in hand guiding; None for everything.
+        held: the load of set_load_data.
+        tooled: whether there is a tool, so that none has to be thought of.
         force_sensor: whether one is set up.
         lock: held while a bus is used: several programs share it, and peers know no threads.
     """
@@ -53,5 +56,7 @@ class Cabinet:
     encoder_count: int = 0
     dynamics: list[list[float]] = field(default_factory=list)
     hand_teaching: Giving | None = None
+    held: Load = field(default_factory=Load)
+    tooled: bool = False
     force_sensor: bool = True
     lock: threading.Lock = field(default_factory=threading.Lock)

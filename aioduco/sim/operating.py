@@ -74,9 +74,9 @@ class Operating(ABC):
     def load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
         """Hang a load on the flange, whatever the program says is there.
 
-        Until this is called, what hangs there is what the program tells by `set_load_data`. From
-        then on the two are apart: a controller that was told wrongly takes the difference for a
-        force from outside, as a real one does.
+        Until this is called, what hangs there is what the program tells by `set_tool_data` and
+        `set_load_data`. From then on the two are apart: a controller that was told wrongly takes
+        the difference for a force from outside, as a real one does.
 
         Args:
             mass: of the load, a point without inertia of its own [kg]; zero for none.

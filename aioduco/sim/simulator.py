@@ -135,6 +135,7 @@ class Simulator(Operating):
         self._scene = None if scene is None else mjcf_of(scene)
         self._tool = None if tool is None else mjcf_of(tool, free=False)
         self.cabinet: Cabinet = Cabinet(SystemValues(values))
+        self.cabinet.tooled = tool is not None
         self.cabinet.project.add(programs or {})
         self.external_axes: ExternalAxes = ExternalAxes(external_axes)
         self._address = (host, port)

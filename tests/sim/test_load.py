@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 import pytest
 
 from aioduco.models.enums import TaskState
+from aioduco.sim.scene import Rod
+from aioduco.sim.simulator import Simulator
 
 from .conftest import OUT_OF_RANGE
 
 if TYPE_CHECKING:
-    from aioduco.sim.simulator import Simulator
+    from collections.abc import Callable
 
     from .conftest import Program
 
@@ -21,7 +23,7 @@ NOTHING = [0.0] * 6
 
 def settle(sim: Simulator) -> None:
     """Let the drives come to rest."""
-    end = sim.time + 1.0
+    end = sim.time + 0.5
     sim.wait_until(lambda: sim.time >= end)
 
 
@@ -54,3 +56,65 @@ def test_a_push_is_felt_at_the_tip(sim: Simulator, robot: Program) -> None:
     sim.push(NOTHING)
     assert robot.get_tcp_force_tool("saw") == []
     assert "no tool 'saw'" in robot.get_last_error()[-1]
+
+
+def test_a_tool_is_carried_as_heavy_as_it_is_told_to_be(sim: Simulator, robot: Program) -> None:
+    settle(sim)
+    before = robot.get_actual_joints_torque()
+    reach = math.hypot(*robot.get_flange_pose()[:2])
+    tool = [0.0, 0.0, 0.1, 0.0, 0.0, 0.0]
+    robot.set_tool_data("gripper", tool, [2.0, 0.0, 0.0, 0.05], [0.0] * 6)
+    settle(sim)
+    gripping = robot.get_actual_joints_torque()
+    assert abs(gripping[1] - before[1]) == pytest.approx(2.0 * 9.81 * reach, rel=0.05)
+    robot.set_load_data([1.0, 0.0, 0.0, 0.0])
+    settle(sim)
+    holding = robot.get_actual_joints_torque()
+    assert abs(holding[1] - before[1]) == pytest.approx(3.0 * 9.81 * reach, rel=0.05)
+    assert robot.get_tcp_force() == pytest.approx(NOTHING, abs=0.05)
+    robot.to(0.3, 0.2, 1.2, 0.4, -0.8, 0.5)
+    settle(sim)
+    assert robot.get_tcp_force() == pytest.approx(NOTHING, abs=0.1)
+    robot.set_load_data([0.0] * 4)
+    robot.set_tool_data("default", [0.0] * 6, [0.0] * 4, [0.0] * 6)
+    settle(sim)
+    assert robot.get_tcp_force() == pytest.approx(NOTHING, abs=0.05)
+
+
+def test_a_tool_that_is_there_is_not_carried_twice(connect: Callable[..., Program]) -> None:
+    with Simulator(speed=math.inf, tool=[Rod(length=0.1, mass=1.0)]) as sim:
+        robot = connect(sim)
+        robot.bring_up()
+        settle(sim)
+        before = robot.get_actual_joints_torque()
+        # The flange looks down as it is tared; told of its tool, it knows its weight from then on.
+        robot.set_tool_data("rod", [0.0, 0.0, 0.1, 0, 0, 0], [1.0, 0.0, 0.0, 0.05], [0.0] * 6)
+        assert robot.fc_force_set_value([True] * 6, NOTHING) >= 1000
+        settle(sim)
+        assert robot.get_actual_joints_torque() == pytest.approx(before, abs=0.01)
+        robot.to(0.0, 0.2, 1.2, 0.4, -0.8, 0.5)
+        settle(sim)
+        assert robot.get_tcp_force()[:3] == pytest.approx(NOTHING[:3], abs=0.2)
+
+
+@pytest.mark.parametrize(("told", "drifts"), [(2.0, False), (1.0, True)])
+def test_a_wrong_load_drifts_where_the_arm_gives_way(
+    sim: Simulator, robot: Program, told: float, drifts: bool
+) -> None:
+    sim.load(2.0)
+    robot.set_load_data([told, 0.0, 0.0, 0.0])
+    settle(sim)
+    robot.fc_force_set_value([True] * 6, NOTHING)
+    robot.to(0.0, 0.0, math.pi / 2, 1.2, -math.pi / 2, 0.0)  # the flange looks ahead
+    settle(sim)
+    assert robot.fc_get_ft()[:3] != pytest.approx(NOTHING[:3], abs=10.0)
+    on, damping, cap = [True] * 3 + [False] * 3, [1000.0] * 3 + [57.0] * 3, [0.05] * 6
+    robot.fc_config(on, NOTHING, damping, cap, NOTHING, "", "", 0)
+    robot.fc_start()
+    here, begin = robot.get_tcp_pose(), sim.time
+    robot.fc_move(False)
+    sim.wait_until(lambda: sim.time > begin + 1.0)
+    drift = math.dist(robot.get_tcp_pose()[:3], here[:3])
+    # A kilogram that is not known of, and as much the other way that was tared.
+    assert drift > 0.010 if drifts else drift < 0.001
+    assert robot.stop(True) == TaskState.FINISHED

@@ -8,7 +8,7 @@ from aioduco.errors import Unreachable
 from aioduco.models.pose import Pose
 from aioduco.sim.frames import MAX_NAME, Tool
 from aioduco.sim.handlers.arguments import joints, load, name_of, numbers, pose
-from aioduco.sim.handlers.base import Section
+from aioduco.sim.handlers.carrying import CarryingSection
 from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     Matrix = NDArray[np.float64]
 
 
-class FrameHandlers(Section):
+class FrameHandlers(CarryingSection):
     """set_tool_data to get_wobj, cal_fkine and cal_ikine."""
 
     def set_tool_data(
@@ -42,6 +42,7 @@ class FrameHandlers(Section):
                 numbers("inertia_tensor", inertia_tensor, 6) if inertia_tensor else (0.0,) * 6,
             )
             controller.frames.set_tool(tool)
+            self._carry(controller)
             return controller.finish("set_tool_data")
 
         return self._task("set_tool_data", True, command)

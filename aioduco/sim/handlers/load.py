@@ -9,7 +9,8 @@ import numpy as np
 from aioduco.sim.force.sensor import Axes
 from aioduco.sim.frames import UnknownName
 from aioduco.sim.handlers.arguments import load
-from aioduco.sim.handlers.base import Section
+from aioduco.sim.handlers.carrying import CarryingSection
+from aioduco.sim.load import Load
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from aioduco.sim.controller import Controller
 
 
-class LoadHandlers(Section):
+class LoadHandlers(CarryingSection):
     """set_load_data, get_tcp_force, get_tcp_force_tool."""
 
     def set_load_data(self, value: Sequence[float]) -> int:
@@ -27,8 +28,8 @@ class LoadHandlers(Section):
             mass, *centre = load("value", value)
             tool = controller.frames.tool().matrix
             at = tool[:3, :3] @ centre + tool[:3, 3]
-            controller.force.carry(mass, at.tolist())
-            self._runtime.load(mass, at.tolist())
+            self._cabinet.held = Load(mass, tuple(at.tolist()))
+            self._carry(controller)
             return controller.finish("set_load_data")
 
         return self._task("set_load_data", True, command)
