@@ -3802,7 +3802,8 @@ class Force(_Section):
 
         Args:
             middle: middle of the range [m, rad]. Shape (6,).
-            range: width of the range, from 0 [m, rad]; noise must fit in. Shape (6,).
+            range: how far the value may be from it, from 0 [m, rad]; noise must fit in.
+                The manual leaves open whether that is to each side, or over all. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: how long it must hold, from 0 [s].
@@ -3836,7 +3837,8 @@ class Force(_Section):
 
         Args:
             middle: middle of the range, -5 to 5 and -2π to 2π [m/s, rad/s]. Shape (6,).
-            range: width of the range, from 0 [m/s, rad/s]; noise must fit in. Shape (6,).
+            range: how far the value may be from it, from 0 [m/s, rad/s]; noise must fit in.
+                The manual leaves open whether that is to each side, or over all. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: how long it must hold, from 0 [s].
@@ -3870,7 +3872,8 @@ class Force(_Section):
 
         Args:
             middle: middle of the range, -1000 to 1000 [N, N·m]. Shape (6,).
-            range: width of the range, from 0 [N, N·m]; noise must fit in. Shape (6,).
+            range: how far the value may be from it, from 0 [N, N·m]; noise must fit in.
+                The manual leaves open whether that is to each side, or over all. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: how long it must hold, from 0 [s].
