@@ -32,7 +32,7 @@ NEAR = 0.08
 
 _SAMPLES = 600  # in which the neighbourhoods are looked for
 _LEAST = 4  # samples on the curve between two of them
-_PIECES = 24  # of a passage
+_PIECES = 96  # of a passage
 
 
 class _Stretch(NamedTuple):
