@@ -51,7 +51,7 @@ class Force(Section):
 
         Manual section 1.3.10.
         """
-        modes = self._supervisor.keeper.standing_modes
+        modes = self._supervisor.keeper.modes.standing
         was_on = "fc_stop" in modes
         modes.add("fc_stop")  # before it is sent: its answer may be lost
         try:
@@ -75,7 +75,7 @@ class Force(Section):
         """
         await self._must_stand("fc_stop")
         await self._settle(lambda rpc: rpc.fc_stop(), _LIMIT)
-        self._supervisor.keeper.standing_modes.discard("fc_stop")
+        self._supervisor.keeper.modes.standing.discard("fc_stop")
 
     async def fc_config(
         self,

@@ -151,15 +151,14 @@ class Section:
         supervisor = self._supervisor
         supervisor.check_open(name)
         modes = supervisor.keeper.modes
-        was_on = ending in modes
-        modes[ending] = args  # before it is sent: from now on a stop ends the mode, too
+        was_on = modes.enter(ending, args)  # before it is sent: from now on a stop ends it, too
         try:
             command = Command(name, call_args)
             timeout = supervisor.settings.call_timeout
             done(name, await supervisor.launcher.conduct(command, supervisor.calls, timeout))
         except (TaskError, Refused, ControllerError, RobotStateError):
             if not was_on:
-                modes.pop(ending, None)
+                modes.over(ending)
             raise
 
     async def _perform(self, call: Call, timeout: float) -> None:

@@ -65,22 +65,6 @@ class Control:
         """Count one that was accepted."""
         self.stops += 1
 
-    async def open(self) -> None:
-        """Open the connections.
-
-        Raises:
-            ConnectError: there is no controller.
-        """
-        await self._stop.open()
-        await self._others.open()
-
-    async def aclose(self) -> None:
-        """Close the connections."""
-        try:
-            await self._others.aclose()
-        finally:
-            await self._stop.aclose()
-
     async def stop(self, timeout: float) -> None:
         """Send a stop until the controller accepts one.
 

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco.errors import ConnectionLost, DucoError, Refused, StopUnconfirmed, TaskUnknown
-from aioduco.models.enums import TaskState
+from aioduco.errors import ConnectionLost, DucoError, StopUnconfirmed, TaskUnknown
 from aioduco.supervision.control import STANDSTILL_EVERY, Control
 from aioduco.supervision.insist import insist
 from aioduco.supervision.lifecycle import TaskLifecycle
+from aioduco.supervision.modes import Modes
 from aioduco.supervision.poller import Poller
 from aioduco.supervision.streams import Streams
 from aioduco.supervision.task import Task
@@ -42,8 +42,6 @@ _SETTLE = 1.0
 _PAUSE_LIMIT = 10.0
 #: seconds for the controller to say where the arm is
 _ASK_LIMIT = 0.5
-#: seconds for a mode to be left after a stop
-_LEAVE_LIMIT = 0.5
 #: seconds for the lane of a stream to fall silent: an answer that it waits for, and more
 _SILENCE = 2.0
 #: the same in a thread that cannot go on meanwhile
@@ -62,10 +60,7 @@ class Keeper:
     Attributes:
         poller: follows the tasks.
         loose: whether a motion may be running that is not followed. A stop ends that.
-        modes: modes that the controller is in because of this program, in which the arm gives
-            way or follows: the function that ends each, and its arguments.
-        standing_modes: modes that outlast a stop, and may be left only while the arm stands: the
-            functions that end them. They are left on the way out.
+        modes: modes that the controller is in because of this program.
         unfollowed: motions on their way that are answered only at their ends.
         streams: the open streams; whatever brings the arm to rest ends them first.
     """
@@ -79,8 +74,7 @@ class Keeper:
         self._settings = settings
         self.poller: Poller = Poller(poll, self)
         self.loose: bool = False
-        self.modes: dict[str, tuple[bool, ...]] = {}
-        self.standing_modes: set[str] = set()
+        self.modes: Modes = Modes(control)
         self.unfollowed = 0
         self.streams: Streams = Streams()
 
@@ -92,7 +86,7 @@ class Keeper:
     @property
     def moving(self) -> bool:
         """Whether anything that this program started may be moving the arm."""
-        if self.loose or self.modes or self.unfollowed or self.streams:
+        if self.loose or self.modes.moving or self.unfollowed or self.streams:
             return True
         return any(task.motion for task in self.poller.tasks)
 
@@ -116,13 +110,13 @@ class Keeper:
             StopUnconfirmed: none was.
         """
         streaming = self.streams.halt()
-        if self.modes or streaming:
+        if self.modes.moving or streaming:
             try:
                 await self._control.stop(timeout)
             finally:
                 if streaming:
                     await self.streams.settled(_SILENCE)
-                await self._leave_modes()
+                await self.modes.leave()
         await self._control.stop(timeout)
 
     async def rest(self, stop_timeout: float | None, timeout: float) -> None:
@@ -173,45 +167,17 @@ class Keeper:
             ending: the function of the wire that ends the mode in which it was; may be empty.
         """
         if ending:
-            self.modes[ending] = ()
+            self.modes.enter(ending)
         await self.stop()
 
-    async def _leave_modes(self) -> None:
-        """Leave the modes in which the arm gives way or follows: a stop may not."""
-        modes, self.modes = self.modes, {}
-        for name, args in modes.items():
-            try:
-                await self._control.leave(name, args, _LEAVE_LIMIT)
-            except DucoError as exc:
-                _log.warning("%s after a stop was not carried out: %s", name, exc)
-
-    async def leave_all_modes(self, timeout: float) -> None:
+    async def leave_modes(self, timeout: float) -> None:
         """Leave every mode that this program has entered: nothing of it is to come after.
 
         Args:
-            timeout: seconds for those that may be left only while the arm stands.
+            timeout: seconds for each of what is to be left while the arm stands.
         """
-        await self._leave_modes()
-        if not self.standing_modes:
-            return
-        names = ", ".join(sorted(self.standing_modes))
-        try:
-            await self._control.standstill(timeout)
-        except StopUnconfirmed as exc:
-            _log.warning(
-                "%s was not sent, since it is not known that the arm stands: %s", names, exc
-            )
-            return
-        for name in tuple(self.standing_modes):
-            self.standing_modes.discard(name)
-            try:
-                answer = await self._control.leave(name, (), timeout)
-                if answer > max(TaskState):
-                    await self.completed(self._followed(name, answer, self.stops), timeout)
-                elif answer != TaskState.FINISHED:
-                    raise Refused(name, answer, "no reason is given")
-            except DucoError as exc:
-                _log.warning("%s was not carried out: the mode may still be on: %s", name, exc)
+        await self.modes.leave()
+        await self.modes.leave_standing(timeout, self._follow)
 
     async def stop(self) -> None:
         """As `halt`, to its end even if cancelled, until the motions are seen to have ended."""
@@ -280,7 +246,7 @@ class Keeper:
 
     async def _come_to_rest(self, name: str) -> None:
         """See the arm stand after it was told to; what has no effect becomes a stop."""
-        self.modes.pop(name, None)
+        self.modes.over(name)
         try:
             await self._control.standstill(self._settings.standstill_timeout)
         except StopUnconfirmed as exc:
@@ -311,22 +277,24 @@ class Keeper:
     async def _controlled(self, name: str) -> None:
         stops = self.stops
         answer = await self._control.send(name)
-        await self.completed(self._followed(name, answer, stops), _PAUSE_LIMIT)
+        await self._follow(name, answer, _PAUSE_LIMIT, stops)
 
-    def _followed(self, name: str, task_id: int, stops: int) -> Task:
-        """A task that moves nothing, followed from now on."""
+    async def _follow(
+        self, name: str, task_id: int, timeout: float, stops: int | None = None
+    ) -> Outcome:
+        """Follow a task that moves nothing to its end, as `completed`."""
         task = Task(
             self,
             name,
             task_id,
             TaskLifecycle(),
             accepted_at=time.monotonic(),
-            stops_before=stops,
+            stops_before=self.stops if stops is None else stops,
             motion=False,
             on_cancel="detach",
         )
         self.poller.follow(task)
-        return task
+        return await self.completed(task, timeout)
 
     async def completed(self, task: Task, timeout: float) -> Outcome:
         """Wait for the end of a task that moves nothing.

@@ -58,8 +58,8 @@ async def leave(way: Way, ladder: ExitLadder) -> None:
         await down.rung("stop", ladder.stop, keeper.send_stop)
         again = ladder.stop
         await down.rung("standstill", ladder.standstill, lambda limit: keeper.rest(again, limit))
-    if keeper.modes or keeper.standing_modes:
-        await down.rung("modes", ladder.modes, keeper.leave_all_modes)
+    if keeper.modes.any:
+        await down.rung("modes", ladder.modes, keeper.leave_modes)
     if way.heartbeat is not None:
         way.heartbeat.end()
     await down.rung("close", _NO_LIMIT, lambda _: way.close_lines())

@@ -105,7 +105,7 @@ class Launcher:
             self._admit(Command(name, ()))
             keeper = self._keeper
             tasks = [task for task in keeper.poller.tasks if task.motion]
-            if tasks or keeper.modes or keeper.unfollowed:
+            if tasks or keeper.modes.moving or keeper.unfollowed:
                 moved = ", ".join(map(repr, tasks)) or "a mode in which the arm moves"
                 raise RobotStateError(
                     f"{name} was not opened: {moved} is under way, and the arm can follow only one"
@@ -142,8 +142,8 @@ class Launcher:
             before = self._last if command.motion else None
             if before is not None:
                 before.life.successor_sent()
-            if command.held is not None and command.held.mode:
-                self._keeper.modes[command.held.ending] = (False,)
+            mode = command.held.ending if command.held is not None and command.held.mode else None
+            was_on = mode is not None and self._keeper.modes.enter(mode, (False,))
             sending = _Sending()
             self._background.start(self._send(command, sending), f"aioduco {command.name}")
             _, cancelled = await insist(sending.done.wait)
@@ -151,6 +151,8 @@ class Launcher:
             if error is None and sending.answer < 0:
                 error = Refused(command.name, sending.answer, "no reason is given")
             if error is not None:
+                if mode is not None and not was_on and not isinstance(error, OutcomeUnknown):
+                    self._keeper.modes.over(mode)
                 await self._failed(command, before, error, cancelled)
             task = self._accept(command, sending, stops, deadline, on_cancel)
             if command.motion and self._keeper.stops != stops:
@@ -170,8 +172,6 @@ class Launcher:
         if command.motion and isinstance(error, OutcomeUnknown):
             _, again = await insist(self._keeper.halt_late)
             cancelled = cancelled or again
-        elif command.held is not None:
-            self._keeper.modes.pop(command.held.ending, None)
         if before is not None:
             before.life.successor_refused()
         raise cancelled or error

@@ -180,7 +180,7 @@ async def test_each_rung_is_logged(bench: Bench, caplog: pytest.LogCaptureFixtur
     caplog.set_level("DEBUG", "aioduco.supervision.ladder")
     ladder = aioduco.ExitLadder(modes=None)
     async with aioduco.connect(bench.host, bench.port, exit_ladder=ladder) as robot:
-        robot._supervisor.keeper.standing_modes.add("fc_stop")
+        robot._supervisor.keeper.modes.standing.add("fc_stop")
         await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
     said = [record.getMessage().removeprefix("leaving the robot: ") for record in caplog.records]
     assert [line.split(" took ")[0] for line in said] == [
