@@ -15,7 +15,6 @@ import numpy as np
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim.cabinet import Cabinet
-from aioduco.sim.camera import Camera, towards
 from aioduco.sim.clock import checked_speed
 from aioduco.sim.collision import Observer
 from aioduco.sim.controller import Controller
@@ -30,6 +29,7 @@ from aioduco.sim.render import Studio
 from aioduco.sim.runtime import Runtime
 from aioduco.sim.scene.xml import mjcf_of
 from aioduco.sim.server import Server
+from aioduco.sim.showing import Showing
 from aioduco.sim.status_port import StatusPort, frame_of
 from aioduco.sim.values import SystemValues
 from aioduco.sim.world import World
@@ -53,7 +53,6 @@ if TYPE_CHECKING:
     from aioduco.sim.signals import Signals
     from aioduco.sim.tasks import Task
     from aioduco.sim.values import Value
-    from aioduco.sim.viewer import Viewer
 
 #: time of one controller cycle [s]
 CYCLE = 0.001
@@ -61,7 +60,7 @@ CYCLE = 0.001
 READY = (0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0)
 
 
-class Simulator(Operating):
+class Simulator(Operating, Showing):
     """A simulated controller with its arm, on a TCP port of this computer.
 
     It runs in threads of this process, between entering and leaving it:
@@ -326,65 +325,6 @@ class Simulator(Operating):
     def joints(self) -> Joints:
         """Actual joints [rad]."""
         return Joints.of(self._running().snapshot.q)
-
-    @property
-    def positions(self) -> NDArray[np.float64]:
-        """Positions of everything that moves, for `render`: the joints, the tool, the scene."""
-        return self._running().snapshot.positions.copy()
-
-    def render(
-        self,
-        *,
-        width: int = 640,
-        height: int = 480,
-        camera: Camera | str | None = None,
-        positions: NDArray[np.float64] | None = None,
-    ) -> NDArray[np.uint8]:
-        """Draw a picture of the arm and what is around it, without a display.
-
-        It is drawn by a process of its own, which starts with the first picture: the simulation
-        goes on meanwhile.
-
-        Args:
-            width: of the picture, at most 1920 [pixels].
-            height: of the picture, at most 1080 [pixels].
-            camera: from where it is seen: a `Camera`, or the name of one in the scene; None for
-                one that sees the whole arm.
-            positions: what is to be drawn, as `positions` gave it at another instant; None for now.
-
-        Returns:
-            Red, green, blue. Shape (height, width, 3).
-
-        Raises:
-            ParameterError: The picture is too large, or there is no such camera.
-            RenderError: This computer has no OpenGL that draws off screen.
-        """
-        shown = self.positions if positions is None else positions
-        assert self._studio is not None
-        seen = towards(self.arm, self.mounting) if camera is None else camera
-        return self._studio.picture(shown, width, height, seen)
-
-    def window(self) -> Viewer:
-        """Open MuJoCo's window on the arm, where there is a display.
-
-        The window shows how things are each time that its method `show` is called:
-
-            with sim.window() as window:
-                while window.running:
-                    window.show()
-                    time.sleep(1 / 30)
-
-        Returns:
-            The window.
-
-        Raises:
-            RenderError: There is no display.
-        """
-        from aioduco.sim.viewer import Viewer  # noqa: PLC0415 - for those who have a display
-
-        self._running()
-        assert self._studio is not None
-        return Viewer(self._studio.model, lambda: self.positions, towards(self.arm, self.mounting))
 
     @property
     def moving(self) -> bool:
