@@ -105,8 +105,9 @@ class StatusFrame:
         driver_error, driver_state: of the drives.
         tcp_position, tcp_velocity, tcp_acceleration: the tool's tip [m, rad, s].
         tcp_force: force and torque at the tip; the parsers doubt their units [N, N m].
-        tcp_position_expected, tcp_velocity_expected, tcp_acceleration_expected,
-            tcp_force_expected: what the tip is to do.
+        tcp_position_expected, tcp_velocity_expected, tcp_acceleration_expected: what the tip is
+            to do [m, rad, s].
+        tcp_force_expected: force and torque that it is to meet [N, N m].
         base_force, base_force_expected: at the base [N, N m].
         tool, work_object: the frames in use [m, rad].
         blended_speed: of the path [m/s or rad/s].

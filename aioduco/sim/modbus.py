@@ -73,7 +73,10 @@ class RtuSlave(ModbusSlave):
 
     Args:
         unit: its number, 1 to 247.
-        coils, inputs, registers, input_registers: what it has.
+        coils: the coils that it has, by address.
+        inputs: its discrete inputs.
+        registers: its holding registers.
+        input_registers: its input registers.
     """
 
     def __init__(
