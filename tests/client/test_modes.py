@@ -1,0 +1,83 @@
+"""Modes that a stop leaves on, on the simulated arm: none is on when the program has left."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import anyio
+import pytest
+
+import aioduco
+from aioduco import Outcome
+from aioduco.sim import Simulator
+from aioduco.testing import eventually_async
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Iterator
+
+Z = (False, False, True, False, False, False)
+DAMPING = (1000.0,) * 3 + (57.0,) * 3
+SLOW = (0.05,) * 3 + (0.2,) * 3
+TARGET = [1.5, 0.0, 1.57, 0.0, -1.57, 0.0]
+
+
+@pytest.fixture(scope="module")
+def sim() -> Iterator[Simulator]:
+    with Simulator(speed=20.0) as sim:
+        yield sim
+
+
+async def press(robot: aioduco.Robot) -> None:
+    """Force control with nothing to press on: the arm goes down until it is told otherwise."""
+    await robot.force.fc_config(Z, (0.0, 0.0, -10.0, 0.0, 0.0, 0.0), DAMPING, SLOW)
+    await robot.force.fc_start()
+    await robot.motion.movej2(TARGET, v=0.1, a=4.0).start()
+
+
+async def guide(robot: aioduco.Robot) -> None:
+    """Hand guiding, which goes on though nobody touches the arm."""
+    await robot.motion.teach_mode().start()
+
+
+async def fail(robot: aioduco.Robot) -> None:
+    """A defect while force control is on."""
+    await press(robot)
+    raise KeyError("no such part")
+
+
+@pytest.mark.parametrize("mode", [press, guide, fail])
+async def test_no_mode_is_on_when_the_robot_was_left(
+    sim: Simulator, mode: Callable[[aioduco.Robot], Awaitable[None]]
+) -> None:
+    async def program() -> None:
+        async with aioduco.connect(sim.host, sim.port) as robot:
+            await robot.bring_up()
+            await mode(robot)
+
+    if mode is fail:
+        with pytest.raises(KeyError):
+            await program()
+    else:
+        await program()
+    assert not sim.moving
+    assert not sim.tasks
+    async with aioduco.connect(sim.host, sim.port) as robot:
+        assert not await robot.force.fc_mode_is_active()
+        states = await robot.bring_up()
+        assert states.robot is aioduco.RobotState.ENABLE
+
+
+async def test_force_control_goes_on_through_a_stop(sim: Simulator) -> None:
+    async with aioduco.connect(sim.host, sim.port) as robot:
+        await robot.bring_up()
+        await press(robot)
+        with anyio.fail_after(10):
+            await robot.stop()
+        assert await robot.force.fc_mode_is_active()
+        await robot.force.fc_stop()
+        await eventually_async(lambda: not sim.moving)
+        assert (
+            await robot.motion.movej2([0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0], v=2.0, a=8.0)
+            is Outcome.FINISHED
+        )
