@@ -136,8 +136,12 @@ def main(requests: BinaryIO, answers: BinaryIO) -> None:
             send(answers, answer)
 
 
-if __name__ == "__main__":
+def _serve() -> None:
     output = os.dup(1)
     os.dup2(2, 1)  # what a driver says is no answer
     with contextlib.suppress(KeyboardInterrupt, EOFError), os.fdopen(output, "wb") as out:
         main(sys.stdin.buffer, out)
+
+
+if __name__ == "__main__":
+    _serve()
