@@ -26,6 +26,7 @@ _TABLE = 4096  # points in which one swing is tabulated
 _ROUNDED = 2e-4  # what rounding takes off a corner of the shape at most [m]
 _SHARPEST, _BLUNTEST = 0.005, 0.03  # width of the rounding, in parts of a swing
 _FINE = 24  # samples of the path per swing, at least
+_SLIGHT = 3e-5  # share of the amplitude below which a wave asks for no finer samples
 _SQUARE = 0.1  # sine of the angle between path and normal of the plane, below which it is refused
 _MOST = 30_000  # samples of one path
 _NUDGE = 1e-5  # share of the length over which the direction of the path is measured
@@ -210,8 +211,7 @@ def _rounded(weave: Weave, dwells: tuple[float, float]) -> tuple[Array, Array, i
         width /= 1.0 + sum(dwells) * weave.frequency  # parts of a swing without its dwells
         waves *= np.exp(-2.0 * (np.pi * width * number) ** 2)
     size = np.abs(waves).max(axis=1) / _TABLE
-    finest = int(np.flatnonzero(size > 1e-6 * weave.amplitude).max(initial=1))
-    waves[finest + 1 :] = 0.0
+    finest = int(np.flatnonzero(size > _SLIGHT * weave.amplitude).max(initial=1))
     table = np.fft.irfft(waves, _TABLE, axis=0)
     slope = np.fft.irfft(2j * np.pi / _TABLE * number * waves, _TABLE, axis=0)
     table -= table[0]  # a weave begins on the path
