@@ -325,12 +325,13 @@ class Controller:
 
     def tick(self, sensed: Sensed) -> Drive:
         """One cycle."""
-        self._sensed = sensed
+        self._sensed = self.force.sensed = sensed
         self._execution.watch(sensed.time, self._motion.phase, self.program_lag)
         if self.heartbeat.lost(sensed.now):
             self._lose_heartbeat()
         commanded = self._motion.moving or self.force.moving
-        self._at_rest = self._standstill.tick(sensed, commanded=commanded)
+        still = self._standstill.tick(sensed, commanded=commanded)
+        self._at_rest = still and not self.force.moving
         if self.recorder.tick(sensed.time, sensed.q):
             self.note_error("the recorded track is full")
             self.pause()
@@ -353,7 +354,7 @@ class Controller:
             self.collide(joint)
         setpoint = self._motion.tick(sensed.time, sensed.q, sensed.qd, at_rest=self._at_rest)
         self.external_axes.positions.update(self._motion.axes)
-        setpoint = self.force.tick(setpoint, sensed)
+        setpoint = self.force.tick(setpoint)
         self._collect_failures()
         if reason := self._execution.tick(sensed.time, self._motion.phase):
             self.note_error(reason)
@@ -380,7 +381,7 @@ class Controller:
         if now is RobotState.ENABLE and before is not RobotState.ENABLE:
             self._motion.reset(self._sensed.q)
         if (now is RobotState.ENABLE) is not (before is RobotState.ENABLE):
-            self.force.powered(self._sensed)
+            self.force.powered()
         if now in _POWERED and before not in _POWERED:
             self._errors.clear()
 

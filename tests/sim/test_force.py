@@ -486,3 +486,12 @@ def test_nothing_begins_while_force_control_ends() -> None:
         bench.controller.force.start()
     assert bench.ended(ending) == TaskState.FINISHED
     assert bench.ended(bench.controller.force.stop()) == TaskState.FINISHED
+
+
+def test_the_sensor_is_tared_also_without_power() -> None:
+    bench = Bench()
+    bench.wrench = wrench(1.0, 2.0, 3.0)
+    bench.tick()
+    force = bench.controller.force
+    assert bench.ended(force.tare(ALL, (0.0,) * 6)) == TaskState.FINISHED
+    assert force.sensor.reading(bench.wrench) == pytest.approx([0.0] * 6)

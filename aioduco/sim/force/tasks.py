@@ -38,6 +38,10 @@ class ForceTasks:
         motion: the queue of motions.
         control: what the arm does about forces.
         sensed: what is known of the arm at the start.
+
+    Attributes:
+        control: what the arm does about forces.
+        sensed: what is known of the arm in this cycle.
     """
 
     def __init__(
@@ -46,7 +50,7 @@ class ForceTasks:
         self.control: ForceControl = control
         self._tasks = tasks
         self._motion = motion
-        self._sensed = sensed
+        self.sensed: Sensed = sensed
         self._closing: list[int] = []
         self._disturbed = False
         self._alarm = ""
@@ -93,7 +97,7 @@ class ForceTasks:
 
     def combine(self, logic: Sequence[int]) -> int:
         """Combine the conditions, and have them begin anew (fc_wait_logic)."""
-        sensed = self._sensed
+        sensed = self.sensed
         self.control.conditions.begin(
             logic, sensed.time, lambda what: self.control.measure(what, sensed)
         )
@@ -102,9 +106,8 @@ class ForceTasks:
     def tare(self, direction: Sequence[bool], value: Sequence[float]) -> int:
         """Set what the sensor reads now (fc_force_set_value)."""
         control = self.control
-        control.sensor = control.sensor.tared(
-            self._sensed.wrench, control.turn(self._sensed), direction, value
-        )
+        sensed, turn = self.sensed, control.turn(self.sensed)
+        control.sensor = control.sensor.tared(sensed.wrench, turn, direction, value)
         return self._finish("fc_force_set_value")
 
     def carry(self, mass: float, centre: Sequence[float]) -> None:
@@ -139,10 +142,9 @@ class ForceTasks:
 
     # -- the cycle ---------------------------------------------------------------------------
 
-    def tick(self, setpoint: SetPoint, sensed: Sensed) -> SetPoint:
+    def tick(self, setpoint: SetPoint) -> SetPoint:
         """Give the set-point of the drives for that of the motions."""
-        self._sensed = sensed
-        control, motion = self.control, self._motion
+        control, motion, sensed = self.control, self._motion, self.sensed
         if not control.active:
             return setpoint
         guiding = motion.following is not None and motion.following.kind == _GUIDING
@@ -162,10 +164,9 @@ class ForceTasks:
         alarm, self._alarm = self._alarm, ""
         return alarm
 
-    def powered(self, sensed: Sensed) -> None:
+    def powered(self) -> None:
         """The arm was enabled, or is so no more: its sensor is tared."""
-        self._sensed = sensed
-        control = self.control
+        control, sensed = self.control, self.sensed
         control.sensor = control.sensor.tared(sensed.wrench, control.turn(sensed))
 
     def cut(self) -> None:
