@@ -130,7 +130,7 @@ def test_a_load_that_was_not_told_is_a_torque_from_outside() -> None:
 # -- over the wire -----------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def cell() -> Iterator[Simulator]:
     with Simulator(speed=math.inf, scene=[WALL]) as sim:
         yield sim
@@ -167,9 +167,7 @@ def test_without_detection_it_pushes_until_the_position_deviates(
     cell: Simulator, connect: Callable[..., Program]
 ) -> None:
     robot = connect(cell)
-    robot.power_off(True)
     robot.bring_up()
-    robot.to(*READY)
     assert robot.collision_detect(0) == TaskState.FINISHED
     assert robot.to(*LEFT, v=0.5) == TaskState.ERROR
     assert robot.get_robot_state()[:3] == [RobotState.POWER_OFF, 0, SafetyState.STOP0]
