@@ -16,7 +16,7 @@ from aioduco.kinematics.forward import frames
 from aioduco.models.rotation import rpy_from_matrix
 from aioduco.sim.force.conditions import Conditions
 from aioduco.sim.force.offset import Offset, OutOfReach, motion_of
-from aioduco.sim.force.sensor import Axes, Sensor
+from aioduco.sim.force.sensor import DOWN, Axes, Sensor
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from aioduco.sim.force.conditions import Quantity
     from aioduco.sim.planner.mover import SetPoint
 
-__all__ = ["ForceControl", "Guard", "Law", "Verdict"]
+__all__ = ["ForceControl", "Guard", "Law", "Outcome", "Verdict"]
 
 #: time constant with which the arm takes on the speed that a force gives it [s]; an assumption
 _LAG = 0.01
@@ -124,7 +124,7 @@ class ForceControl:
     """
 
     def __init__(
-        self, arm: Arm, cycle: float = 0.001, gravity: Sequence[float] | Array = (0.0, 0.0, -9.81)
+        self, arm: Arm, cycle: float = 0.001, gravity: Sequence[float] | Array = DOWN
     ) -> None:
         self.active: bool = False
         self.sensor: Sensor = Sensor(gravity=tuple(map(float, gravity)))

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from aioduco.sim.mounting import GRAVITY
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -15,7 +17,10 @@ if TYPE_CHECKING:
     Vector: TypeAlias = NDArray[np.float64]
     Matrix: TypeAlias = NDArray[np.float64]
 
-__all__ = ["Axes", "Sensor"]
+__all__ = ["DOWN", "Axes", "Sensor"]
+
+DOWN = (0.0, 0.0, -GRAVITY)
+"""Gravity along the axes of a base that stands on the floor [m/s²]."""
 
 _NOTHING = (0.0,) * 6
 
@@ -75,7 +80,7 @@ class Sensor:
     bare: tuple[float, ...] = _NOTHING
     mass: float = 0.0
     centre: tuple[float, ...] = (0.0, 0.0, 0.0)
-    gravity: tuple[float, ...] = (0.0, 0.0, -9.81)
+    gravity: tuple[float, ...] = DOWN
 
     def reading(self, signal: Vector) -> list[float]:
         """Give the signal after taring (fc_get_ft)."""
