@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 
     Start = Callable[[Simulator], Client]
 
-pytestmark = pytest.mark.interop
+#: the first test waits for a compiler
+pytestmark = [pytest.mark.interop, pytest.mark.timeout(900)]
 
 SIMULATED = [name for name in table.FUNCTIONS if name not in table.REFUSED]
 #: ends what it is called on, so it has a test of its own
