@@ -78,7 +78,7 @@ class Simulator(Operating, Showing):
         status_port: TCP port that status frames are pushed on, 2001 on a real controller; 0 picks
             a free one, which `status_port` then tells; None for no such port.
         speed: simulated seconds in a real one; `math.inf` for as fast as possible.
-        seed: of everything random in the simulation.
+        seed: makes the serial number. Nothing else is random: the sensors have no noise.
         joints: where the arm stands at the start [rad]; None for the elbow bent, flange down.
         scene: what stands around the arm, in the world's frame: a sequence of
             `aioduco.sim.scene.Thing`s, the path of an MJCF file, or MJCF as text.
