@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.axes import AxesMove
     from aioduco.sim.planner.curves import Curve
     from aioduco.sim.planner.timing import Limits
-    from aioduco.sim.planner.weaving import Weave, Woven
+    from aioduco.sim.planner.weaving import Weave
 
 __all__ = [
     "PlanError",
@@ -346,14 +346,14 @@ def _cartesian(
     if curve.length < _STILL:
         return Segment(arm, None, None, q0, q0, r, v, a, tool)
     woven = None if weave is None else weave.over(curve, v)
-    kept: Curve | None = curve if woven is None else woven
-    assert kept is not None
+    laid: Curve = curve if woven is None else woven
+    kept: Curve | None = laid
     try:
-        path, limits = _followed(arm, q0, curve, woven, v, a, tool)
+        path, limits = _followed(arm, q0, curve, laid, v, a, tool)
     except PlanError as exc:
         if exc.code != "singular" or not around:
             raise
-        path = pass_singularities(arm, q0, kept, tool)
+        path = pass_singularities(arm, q0, laid, tool)
         limits, kept = passing_limits(arm, path, v, a), None
     if woven is not None:
         limits = limits.waiting(woven.stops)
@@ -362,17 +362,19 @@ def _cartesian(
 
 
 def _followed(
-    arm: Arm, q0: Array, curve: Curve, woven: Woven | None, v: float, a: float, tool: Array
+    arm: Arm, q0: Array, curve: Curve, laid: Curve, v: float, a: float, tool: Array
 ) -> tuple[Path, Limits]:
-    """Give the path of the joints along a curve, or along the weave over it, and its limits."""
-    path = trace(arm, q0, curve if woven is None else woven, tool)
+    """Give the path of the joints along a curve as it is laid, with a weave or without; its limits.
+
+    Speed and acceleration are those along the curve; a weave has only the joints' limits.
+    """
+    path = trace(arm, q0, laid, tool)
     nodes = path.nodes()
-    # Speed and acceleration are those along the path; a weave has only the joints' limits.
     points = curve.poses(nodes)[:, :3, 3]
     limits = tool_limits(arm, nodes, path.sample(nodes), points, v, a)
     slowest = math.sqrt(min(limits.ceiling))
     if slowest < _SLOWEST * v:
-        place = "near a singularity of the path" if woven is None else "the weave"
+        place = "near a singularity of the path" if laid is curve else "the weave"
         raise PlanError("singular", f"the joints cannot follow {place}")
     return path, limits
 
