@@ -67,6 +67,10 @@ class ExternalAxes:
     Args:
         schemes: by name, what has been set up at the pendant: the axes of each scheme.
 
+    Attributes:
+        positions: where each axis is by its number [rad or m]; those of `schemes` are numbered
+            from 0, in their order.
+
     Raises:
         ValueError: the schemes make no sense.
     """
@@ -74,7 +78,7 @@ class ExternalAxes:
     def __init__(self, schemes: Mapping[str, Sequence[Sequence[float]]] | None = None) -> None:
         self.positions: dict[int, float] = {}
         self._axes: dict[int, Axis] = {}
-        self._schemes: dict[int, Scheme] = {}
+        self._schemes: dict[int, Scheme] = {}  # replaced, not changed: it is read without a lock
         try:
             for name, axes in (schemes or {}).items():
                 self._define(name, [Axis(*axis) for axis in axes])
@@ -92,7 +96,7 @@ class ExternalAxes:
         """Name of each scheme, whether it is active, and where its first axis is."""
         return [
             (scheme.name, scheme.active, self.positions[scheme.axes[0]] if scheme.axes else 0.0)
-            for scheme in tuple(self._schemes.values())
+            for scheme in self._schemes.values()
         ]
 
     # -- what is set up ------------------------------------------------------------------------
@@ -112,11 +116,12 @@ class ExternalAxes:
         _check_number(number)
         if number in self._schemes:
             raise _illegal(f"there is a scheme {number} already")
-        self._schemes[number] = Scheme(f"scheme{number}")
+        self._schemes = {**self._schemes, number: Scheme(f"scheme{number}")}
 
     def delete(self, number: int) -> None:
         """Delete a scheme."""
-        del self._schemes[self._inactive(number)]
+        deleted = self._inactive(number)
+        self._schemes = {n: scheme for n, scheme in self._schemes.items() if n != deleted}
 
     def link(self, number: int, axes: Sequence[int]) -> None:
         """Say which axes belong to a scheme."""

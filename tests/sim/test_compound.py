@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+import aioduco
 from aioduco._wire.rpc import Op
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
+from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.sim.simulator import READY, Simulator
 
 if TYPE_CHECKING:
@@ -175,3 +177,24 @@ def test_a_weave_that_makes_no_sense_is_not_set(robot: Program, wrong: dict[str,
 
 def test_dwells_that_are_left_out_are_none(robot: Program) -> None:
     assert configure(robot, time=[]) == TaskState.FINISHED
+
+
+async def test_the_sdks_weave_with_dwells_takes_as_long_as_it_says(sim: Simulator) -> None:
+    async with aioduco.connect(sim.host, sim.port) as robot:
+        await robot.bring_up()
+        start = await robot.state.get_tcp_pose()
+
+        async def takes() -> float:
+            begin = sim.time
+            await robot.motion.movel(start.shifted(y=0.05), v=0.05, a=1.0)
+            await robot.motion.movel(start, v=0.05, a=1.0)
+            return sim.time - begin
+
+        plain = await takes()
+        await robot.compound.combine_motion_config(
+            WeaveShape.TRIANGLE, WeavePlane.TOOL_XY, 2.0, 0.003, time=(0.3, 0.2), path_dwell=True
+        )
+        await robot.compound.enable_combine_motion()
+        # Two swings each way, and in each the path waits on both sides.
+        assert await takes() > plain + 4 * (0.3 + 0.2)
+        await robot.compound.disable_combine_motion()
