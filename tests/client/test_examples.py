@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -52,7 +53,8 @@ def test_without_an_address_on_a_simulated_arm() -> None:
 
 def test_pressing_on_a_table() -> None:
     said = run(str(EXAMPLES / "press_on_table.py"))
-    assert said == "pressing: -20 N\nmoved by 50 mm: -20 N\nlet go: 0 N\n"
+    about = r"-(19|20|21) N\n"
+    assert re.fullmatch(f"pressing: {about}moved by 50 mm: {about}let go: 0 N\n", said)
 
 
 def test_each_is_short_and_opens_with_its_goal() -> None:
