@@ -246,8 +246,9 @@ async def test_a_program_that_hangs_while_an_array_is_played_loses_the_heartbeat
             rows = start + np.linspace(0, 0.4, 2000)[:, None] * np.eye(6)[0]
             async with robot.servo.joints(v=1.0, a=8.0) as stream, anyio.create_task_group() as t:
                 t.start_soon(stream.play, rows)
-                await eventually_async(lambda: stream.taken > 50)
+                await eventually_async(lambda: sim.joints[0] - start[0] > 5e-3)
                 # It waits in the thread of the event loop: the stall is what is tested.
+                eventually(lambda: stream.quiet)
                 eventually(lambda: not sim.view.moving)
 
     with pytest.raises(BaseExceptionGroup) as caught:
