@@ -33,6 +33,9 @@ __all__ = ["Event", "EventKind", "Mover", "Segment", "SetPoint", "Tick", "Travel
 EventKind: TypeAlias = Literal["started", "finished", "blended", "stopped", "failed"]
 
 
+_MOST = 300_000  # pieces of all paths in the queue: what memory there is for them is bounded
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class SetPoint:
     """What the joints shall do at the end of a cycle.
@@ -200,6 +203,9 @@ class Mover:
             raise PlanError("parameter", "the motion does not begin where the one before it ends")
         if segment.axes is not None:
             segment = carry(segment, self._left_by_queue())
+        pieces = sum(len(path.bounds) for entry in self._queue if (path := entry.path) is not None)
+        if segment.path is not None and pieces + len(segment.path.bounds) > _MOST:
+            raise PlanError("limits", "the motions that wait are too long to be known at once")
         running = self._queue[0] if self._queue else None
         speed = self._law.speed(self._s) if self._law is not None else 0.0
         self._queue = append(self._queue, key, segment, self._s, speed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -257,6 +258,21 @@ def test_motions_with_a_weave_blend() -> None:
     assert events == [(1, "started"), (1, "blended"), (2, "started"), (2, "finished")]
     assert np.abs(np.diff(speeds, axis=0)).max() / CYCLE < max(FIVE.acceleration)
     assert (np.abs(speeds).max(axis=1)[5:-5] > 0.0).all()
+
+
+def test_what_waits_is_bounded() -> None:
+    mover = Mover(FIVE, HOME, CYCLE)
+    long = woven(Weave(WeaveShape.SINE, WeavePlane.TOOL_XY, 200.0, 0.0005))
+    back = replace(long, q_start=long.q_end, q_end=long.q_start)
+
+    def append() -> None:
+        for key in range(60):
+            mover.append(key, lambda _q: back if key % 2 else long)  # noqa: B023 - called at once
+
+    with pytest.raises(PlanError, match="too long") as caught:
+        append()
+    assert caught.value.code == "limits"
+    assert 10 < len(mover.keys) < 60
 
 
 def test_nothing_is_laid_over_what_is_too_short_or_leads_nowhere() -> None:
