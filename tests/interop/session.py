@@ -16,7 +16,7 @@ FINISHED, AUTO = 4, 1
 READY, UNPOWERED = [6, 0, 5, 1], [4, 0, 4, 1]
 _UNDER_WAY = (0, 1, 2)
 #: how long a motion of the table may take, by the wall clock [s]
-_PATIENCE = 2.0
+_PATIENCE = 30.0
 _BLOCK = {"block": True}
 _WAY_HOME = {"joints_list": HOME, "v": 3.0, "a": 20.0, "block": True}
 
@@ -43,7 +43,7 @@ class Session:
             answers.append(self.call("get_robot_state"))
             return not isinstance(answers[-1], Lost)
 
-        eventually(answered)
+        eventually(answered, _PATIENCE)
         return answers[-1]
 
     def end(self, id_: int) -> Any:

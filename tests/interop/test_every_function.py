@@ -20,7 +20,7 @@ from .clients import Client, CppClient, Lost, PythonClient, Refused
 from .session import Session
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from pathlib import Path
 
     from .conftest import Generated
@@ -82,16 +82,22 @@ def unpowered(start: Start) -> Iterator[Session]:
 
 def answer(session: Session, service: str, name: str, args: dict[str, Any]) -> Any:
     """Prepare what the table names, and call; of a task's id, say how the task ends."""
-    for before, given in table.FUNCTIONS[name].get("setup", ()):
-        session.call(before, given)
+    done(session, table.FUNCTIONS[name].get("setup", ()))
     got = session.client.call(service, name, args)
     return f"id {session.end(got)}" if table.is_id(name, got) else got
 
 
+def done(session: Session, calls: Iterable[tuple[str, dict[str, Any]]]) -> None:
+    """Make some calls, each when what the one before began has ended."""
+    for name, args in calls:
+        got = session.call(name, args)
+        if table.is_id(name, got):
+            session.end(got)
+
+
 def tidy(session: Session, name: str) -> None:
     """Take back what a call changed."""
-    for after, given in table.FUNCTIONS[name].get("after", ()):
-        session.call(after, given)
+    done(session, table.FUNCTIONS[name].get("after", ()))
 
 
 def test_the_table_names_every_function() -> None:
