@@ -121,7 +121,10 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None) -> str:
         flange, "geom", name="flange_0", type="cylinder", size=_text((wide, thick)),
         pos=_text((0.0, 0.0, -thick)), rgba=_TUBE, contype="2", conaffinity="3", mass="0",
     )  # fmt: skip
-    ET.SubElement(flange, "inertial", pos="0 0 0", mass="1e-6", diaginertia="1e-9 1e-9 1e-9")
+    # Not at its origin: older MuJoCos take that for good, and loads would be put there.
+    ET.SubElement(
+        flange, "inertial", pos="0.001 0.001 0.001", mass="1e-6", diaginertia="1e-9 1e-9 1e-9"
+    )
     ET.SubElement(flange, "site", name="flange", size="0.004", rgba="0.9 0.3 0.1 1")
     contact = ET.SubElement(root, "contact")
     for one, other in _NESTED:
