@@ -107,6 +107,17 @@ def test_sim_says_where_it_listens_and_ends_when_told(number: signal.Signals) ->
     assert (sim.returncode, errors) == (0, "")
 
 
+def test_sim_pushes_status_frames_where_it_says() -> None:
+    with process("sim", "--port", "0", "--status-port", "0") as sim:
+        assert sim.stdout is not None
+        _, _, said = sim.stdout.readline().partition(", status frames on ")
+        with socket.create_connection(("127.0.0.1", int(said.split(";")[0])), timeout=5) as port:
+            assert port.recv(1)
+            sim.send_signal(signal.SIGTERM)
+            sim.communicate(timeout=20)
+    assert sim.returncode == 0
+
+
 def test_sim_says_so_when_a_file_is_no_program(tmp_path: Path) -> None:
     (tmp_path / "wrong.json").write_text('[["jump"]]', encoding="utf-8")
     answer = run("sim", "--port", "0", "--programs", str(tmp_path))

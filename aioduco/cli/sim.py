@@ -96,7 +96,10 @@ def sim(
             except RenderError as error:
                 typer.echo(str(error), err=True)
                 raise typer.Exit(1) from None
-            typer.echo(f"simulated {model} on {simulator.host}:{simulator.port}; Ctrl-C ends it")
+            where = f"{simulator.host}:{simulator.port}"
+            if simulator.status_port is not None:
+                where += f", status frames on {simulator.status_port}"
+            typer.echo(f"simulated {model} on {where}; Ctrl-C ends it")
             watch.until(heard)
 
 
