@@ -76,6 +76,9 @@ class Control:
         """
         self.epoch += 1
         until = time.monotonic() + timeout
+        if await self._by_another(timeout):
+            self.stops += 1
+            return
         budget = FIRST_ATTEMPT
         lanes = (self._stop, self._others)
         error: BaseException | None = None
@@ -110,6 +113,9 @@ class Control:
         """
         self.epoch += 1
         until = time.monotonic() + timeout
+        if self._by_another_now(timeout):
+            self.stops += 1
+            return
         error: BaseException | None = None
         while (left := until - time.monotonic()) > 0:
             self.attempts += 1
@@ -124,6 +130,14 @@ class Control:
                 error = exc
             time.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
         raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
+
+    async def _by_another(self, timeout: float) -> bool:  # noqa: ARG002  # here there is none
+        """Whether somebody else had a stop accepted, who is asked first."""
+        return False
+
+    def _by_another_now(self, timeout: float) -> bool:  # noqa: ARG002  # here there is none
+        """As `_by_another`, for `stop_now`."""
+        return False
 
     async def rest(self, stop_timeout: float, standstill_timeout: float) -> None:
         """See the arm stand after a stop. A stop that has no effect is repeated.

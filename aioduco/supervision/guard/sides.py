@@ -208,36 +208,31 @@ class GuardedControl(Control):
         super().__init__(stop, others, watch)
         self._seat = seat
 
-    async def stop(self, timeout: float) -> None:
-        """As `Control.stop`; the guard has it before this first waits."""
-        until = time.monotonic() + timeout
-        self._asked_for()
+    async def _by_another(self, timeout: float) -> bool:
+        """The guard has the stop before this first waits."""
         done = anyio.Event()
-        answer = self._seat.stop(timeout, doorbell(done.set))
-        if answer is not None:
-            with anyio.move_on_after(min(PATIENCE, timeout)):
-                await done.wait()
-            if answer.given and not answer.error:
-                self._taken()
-                return
-        await super().stop(max(0.0, until - time.monotonic()))
+        answer = self._asked(timeout, doorbell(done.set))
+        if answer is None:
+            return False
+        with anyio.move_on_after(min(PATIENCE, timeout)):
+            await done.wait()
+        return answer.given and not answer.error
 
-    def stop_now(self, timeout: float) -> None:
-        """As `Control.stop_now`."""
-        until = time.monotonic() + timeout
-        self._asked_for()
+    def _by_another_now(self, timeout: float) -> bool:
         done: SimpleQueue[None] = SimpleQueue()
-        answer = self._seat.stop(timeout, lambda: done.put(None))
-        if answer is not None:
-            try:
-                done.get(timeout=min(PATIENCE, timeout))
-            except Empty:
-                pass
-            else:
-                if not answer.error:
-                    self._taken()
-                    return
-        super().stop_now(max(0.0, until - time.monotonic()))
+        answer = self._asked(timeout, lambda: done.put(None))
+        if answer is None:
+            return False
+        try:
+            done.get(timeout=min(PATIENCE, timeout))
+        except Empty:
+            return False
+        return not answer.error
+
+    def _asked(self, timeout: float, notify: Callable[[], None]) -> Answer | None:
+        answer = self._seat.stop(timeout, notify)
+        self.attempts += answer is not None
+        return answer
 
 
 class GuardedSignOfLife(SignOfLife):
