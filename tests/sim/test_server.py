@@ -177,6 +177,15 @@ def test_bytes_that_are_no_message_close_their_connection_only(server: Server) -
     eventually(lambda: server.connections == 0)
 
 
+def test_a_hostile_peer_fills_no_log(server: Server, caplog: pytest.LogCaptureFixture) -> None:
+    for _ in range(50):
+        with RawClient(server.port) as bad:
+            bad.sock.sendall(b"GET / HTTP/1.1\r\n\r\n")
+            assert bad.ended()
+    eventually(lambda: server.connections == 0)
+    assert 0 < len(caplog.records) <= 20
+
+
 def test_a_call_that_waits_delays_no_other_connection(server: Server, echo: Echo) -> None:
     with RawClient(server.port) as waiting, RawClient(server.port) as other:
         waiting.sock.sendall(waiting.encode("stop", True))
