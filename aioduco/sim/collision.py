@@ -41,7 +41,7 @@ class Observer:
         self.level: int = 3
         self.axis: int = 0
         self.torque: Vector = np.zeros(6)
-        self._effort = effort
+        self._effort: list[float] = effort.tolist()
         self._time: float | None = None
 
     def reset(self) -> None:
@@ -61,9 +61,13 @@ class Observer:
         """
         passed = 0.0 if self._time is None else time - self._time
         self._time = time
-        self.torque = self.torque + (external - self.torque) * (passed / (passed + SMOOTHING))
+        gain = passed / (passed + SMOOTHING)
+        # Plain floats: for six of them they are several times as fast as arrays.
+        old, new = self.torque.tolist(), external.tolist()
+        smooth = [before + gain * (now - before) for before, now in zip(old, new, strict=True)]
+        self.torque = np.array(smooth)
         if not self.level:
             return 0
-        shares = np.abs(self.torque) / self._effort
-        joint = int(shares.argmax())
-        return joint + 1 if shares[joint] > LEVELS[self.level] else 0
+        shares = [abs(torque) / most for torque, most in zip(smooth, self._effort, strict=True)]
+        largest = max(shares)
+        return shares.index(largest) + 1 if largest > LEVELS[self.level] else 0

@@ -67,6 +67,8 @@ class World:
         self._stiffness = self.model.actuator_gainprm[:6, 0].copy()
         self._damping = -self.model.actuator_biasprm[:6, 2] / self._stiffness
         self._timestep = timestep
+        self._lead: Array = self._damping - timestep
+        self._half: Array = 0.5 * timestep * self._lead
         self._drag: Array = self._stiffness * self._damping
         self._effort = np.array(arm.effort)
         self._hold: Array = _BRAKE * self._effort
@@ -113,8 +115,7 @@ class World:
         self._target = known.torque(setpoint.qdd).copy()
         # MuJoCo pulls at the joint where the step begins, and damps the speed that the step
         # ends with, which is its mean speed: both are taken from the set-point of the end.
-        lead = self._damping - self._timestep
-        ahead = setpoint.q + lead * setpoint.qd - (0.5 * self._timestep) * lead * setpoint.qdd
+        ahead = setpoint.q + self._lead * setpoint.qd - self._half * setpoint.qdd
         self._ctrl[:] = self._target / self._stiffness + ahead
         before = self._known_qvel.copy()
         # Releases the GIL for its few microseconds: what waits for it may come in between.
