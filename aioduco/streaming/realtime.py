@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from aioduco.api import ranges
 from aioduco.errors import ParameterError
 from aioduco.models.realtime import RealtimeMode
+from aioduco.models.rules import Integer
 from aioduco.streaming.config import Meaning, Queue, Sent
 from aioduco.streaming.limits import JERK, Limits
 from aioduco.streaming.settings import Feeding, per_group
@@ -24,6 +25,7 @@ __all__ = ["CYCLE", "RealtimeStreams"]
 
 #: time in which the controller takes one point from its queue [s] (manual 1.3.15, the example)
 CYCLE = 0.001
+_DEPTH = Integer(2, 1000, "points", source="1.3.15")
 _Limit = float | tuple[float, float]
 
 #: by mode: field of the point, whether it is of joints, its meaning, where the arm is read, check
@@ -121,12 +123,13 @@ class RealtimeStreams:
         fed = Feeding(
             **feeding,
             rate=1 / CYCLE,
-            max_step=() if speeds else per_group("max_step", max_step or step, groups),
-            reach=per_group("reach", reach or near, groups),
+            max_step=()
+            if speeds
+            else per_group("max_step", step if max_step is None else max_step, groups),
+            reach=per_group("reach", near if reach is None else reach, groups),
         )
-        if not 2 <= depth <= 1000:
-            raise ParameterError("depth", depth, "from 2 to 1000 points")
-        if not CYCLE <= period <= depth * CYCLE / 2:
+        _DEPTH("depth", depth)
+        if not CYCLE <= ranges.TIMEOUT("period", period) <= depth * CYCLE / 2:
             raise ParameterError(
                 "period", period, f"from {CYCLE:g} s to half of what {depth} points last"
             )
@@ -149,8 +152,9 @@ class RealtimeStreams:
 
 def _mode(mode: RealtimeMode | str | Any) -> RealtimeMode:
     names = {known.name.lower(): known for known in _MODES}
-    chosen = names.get(mode) if isinstance(mode, str) else mode
-    if chosen not in _MODES:
+    chosen: Any = names.get(mode) if isinstance(mode, str) else mode
+    known = isinstance(chosen, int) and not isinstance(chosen, bool) and chosen in _MODES
+    if not known:  # torques, too: nothing would hold the arm
         raise ParameterError("mode", mode, f"one of {', '.join(names)}")
     return RealtimeMode(chosen)
 

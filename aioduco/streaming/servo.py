@@ -313,7 +313,10 @@ class Servo:
 
 def _calls(function: str, motion: list[Any], frames: list[str], gains: ServoGains | None) -> Calls:
     """The calls of a servo: speeds first, then frames, `block`, and the gains."""
-    arguments = [*motion, *frames, False, *(gains or ServoGains()).wire()]
+    gains = ServoGains() if gains is None else gains
+    if not isinstance(gains, ServoGains):
+        raise ParameterError("gains", gains, "ServoGains, or None")
+    arguments = [*motion, *frames, False, *gains.wire()]
     return Calls(function=function, arguments=arguments)
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import importlib.util
-import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypedDict
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
+
+import numpy as np
 
 from aioduco.errors import ParameterError
+from aioduco.models.rules import Flag, Integer, Number
 from aioduco.streaming.upsample import UPSAMPLING
 
 if TYPE_CHECKING:
@@ -19,6 +21,7 @@ __all__ = [
     "LaneOptions",
     "PacedOptions",
     "Upsampling",
+    "checked",
     "per_group",
 ]
 
@@ -27,6 +30,15 @@ Upsampling = Literal["none", "linear", "cubic", "ruckig"]
 _MOST_POINTS = 16384
 _LATEST = 8  # slots of a ring of which only the newest counts
 _FASTEST = 100_000.0
+
+_SOURCE = "this package"
+_RATE = Number(0.0, _FASTEST, "Hz", open_low=True, source=_SOURCE)
+_HOLD = Number(0.0, 60.0, "s", open_low=True, source=_SOURCE)
+_AHEAD = Integer(1, _MOST_POINTS, "targets", source=_SOURCE)
+_TIME = Number(0.0, 3600.0, "s", source=_SOURCE)
+_PRIORITY = Integer(0, 99, source=_SOURCE)
+_LATEST_ONLY = Flag(source=_SOURCE)
+_LIMIT = Number(0.0, open_low=True, source=_SOURCE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,12 +68,9 @@ class LaneOptions:
     def __post_init__(self) -> None:
         if self.lane not in ("process", "thread"):
             raise ParameterError("lane", self.lane, '"process" or "thread"')
-        if not 0 <= self.priority <= 99:
-            raise ParameterError("priority", self.priority, "from 0 to 99")
+        _PRIORITY("priority", self.priority)
         for name in ("spin", "timeout", "connect_timeout", "watch"):
-            value = getattr(self, name)
-            if not 0 <= value <= 3600:
-                raise ParameterError(name, value, "a time from 0 to 3600 s")
+            _TIME(name, getattr(self, name))
 
 
 class FeedingOptions(TypedDict, total=False):
@@ -107,9 +116,9 @@ class Feeding:
     reach: Sequence[float] = ()
 
     def __post_init__(self) -> None:
-        if not 0 < self.rate <= _FASTEST:
-            raise ParameterError("rate", self.rate, f"above 0 and up to {_FASTEST:g} Hz")
-        if self.source_rate is not None and not 0 < self.source_rate <= self.rate:
+        _RATE("rate", self.rate)
+        _LATEST_ONLY("latest", self.latest)
+        if self.source_rate is not None and _RATE("source_rate", self.source_rate) > self.rate:
             raise ParameterError(
                 "source_rate",
                 self.source_rate,
@@ -125,10 +134,9 @@ class Feeding:
             raise ParameterError(
                 "source_rate", None, "given when every target counts and is up-sampled"
             )
-        if not 0 < self.hold <= 60:
-            raise ParameterError("hold", self.hold, "above 0 and up to 60 s")
-        if self.ahead is not None and not 1 <= self.ahead <= _MOST_POINTS:
-            raise ParameterError("ahead", self.ahead, f"from 1 to {_MOST_POINTS} targets")
+        _HOLD("hold", self.hold)
+        if self.ahead is not None:
+            _AHEAD("ahead", self.ahead)
 
     @property
     def interval(self) -> float | None:
@@ -159,7 +167,22 @@ def per_group(name: str, value: float | Sequence[float], groups: int) -> tuple[f
     Raises:
         ParameterError: it is not that, or not above zero.
     """
-    values = (value,) * groups if isinstance(value, (int, float)) else tuple(value)
-    if len(values) != groups or not all(0 < v < math.inf for v in values):
-        raise ParameterError(name, value, f"above zero and finite: one number, or {groups}")
-    return tuple(float(v) for v in values)
+    one: Any = value
+    if isinstance(value, (list, tuple, np.ndarray)):
+        if np.shape(value) != (groups,):
+            raise ParameterError(name, value, f"one number, or {groups}")
+        return tuple(_LIMIT(f"{name}[{group}]", each) for group, each in enumerate(value))
+    return (_LIMIT(name, one),) * groups
+
+
+def checked(options: LaneOptions | None) -> LaneOptions:
+    """The options of a lane, the usual ones for None.
+
+    Raises:
+        ParameterError: they are something else.
+    """
+    if options is None:
+        return LaneOptions()
+    if not isinstance(options, LaneOptions):
+        raise ParameterError("options", options, "LaneOptions, or None")
+    return options

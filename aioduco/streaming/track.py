@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from aioduco._wire import rpc
 from aioduco.api import ranges
 from aioduco.errors import ParameterError
+from aioduco.models.rules import Integer
 from aioduco.streaming.calls import element_tail
 from aioduco.streaming.config import Pool, Sent
 from aioduco.streaming.limits import Limits
@@ -25,6 +26,8 @@ __all__ = ["TrackStream", "TrackStreams"]
 POOL = 1000  # points that fit (manual 1.3.12)
 LEAST = 10  # points to keep, for a motion without a halt (manual 1.3.12)
 _EXTRA = 512  # bytes for what is set at a point: 128 and three names of events
+_COUNT = Integer(LEAST, POOL, "points", source="1.3.12")
+_AHEAD = Integer(1, 16384, "points", source="this package")
 _RATE = 100.0  # points per second by which the lane's ring is sized; the arm's pace is its own
 
 
@@ -146,15 +149,19 @@ class TrackStreams:
         """
         if space not in ("joints", "pose"):
             raise ParameterError("space", space, '"joints" or "pose"')
-        if not LEAST <= low < high <= POOL:
-            raise ParameterError("low", (low, high), f"{LEAST} <= low < high <= {POOL} points")
+        for name, count in (("low", low), ("high", high)):
+            _COUNT(name, count)
+        if low >= high:
+            raise ParameterError("low", low, f"fewer than high, {high} points")
+        extra = _EXTRA if ranges.FLAG("operations", operations) else 0
         joints = space == "joints"
         groups = 6 if joints else 2
-        near = reach or (0.1 if joints else (0.05, 0.1))
+        near = (0.1 if joints else (0.05, 0.1)) if reach is None else reach
         frames = [ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)]
         if joints:
             speed_ = ranges.TRACK_JOINT_SPEED("speed", speed)
             acc_ = ranges.TRACK_JOINT_ACCELERATION("acc", acc)
+            ranges.TRACK_RADIUS("radius", radius)
             arguments: list[Any] = [speed_, acc_, False]
         else:
             speed_ = ranges.TRACK_SPEED("speed", speed)
@@ -163,7 +170,7 @@ class TrackStreams:
         feeding = Feeding(
             rate=_RATE,
             hold=hold,
-            ahead=max(ahead, low),
+            ahead=max(_AHEAD("ahead", ahead), low),
             max_step=() if max_step is None else per_group("max_step", max_step, groups),
             reach=per_group("reach", near, groups),
         )
@@ -172,8 +179,8 @@ class TrackStreams:
             arguments=arguments,
             low=low,
             high=high,
-            period=period,
-            extra=_EXTRA if operations else 0,
+            period=ranges.TIMEOUT("period", period),
+            extra=extra,
         )
         sent = Sent(
             name="track",

@@ -1,0 +1,79 @@
+"""A wrong argument of a stream is refused when the stream is made, whatever the argument."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from typing import Any
+
+import pytest
+
+import aioduco
+from aioduco import ParameterError, RealtimeMode
+from aioduco._wire import idl
+
+NOBODY = aioduco.connect("192.0.2.1")
+#: what each function that makes a stream needs at least
+NEEDED: dict[tuple[str, str], dict[str, Any]] = {
+    ("servo", "joints"): {"v": 1.0, "a": 1.0},
+    ("servo", "pose"): {"v": 1.0, "a": 1.0},
+    ("servo", "linear"): {"v": 1.0, "a": 1.0},
+    ("servo", "tcp_offset"): {"v": 1.0, "a": 1.0},
+    ("speed", "joints"): {"a": 1.0},
+    ("speed", "linear"): {"a": 1.0},
+    ("track", "stream"): {"space": "joints", "speed": 1.0, "acc": 1.0},
+    ("realtime", "stream"): {"mode": RealtimeMode.JOINT_POSITION, "v": 1.0, "a": 1.0},
+}
+#: no parameter takes any of these
+NEVER: tuple[Any, ...] = (math.nan, math.inf, -math.inf, -1.0, 1j, {}, [1.0] * 7, [[1.0]])
+NUMBERS: tuple[Any, ...] = ("1", True, b"1", [math.nan] * 6, [True] * 6)
+#: texts and flags take what is no number
+TEXTS = {"tool", "wobj"}
+FLAGS = {"latest", "operations"}
+
+
+def made_here() -> list[tuple[str, str]]:
+    """Each public function of a section that is not on the wire and makes something at once."""
+    found = []
+    for section, part in vars(NOBODY).items():
+        for name, function in inspect.getmembers(part, inspect.ismethod):
+            wire = name in idl.functions()
+            if not name.startswith("_") and not wire and not inspect.iscoroutinefunction(function):
+                found.append((section, name))
+    return [one for one in found if not one[0].startswith("_")]
+
+
+def test_every_stream_is_here() -> None:
+    assert set(made_here()) == set(NEEDED)
+
+
+def parameters(section: str, name: str) -> list[str]:
+    """Those that are written out in the signature."""
+    signature = inspect.signature(getattr(getattr(NOBODY, section), name))
+    return [each.name for each in signature.parameters.values() if each.kind != each.VAR_KEYWORD]
+
+
+#: keywords that several have, from `PacedOptions` and `FeedingOptions`
+FED = ["source_rate", "latest", "upsample", "hold", "ahead"]
+PARAMETERS = [
+    *[(*function, parameter) for function in NEEDED for parameter in parameters(*function)],
+    *[("servo", name, each) for name in ("joints", "pose") for each in [*FED, "rate"]],
+    *[("realtime", "stream", each) for each in FED],
+]
+
+
+@pytest.mark.parametrize(("section", "name", "parameter"), PARAMETERS)
+def test_a_wrong_argument_is_refused(section: str, name: str, parameter: str) -> None:
+    make = getattr(getattr(NOBODY, section), name)
+    needed = NEEDED[section, name]
+    make(**needed)
+    others: tuple[Any, ...] = NUMBERS
+    if parameter in TEXTS:
+        others = (1, True, b"1", "x" * 33)
+    elif parameter in FLAGS:
+        others = (1, 0, "True", None)
+    for value in (*NEVER, *others):
+        with pytest.raises(ParameterError) as raised:
+            make(**needed | {parameter: value})
+        assert raised.value.parameter.partition("[")[0] == parameter
+        assert str(raised.value).endswith("nothing was sent")
