@@ -123,6 +123,7 @@ class LaneConfig:
         host: name or address of the controller.
         port: its TCP port.
         guarded: whether the robot is stopped by others when the program dies.
+        stall_limit: time after which a program whose event loop does not run counts as hung [s].
         options: how the lane runs.
         feeding: how it is fed.
         sent: what it sends.
@@ -131,6 +132,7 @@ class LaneConfig:
     host: str
     port: int
     guarded: bool
+    stall_limit: float
     options: LaneOptions
     feeding: Feeding
     sent: Sent

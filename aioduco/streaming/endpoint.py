@@ -27,6 +27,8 @@ class Endpoint:
         streams: the open streams of the robot.
         admit: raises if the robot cannot take a stream now; it is given the stream's name.
         guarded: whether the robot is stopped by others when the program dies.
+        stall_limit: time without the program's event loop running after which it counts as hung,
+            and the arm is brought to rest, whatever is still queued [s].
     """
 
     host: str
@@ -35,6 +37,7 @@ class Endpoint:
     streams: Streams = field(default_factory=Streams)
     admit: Callable[[str], Awaitable[object]] | None = None
     guarded: bool = False
+    stall_limit: float = 1.0
 
     @classmethod
     def of(cls, supervisor: Supervisor) -> Endpoint:
@@ -46,4 +49,5 @@ class Endpoint:
             streams=supervisor.keeper.streams,
             admit=supervisor.admit_stream,
             guarded=supervisor.guard is not None,
+            stall_limit=supervisor.settings.loop_stall_limit,
         )

@@ -21,6 +21,10 @@ _STARVED = (
     "no set-point came for longer than the hold time: the arm was brought to rest, and the robot "
     "stopped. Send more often, or open the stream with a longer hold"
 )
+_HUNG = (
+    "the program's event loop did not run for longer than the robot's loop_stall_limit: the arm "
+    "was brought to rest, and the robot stopped"
+)
 _ALONE = "the lane lost sight of the program: the arm was brought to rest, and the robot stopped"
 _STOPPED = "the robot was stopped, and nothing more is sent. Open a new stream to go on"
 _TOO_FAR = (
@@ -44,6 +48,7 @@ _DIED = (
 _ENDS: dict[Reason, tuple[type[StreamError], str]] = {
     Reason.ABORTED: (StreamClosed, _BRAKED),
     Reason.STARVED: (StreamStarved, _STARVED),
+    Reason.HUNG: (StreamStarved, _HUNG),
     Reason.PROGRAM_DIED: (LaneFailed, _ALONE),
     Reason.STOPPED: (StreamStopped, _STOPPED),
     Reason.TOO_FAR: (FirstPointTooFar, _TOO_FAR),

@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from typing import TYPE_CHECKING, Any
 
 import anyio
@@ -101,6 +102,10 @@ class Host:
         # The block may be let go of at any moment, by another thread: then the lane is gone.
         with contextlib.suppress(ValueError):
             self.block.control[command] = 1
+
+    def touch(self) -> None:
+        """Show the lane that the program's event loop runs."""
+        self.block.control[Control.ALIVE] = time.monotonic_ns()
 
     @property
     def silent(self) -> bool:

@@ -46,6 +46,7 @@ __all__ = ["Lane", "main"]
 _STOPS = (
     Reason.STARVED,
     Reason.PROGRAM_DIED,
+    Reason.HUNG,
     Reason.REFUSED,
     Reason.CONNECTION,
     Reason.FAILED,
@@ -72,6 +73,7 @@ class Lane:
         self._block = block
         self._config: LaneConfig = block.config
         self._timeout = block.config.options.timeout
+        self._stall_limit = int(block.config.stall_limit * 1e9)
         self._link = link
         self._poll = select.poll()
         self._poll.register(link, select.POLLIN | select.POLLHUP)
@@ -222,6 +224,10 @@ class Lane:
         if self._terminated:
             driver.brake(Reason.FAILED)
             self._block.text = "the lane's process was told to end by a signal"
+        # The controller stops the arm of a hung program by its heartbeat; set-points that are
+        # still queued would set it moving again.
+        if now - control[Control.ALIVE] > self._stall_limit:
+            driver.brake(Reason.HUNG)
         if self._gone():
             dead = self._process and os.getppid() != self._parent
             # Where others stop the robot at once, set-points would only set it moving again.

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 __all__ = ["Session"]
 
 _KILLED = 1.0  # seconds for a process that was killed to be gone
+_SIGNS = 10  # signs of life of the event loop per stall limit
+_SIGN_EVERY = 0.1  # seconds between two of them at most
 
 
 class Session:
@@ -158,9 +160,11 @@ class Session:
 
     async def _start(self) -> None:
         host = Host(self._config)
+        host.touch()
         host.start()
         self.host = host
         self._background.start(self._mind(host), f"aioduco {self.name}")
+        self._background.start(self._live(host), f"aioduco {self.name} sign of life")
         await host.until_ready(self._options.connect_timeout)
         if self._halted:
             # The robot was stopped before there was a lane to be told of it.
@@ -219,6 +223,15 @@ class Session:
                     await self._endpoint.stop(self._config.sent.ending)
         finally:
             self._minded.set()
+
+    async def _live(self, host: Host) -> None:
+        """Show the lane that the event loop runs, on an absolute schedule."""
+        every = min(self._config.stall_limit / _SIGNS, _SIGN_EVERY)
+        due = anyio.current_time()
+        while not host.gone:
+            host.touch()
+            due = max(due + every, anyio.current_time())
+            await anyio.sleep_until(due)
 
     def _crashed(self, _error: BaseException) -> None:
         """Nobody hears the lane any more; it sees that, and brings the arm to rest."""

@@ -51,6 +51,8 @@ class Control(IntEnum):
 
     #: wake the program when no more than this many set-points are in the ring; 0: do not
     WAKE_BELOW = 3
+    #: monotonic time at which the program's event loop last ran [ns]
+    ALIVE = 4
 
 
 class Status(IntEnum):

@@ -65,6 +65,8 @@ class Reason(IntEnum):
     FAILED = 9
     #: the lane's process is gone
     LANE_DIED = 10
+    #: the program's event loop hung
+    HUNG = 11
 
 
 class Follows(Protocol):

@@ -11,7 +11,7 @@ from aioduco.errors import ParameterError, SetPointTooFar
 from aioduco.streaming.config import LaneConfig
 from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
-from aioduco.streaming.settings import LaneOptions
+from aioduco.streaming.settings import checked
 from aioduco.streaming.ticks import Tick, ticks
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.endpoint import Endpoint
     from aioduco.streaming.host import Host
     from aioduco.streaming.report import StreamStatistics
-    from aioduco.streaming.settings import Feeding
+    from aioduco.streaming.settings import Feeding, LaneOptions
     from aioduco.streaming.source import Reason, State
 
 __all__ = ["Stream", "Tick"]
@@ -62,7 +62,8 @@ class Stream:
             host=endpoint.host,
             port=endpoint.port,
             guarded=endpoint.guarded,
-            options=options or LaneOptions(),
+            stall_limit=endpoint.stall_limit,
+            options=checked(options),
             feeding=feeding,
             sent=sent,
         )
