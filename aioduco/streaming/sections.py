@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 from aioduco.api import motion, ranges, realtime, track
 from aioduco.errors import ParameterError, UnknownFunction
+from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
 from aioduco.streaming.realtime import RealtimeStreams
 from aioduco.streaming.servo import Servo
+from aioduco.streaming.settings import Feeding, checked, per_group
 from aioduco.streaming.speed import Speed
 from aioduco.streaming.track import TrackStreams
 from aioduco.streaming.trajectory import follow
@@ -16,12 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.streaming.endpoint import Endpoint
-    from aioduco.streaming.joint_trajectory import (
-        Feedback,
-        JointTrajectory,
-        Tolerances,
-        TrajectoryResult,
-    )
+    from aioduco.streaming.joint_trajectory import Feedback, TrajectoryResult
     from aioduco.streaming.settings import LaneOptions
     from aioduco.supervision.supervisor import Supervisor
 
@@ -135,9 +132,17 @@ class Motion(motion.Motion):
 
         Manual sections 1.3.5 and 1.3.15.
         """
+        if not isinstance(trajectory, JointTrajectory):
+            raise ParameterError("trajectory", trajectory, "a JointTrajectory")
         if through not in get_args(Through):
             raise ParameterError("through", through, f"one of {', '.join(get_args(Through))}")
         speed, acceleration = ranges.JOINT_SPEED("v", v), ranges.JOINT_ACCELERATION("a", a)
+        if tolerances is not None and not isinstance(tolerances, Tolerances):
+            raise ParameterError("tolerances", tolerances, "Tolerances, or None")
+        if feedback is not None and not callable(feedback):
+            raise ParameterError("feedback", feedback, "a function, or None")
+        Feeding(rate=rate, reach=per_group("reach", reach, 6))  # checks both
+        options = checked(options)
         self._supervisor.check_open("follow_joint_trajectory")
         queued = through == "realtime" or (through == "auto" and await self._has_queue())
         return await follow(

@@ -291,14 +291,15 @@ class Motion(_Section):
 
         Args:
             motions: in the order in which they are to be carried out.
-            ahead: how many the controller has at most, the running one included, from 1 on.
+            ahead: how many the controller has at most, the running one included, 1 to 1000.
 
         Returns:
             The outcome of each: finished or blended.
 
         Raises:
             TaskError: one did not succeed. Those after it were stopped, or not sent.
-            ParameterError: something in `motions` is no motion; nothing was sent.
+            ParameterError: something in `motions` is no motion, or `ahead` is out of range;
+                nothing was sent.
 
         If this is interrupted, the arm is stopped.
         """

@@ -149,3 +149,33 @@ async def test_a_bad_time_is_refused_and_nothing_is_sent(
 async def _awaited(made: Any) -> None:
     if inspect.isawaitable(made):
         await made
+
+
+async def test_what_is_run_or_followed_is_checked_before_anything_is_sent(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    for ahead in (math.nan, "3", 0, -1, True, 1.5, None):
+        motion = robot.motion.movej2(HOME, 1.0, 1.0)
+        with pytest.raises(ParameterError, match="ahead"):
+            await robot.motion.run(motion, ahead=ahead)  # type: ignore[arg-type]  # on purpose
+    path = aioduco.JointTrajectory([HOME, HOME], [0.0, 1.0])
+    wrong: dict[str, tuple[Any, ...]] = {
+        "trajectory": ("x", None, [HOME, HOME]),
+        "v": (math.nan, "1", True, None, 0.0),
+        "a": (math.nan, "1", True, None, 0.0),
+        "tolerances": ("x", 0.1),
+        "feedback": ("x", 1),
+        "through": ("x", 1, None),
+        "rate": (math.nan, "x", -1, True, None),
+        "reach": (math.nan, "x", -1, True, None),
+        "options": ("x", 1),
+    }
+    given: dict[str, Any] = {"trajectory": path, "v": 1.0, "a": 1.0}
+    assert set(wrong) == set(inspect.signature(robot.motion.follow_joint_trajectory).parameters)
+    for name, values in wrong.items():
+        for value in values:
+            with pytest.raises(ParameterError) as raised:
+                await robot.motion.follow_joint_trajectory(**given | {name: value})
+            assert raised.value.parameter == name
+    assert not bench.commands
+    assert not bench.received("get_realtime_data_queue_size")

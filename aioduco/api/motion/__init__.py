@@ -15,6 +15,7 @@ from aioduco.api.motion.teaching import Teaching
 from aioduco.api.motion.velocity import Velocity
 from aioduco.api.section import done
 from aioduco.errors import DucoError, ParameterError
+from aioduco.models.rules import Integer
 from aioduco.supervision.command import MotionCommand
 
 if TYPE_CHECKING:
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from aioduco.supervision.task import Task
 
 __all__ = ["Motion"]
+
+_AHEAD = Integer(1, 1000, "motions", source="this package")
 
 
 class Motion(JointMotions, Lines, Curves, Velocity, Servo, Jogging, Teaching):
@@ -66,14 +69,15 @@ class Motion(JointMotions, Lines, Curves, Velocity, Servo, Jogging, Teaching):
 
         Args:
             motions: in the order in which they are to be carried out.
-            ahead: how many the controller has at most, the running one included, from 1 on.
+            ahead: how many the controller has at most, the running one included, 1 to 1000.
 
         Returns:
             The outcome of each: finished or blended.
 
         Raises:
             TaskError: one did not succeed. Those after it were stopped, or not sent.
-            ParameterError: something in `motions` is no motion; nothing was sent.
+            ParameterError: something in `motions` is no motion, or `ahead` is out of range;
+                nothing was sent.
 
         If this is cancelled, the arm is stopped.
         """
@@ -81,8 +85,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, Servo, Jogging, Teaching):
             if not isinstance(motion, MotionCommand):
                 raise ParameterError(f"motions[{number}]", motion, "a motion")
             motion.hand_over()
-        if ahead < 1:
-            raise ParameterError("ahead", ahead, "a whole number from 1 on")
+        _AHEAD("ahead", ahead)
         tasks: deque[Task] = deque()
         outcomes: list[Outcome] = []
         try:
