@@ -204,6 +204,8 @@ class GuardedControl(Control):
         watch: lane on which it is asked whether the arm moves.
     """
 
+    attempts: int
+
     def __init__(self, seat: Seat, stop: Lane, others: Lane, watch: Lane) -> None:
         super().__init__(stop, others, watch)
         self._seat = seat
