@@ -56,15 +56,6 @@ class Control:
         self.stops: int = 0
         self.attempts: int = 0
 
-    def _asked_for(self) -> None:
-        """Count a stop that is sent by another way."""
-        self.epoch += 1
-        self.attempts += 1
-
-    def _taken(self) -> None:
-        """Count one that was accepted."""
-        self.stops += 1
-
     async def stop(self, timeout: float) -> None:
         """Send a stop until the controller accepts one.
 
