@@ -2,20 +2,33 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+import aioduco.sync
+from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 
 if TYPE_CHECKING:
-    from aioduco.sim import Simulator
+    from collections.abc import Iterator
 
 #: tasks that move nothing, and end by themselves
 _STANDING = frozenset({"power_on", "power_off", "enable", "disable"})
 
 #: by how much the joints may still swing after their set-points have come to rest [rad]
 _SETTLING = 2e-3
+
+
+@contextmanager
+def ready() -> Iterator[Simulator]:
+    """A simulated arm that is enabled, and as fast as the wall: so are heartbeats and stalls."""
+    with Simulator(speed=200.0) as sim:
+        with aioduco.sync.connect(sim.host, sim.port, heartbeat=None) as robot:
+            robot.bring_up()
+        sim.speed = 1.0
+        yield sim
 
 
 def idle(sim: Simulator) -> bool:

@@ -10,16 +10,16 @@ import pytest
 import aioduco
 from aioduco.errors import HeartbeatLost, StopUnconfirmed, TaskError, TaskStopped
 from aioduco.models.enums import Outcome
-from aioduco.sim import Simulator
 from aioduco.testing import Ending, FaultProxy, eventually_async, no_leaks
 
-from .arm import idle, see_it_stand, unrest
+from .arm import idle, ready, see_it_stand, unrest
 from .guards import BOTH, one_guard
 from .program import LEFT, RIGHT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from aioduco.sim import Simulator
     from aioduco.supervision.settings import GuardKind
 
 #: s
@@ -35,8 +35,7 @@ def guards() -> Iterator[None]:
 
 @pytest.fixture
 def sim() -> Iterator[Simulator]:
-    # as fast as the wall: heartbeats are
-    with no_leaks(), Simulator(speed=1.0) as sim:
+    with no_leaks(), ready() as sim:
         yield sim
 
 

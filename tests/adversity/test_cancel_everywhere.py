@@ -140,14 +140,14 @@ async def test_the_arm_stands_after_a_cancellation_at_any_await(
 @pytest.mark.parametrize(
     ("script", "how", "again", "guard", "on_cancel", "step"),
     [
-        (move, "task", 3, "process", "stop", 3),
-        (move, "scope", 0, "process", "stop", 3),
-        (move, "scope", 0, None, "pause", 3),
-        (move, "task", 1, None, "detach", 3),
-        (hold, "task", 0, None, "stop", 3),
-        (hold, "scope", 1, "process", "stop", 4),
-        (look_and_recover, "task", 1, None, "stop", 3),
-        (look_and_recover, "scope", 0, "process", "stop", 4),
+        (move, "task", 3, "process", "stop", 4),
+        (move, "scope", 0, "process", "stop", 4),
+        (move, "scope", 0, None, "pause", 4),
+        (move, "task", 1, None, "detach", 4),
+        (hold, "task", 0, None, "stop", 4),
+        (hold, "scope", 1, "process", "stop", 5),
+        (look_and_recover, "task", 1, None, "stop", 4),
+        (look_and_recover, "scope", 0, "process", "stop", 5),
     ],
 )
 async def test_whatever_the_program_does_and_however_it_is_watched(

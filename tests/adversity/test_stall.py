@@ -10,16 +10,16 @@ import pytest
 import aioduco
 from aioduco.errors import HeartbeatLost, TaskStopped
 from aioduco.models.enums import Outcome
-from aioduco.sim import Simulator
 from aioduco.testing import eventually, eventually_async, no_leaks
 
-from .arm import idle, unrest
+from .arm import idle, ready, unrest
 from .guards import BOTH, one_guard
 from .program import LEFT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from aioduco.sim import Simulator
     from aioduco.supervision.settings import GuardKind
 
 #: s for which the loop is blocked, well below the limit, which is one second if nothing is said
@@ -34,8 +34,7 @@ def guards() -> Iterator[None]:
 
 @pytest.fixture
 def sim() -> Iterator[Simulator]:
-    # as fast as the wall: stalls are
-    with no_leaks(), Simulator(speed=1.0) as sim:
+    with no_leaks(), ready() as sim:
         yield sim
 
 
