@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from aioduco.supervision.pulse import HeartbeatState
 from aioduco.supervision.streams import Streams
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ class Endpoint:
         guarded: whether the robot is stopped by others when the program dies.
         stall_limit: time without the program's event loop running after which it counts as hung,
             and the arm is brought to rest, whatever is still queued [s].
+        beats: whether the robot's heartbeat beats; without it the controller stops the arm, and
+            the stream must not set it moving again.
     """
 
     host: str
@@ -38,10 +41,16 @@ class Endpoint:
     admit: Callable[[str], Awaitable[object]] | None = None
     guarded: bool = False
     stall_limit: float = 1.0
+    beats: Callable[[], bool] | None = None
 
     @classmethod
     def of(cls, supervisor: Supervisor) -> Endpoint:
         """The robot that a supervisor looks after."""
+
+        def beats() -> bool:
+            heart = supervisor.heartbeat
+            return heart is None or heart.state is HeartbeatState.BEATING
+
         return cls(
             supervisor.host,
             supervisor.port,
@@ -50,4 +59,5 @@ class Endpoint:
             admit=supervisor.admit_stream,
             guarded=supervisor.guard is not None,
             stall_limit=supervisor.settings.loop_stall_limit,
+            beats=beats,
         )

@@ -22,8 +22,8 @@ _STARVED = (
     "stopped. Send more often, or open the stream with a longer hold"
 )
 _HUNG = (
-    "the program's event loop did not run for longer than the robot's loop_stall_limit: the arm "
-    "was brought to rest, and the robot stopped"
+    "the program's event loop did not run, or the robot's heartbeat did not beat, for longer than "
+    "the robot's loop_stall_limit: the arm was brought to rest, and the robot stopped"
 )
 _ALONE = "the lane lost sight of the program: the arm was brought to rest, and the robot stopped"
 _STOPPED = "the robot was stopped, and nothing more is sent. Open a new stream to go on"

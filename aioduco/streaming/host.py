@@ -103,9 +103,9 @@ class Host:
         with contextlib.suppress(ValueError):
             self.block.control[command] = 1
 
-    def touch(self) -> None:
-        """Show the lane that the program's event loop runs."""
-        self.block.control[Control.ALIVE] = time.monotonic_ns()
+    def touch(self, alive: bool = True) -> None:
+        """Show the lane that the program's event loop runs, or that it is to brake at once."""
+        self.block.control[Control.ALIVE] = time.monotonic_ns() if alive else 0
 
     @property
     def silent(self) -> bool:

@@ -225,11 +225,11 @@ class Session:
             self._minded.set()
 
     async def _live(self, host: Host) -> None:
-        """Show the lane that the event loop runs, on an absolute schedule."""
+        """Show the lane that the event loop runs and the heartbeat beats."""
         every = min(self._config.stall_limit / _SIGNS, _SIGN_EVERY)
         due = anyio.current_time()
         while not host.gone:
-            host.touch()
+            host.touch(self._endpoint.beats is None or self._endpoint.beats())
             due = max(due + every, anyio.current_time())
             await anyio.sleep_until(due)
 

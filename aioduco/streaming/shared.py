@@ -51,7 +51,7 @@ class Control(IntEnum):
 
     #: wake the program when no more than this many set-points are in the ring; 0: do not
     WAKE_BELOW = 3
-    #: monotonic time at which the program's event loop last ran [ns]
+    #: monotonic time at which the program's event loop last ran, and the heartbeat beat [ns]
     ALIVE = 4
 
 

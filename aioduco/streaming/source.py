@@ -65,7 +65,7 @@ class Reason(IntEnum):
     FAILED = 9
     #: the lane's process is gone
     LANE_DIED = 10
-    #: the program's event loop hung
+    #: the program's event loop hung, or the robot's heartbeat was lost
     HUNG = 11
 
 

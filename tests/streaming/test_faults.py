@@ -15,13 +15,21 @@ import numpy as np
 import pytest
 
 import aioduco
-from aioduco.errors import DucoError, LaneFailed, StreamError, StreamLost, StreamRefused
+from aioduco.errors import (
+    DucoError,
+    LaneFailed,
+    StreamError,
+    StreamLost,
+    StreamRefused,
+    StreamStarved,
+)
 from aioduco.sim import Simulator
 from aioduco.streaming.settings import LaneOptions
 from aioduco.testing import (
     ApplicationError,
     Cut,
     DropReply,
+    DropRequest,
     Ending,
     FaultProxy,
     Garbage,
@@ -156,6 +164,20 @@ async def test_no_network_at_all(robot: aioduco.Robot, sim: Simulator, proxy: Fa
         proxy.clear()
     assert isinstance(error[0], StreamLost)
     assert "it is not known that the arm stands" in str(error[0])
+
+
+async def test_without_a_heartbeat_a_stream_ends(sim: Simulator, proxy: FaultProxy) -> None:
+    """The controller stops the arm then, and the next set-point would set it moving again."""
+    opened = aioduco.connect(proxy.host, proxy.port, heartbeat=0.4, loop_stall_limit=0.3)
+    async with opened as robot:
+        await robot.recover()
+        await robot.motion.movej2(START, v=3.0, a=20.0)
+        proxy.on("rpc_heartbeat", DropRequest(), times=None, skip=5)
+        with pytest.raises(StreamError) as caught:
+            await run(robot, "servoj", THREAD, count=20_000)
+        assert isinstance(caught.value, (StreamStarved, StreamRefused))
+        await see_it_stand(sim)
+        proxy.clear()
 
 
 # -- deaths ------------------------------------------------------------------------------------
