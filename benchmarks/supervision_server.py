@@ -86,6 +86,7 @@ class Handlers:
     def __getattr__(self, name: str) -> Any:
         answers = {
             "get_robot_state": [6, 0, 5, 1],
+            "get_robot_version": "3.8.0",
             "get_actual_joints_position": [0.0] * 6,
             "get_last_error": [],
             "robotmoving": False,
