@@ -16,22 +16,32 @@ if TYPE_CHECKING:
 class Cycles:
     """Every cycle of the simulation, however fast it goes.
 
-    Attributes:
-        points: set-points.
-        q: the arm's joints after each of them [rad]. Shapes (6,).
+    The simulation's thread writes while tests read: what belongs together is written in one go.
     """
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.points: list[SetPoint] = []
-        self.q: list[Array] = []
+        self._rows: list[tuple[SetPoint, Array]] = []
         step = World.step
 
         def record(world: World, setpoint: SetPoint) -> None:
             step(world, setpoint)
-            self.points.append(setpoint)
-            self.q.append(world.q)
+            self._rows.append((setpoint, world.q))
 
         monkeypatch.setattr(World, "step", record)
+
+    @property
+    def points(self) -> list[SetPoint]:
+        """Set-points."""
+        return [point for point, _ in self._rows.copy()]
+
+    @property
+    def q(self) -> list[Array]:
+        """The arm's joints after each set-point [rad]. Shapes (6,)."""
+        return [q for _, q in self._rows.copy()]
+
+    def farthest(self) -> float:
+        """How far a joint was from its set-point at most [rad]."""
+        return max(float(abs(point.q - q).max()) for point, q in self._rows.copy())
 
     @property
     def wanted(self) -> list[Array]:
@@ -40,5 +50,4 @@ class Cycles:
 
     def clear(self) -> None:
         """Forget what was before, and begin with the next cycle."""
-        self.points.clear()
-        self.q.clear()
+        self._rows.clear()

@@ -269,9 +269,6 @@ class Cell:
         going = np.flatnonzero(np.abs(np.diff(self.cycles.wanted, axis=0)).max(axis=1) > 0.0)
         return slice(int(going[0]), int(going[-1]) + 2)
 
-    def tracking(self) -> float:
-        return float(np.abs(np.array(self.cycles.wanted) - np.array(self.cycles.q)).max())
-
 
 @pytest.fixture(scope="module", params=["gcr3_618", "gcr16_2000"])
 def cell(request: pytest.FixtureRequest) -> Iterator[Cell]:
@@ -329,7 +326,7 @@ def test_a_path_of_the_tool(cell: Cell, case: Case) -> None:
     bends = np.linalg.norm(np.diff(tangents, axis=0), axis=1) / ways[1:]
     least = fastest(float(ways.sum()), expected.v, expected.a, float(np.median(bends)))
     assert len(speeds) * CYCLE == pytest.approx(least, rel=0.02)
-    assert cell.tracking() < TRACKING
+    assert cell.cycles.farthest() < TRACKING
 
 
 @pytest.mark.parametrize("function", ["movej2", "movej_pose2"])
@@ -353,4 +350,4 @@ def test_a_way_of_the_joints(cell: Cell, function: str) -> None:
     assert np.abs(speeds).max() < OVER * v
     assert np.abs(np.diff(speeds, axis=0)).max() / CYCLE < OVER * a
     assert len(speeds) * CYCLE == pytest.approx(fastest(0.9, v, a, 0.0), rel=0.02)
-    assert cell.tracking() < TRACKING
+    assert cell.cycles.farthest() < TRACKING
