@@ -80,8 +80,11 @@ def test_links_lead_somewhere(text: str) -> None:
     assert [link for link in targets if not (ROOT / link).exists()] == []
 
 
-def test_picture_is_small() -> None:
-    (picture,) = re.findall(r"!\[[^]]*\]\(([^)]+)\)", README)
-    data = (ROOT / picture).read_bytes()
-    assert data.startswith(b"\x89PNG\r\n\x1a\n")
-    assert len(data) < 200_000
+def test_pictures_are_small() -> None:
+    begins = {".png": b"\x89PNG\r\n\x1a\n", ".gif": b"GIF89a"}
+    pictures = [ROOT / picture for picture in re.findall(r"!\[[^]]*\]\(([^)]+)\)", README)]
+    assert [picture.suffix for picture in pictures] == [".gif", ".png"]
+    for picture in pictures:
+        data = picture.read_bytes()
+        assert data.startswith(begins[picture.suffix])
+        assert len(data) < 400_000
