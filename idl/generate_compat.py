@@ -35,6 +35,7 @@ names of arguments are the manual's.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
 from aioduco._wire.rpc import Op
@@ -46,16 +47,16 @@ if TYPE_CHECKING:
 {structs}    )
 
 
-class Functions:
+class Functions(ABC):
     """Every function of the wire, under its name there and under the manual's."""
 
+    @abstractmethod
     def _number(self, name: str, args: tuple[Any, ...]) -> int:
         """Call a function whose answer is a number: -1 if the connection is lost."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _value(self, name: str, args: tuple[Any, ...]) -> Any:
         """Call a function whose answer is something else."""
-        raise NotImplementedError
 '''
 
 #: what the vendor's Python class fills in, by function and parameter of the wire

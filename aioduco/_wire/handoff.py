@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import math
 import time
+from abc import ABC, abstractmethod
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Final
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 GRACE: Final = 0.25
 
 
-class Call:
+class Call(ABC):
     """One call on its way: what is sent, by when, and what came of it.
 
     Its parts have one writer each: the thread writes `value`, `error` and `handed_over`, then
@@ -70,9 +71,9 @@ class Call:
         """What is called, for messages."""
         return self.function.name if self.function is not None else "open"
 
+    @abstractmethod
     def notify(self) -> None:
         """Wake whoever waits; on the worker's thread."""
-        raise NotImplementedError
 
 
 class Home:

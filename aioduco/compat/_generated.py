@@ -7,6 +7,7 @@ names of arguments are the manual's.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
 from aioduco._wire.rpc import Op
@@ -27,16 +28,16 @@ if TYPE_CHECKING:
     )
 
 
-class Functions:
+class Functions(ABC):
     """Every function of the wire, under its name there and under the manual's."""
 
+    @abstractmethod
     def _number(self, name: str, args: tuple[Any, ...]) -> int:
         """Call a function whose answer is a number: -1 if the connection is lost."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _value(self, name: str, args: tuple[Any, ...]) -> Any:
         """Call a function whose answer is something else."""
-        raise NotImplementedError
 
     def rpc_heartbeat(self, time: int) -> None:
         """Report that this client lives; the arm stops if none follows within `time` ms."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from numbers import Real
@@ -85,8 +86,9 @@ class _Six(Sequence[float]):
         """The six numbers as a new array. Shape (6,)."""
         return np.array(self._values())
 
+    @abstractmethod
     def _values(self) -> tuple[float, ...]:
-        raise NotImplementedError
+        """The six numbers."""
 
     def __array__(
         self, dtype: np.dtype[Any] | None = None, copy: bool | None = None

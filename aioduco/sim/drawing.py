@@ -12,7 +12,7 @@ import os
 import pickle
 import struct
 import sys
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
+from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -46,7 +46,7 @@ class Request(NamedTuple):
     camera: Camera | int
 
 
-def send(stream: BinaryIO, thing: object) -> None:
+def send(stream: IO[bytes], thing: object) -> None:
     """Write a thing to a pipe."""
     data = pickle.dumps(thing)
     stream.write(_HEAD.pack(len(data)))
@@ -54,7 +54,7 @@ def send(stream: BinaryIO, thing: object) -> None:
     stream.flush()
 
 
-def receive(stream: BinaryIO) -> Any:
+def receive(stream: IO[bytes]) -> Any:
     """Read a thing from a pipe of a process that we started, or that started us.
 
     Raises:
@@ -121,7 +121,7 @@ def _context(width: int, height: int) -> Any:
     raise OSError("; ".join(failures))
 
 
-def main(requests: BinaryIO, answers: BinaryIO) -> None:
+def main(requests: IO[bytes], answers: IO[bytes]) -> None:
     """Draw until the requests end. An answer that is a text says why there is no picture."""
     drawer: Drawer | None = None
     model = receive(requests)

@@ -93,9 +93,9 @@ class Studio:
         assert process.stdout is not None
         try:
             if new:
-                send(process.stdin, self.model)  # type: ignore[arg-type]  # typeshed: IO[bytes]
-            send(process.stdin, request)  # type: ignore[arg-type]  # typeshed: IO[bytes]
-            return receive(process.stdout)  # type: ignore[arg-type]  # typeshed: IO[bytes]
+                send(process.stdin, self.model)
+            send(process.stdin, request)
+            return receive(process.stdout)
         except (EOFError, OSError) as exc:
             self._errors.seek(0)
             said = self._errors.read().decode(errors="replace").strip().splitlines()

@@ -25,12 +25,10 @@ class Driver(Protocol):
     @property
     def state(self) -> State:
         """State of the stream."""
-        raise NotImplementedError
 
     @property
     def reason(self) -> Reason:
         """Why it ends."""
-        raise NotImplementedError
 
     def tick(self, hurry: bool) -> bool:
         """Do the work of one tick; returns whether there is another one.
@@ -38,7 +36,6 @@ class Driver(Protocol):
         Args:
             hurry: the next tick is due before an answer can be here.
         """
-        raise NotImplementedError
 
     def close(self) -> None:
         """The program sends nothing more."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import time
 from typing import Any
 
 import anyio
@@ -24,7 +23,7 @@ from aioduco.streaming.realtime import CYCLE, RealtimeStreams
 from aioduco.streaming.settings import LaneOptions
 from aioduco.streaming.source import Reason, State
 from aioduco.streaming.track import TrackStreams
-from aioduco.testing import eventually_async, no_leaks
+from aioduco.testing import eventually, eventually_async, no_leaks
 
 from .conftest import HERE, Controller, Cycles
 
@@ -120,9 +119,8 @@ async def test_a_stall_of_the_event_loop_does_not_reach_the_controller(
     async with opened as stream, anyio.create_task_group() as tasks:
         tasks.start_soon(stream.play, trajectory)
         await eventually_async(lambda: len(queue.points) > 120)
-        # The server of this test answers from threads that the stall must not hold up: so
-        # it sleeps, as a program that waits for a disk would.
-        time.sleep(0.3)  # noqa: ASYNC251 - the stall is what is tested
+        # It blocks the event loop, but not the threads that the controller answers from.
+        eventually(lambda: len(queue.points) > 420)
     assert stream.statistics().starved == 0
     np.testing.assert_allclose(positions(queue)[-1], trajectory[-1], atol=1e-9)
 

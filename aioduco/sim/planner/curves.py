@@ -29,21 +29,17 @@ class Curve(Protocol):
     @property
     def length(self) -> float:
         """Distance from the first pose to the last: metres, or radians where it only turns."""
-        raise NotImplementedError
 
     @property
     def turning(self) -> float:
         """Angle that the orientation turns by from the first pose to the last [rad]."""
-        raise NotImplementedError
 
     @property
     def detail(self) -> float:
         """Distance between samples that show each of its bends; infinite if `turning` says it."""
-        raise NotImplementedError
 
     def poses(self, s: Array) -> Array:
         """Give the poses at distances s, from zero to `length`. Shape (n,) to (n, 4, 4)."""
-        raise NotImplementedError
 
 
 def _poses(rotations: Array, points: Array) -> Array:
