@@ -25,10 +25,12 @@ class Driver(Protocol):
     @property
     def state(self) -> State:
         """State of the stream."""
+        ...
 
     @property
     def reason(self) -> Reason:
         """Why it ends."""
+        ...
 
     def tick(self, hurry: bool) -> bool:
         """Do the work of one tick; returns whether there is another one.
@@ -36,6 +38,7 @@ class Driver(Protocol):
         Args:
             hurry: the next tick is due before an answer can be here.
         """
+        ...
 
     def close(self) -> None:
         """The program sends nothing more."""

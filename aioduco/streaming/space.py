@@ -41,23 +41,23 @@ class Space(Protocol):
 
         Each joint by itself; for poses the translation and the rotation.
         """
-        raise NotImplementedError
+        ...
 
     def decode(self, values: Sequence[float]) -> Config:
         """The point that six numbers of the wire mean."""
-        raise NotImplementedError
+        ...
 
     def encode(self, config: Config) -> tuple[float, ...]:
         """The six numbers of the wire for a point."""
-        raise NotImplementedError
+        ...
 
     def difference(self, start: Config, end: Config) -> Displacement:
         """What leads from `start` to `end`."""
-        raise NotImplementedError
+        ...
 
     def moved(self, start: Config, displacement: Displacement) -> Config:
         """Where a displacement leads to."""
-        raise NotImplementedError
+        ...
 
 
 class JointSpace:

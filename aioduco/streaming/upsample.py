@@ -27,7 +27,7 @@ class Reference(Protocol):
     @property
     def ready(self) -> bool:
         """Whether the last target has had its time, so that the next one may come."""
-        raise NotImplementedError
+        ...
 
     def aim(self, target: Config, interval: float, duration: float) -> None:
         """Take a new target.
@@ -40,7 +40,7 @@ class Reference(Protocol):
 
     def step(self) -> Config:
         """Go on by one tick and return where the arm should be."""
-        raise NotImplementedError
+        ...
 
     def rest(self, config: Config) -> None:
         """Forget the target, and stand at a point."""

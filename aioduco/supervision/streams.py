@@ -30,7 +30,7 @@ class OpenStream(Protocol):
     @property
     def quiet(self) -> bool:
         """Whether its lane can send nothing any more; from any thread."""
-        raise NotImplementedError
+        ...
 
     def halt(self) -> None:
         """Send nothing more, at once; from any thread or signal handler."""

@@ -29,17 +29,21 @@ class Curve(Protocol):
     @property
     def length(self) -> float:
         """Distance from the first pose to the last: metres, or radians where it only turns."""
+        ...
 
     @property
     def turning(self) -> float:
         """Angle that the orientation turns by from the first pose to the last [rad]."""
+        ...
 
     @property
     def detail(self) -> float:
         """Distance between samples that show each of its bends; infinite if `turning` says it."""
+        ...
 
     def poses(self, s: Array) -> Array:
         """Give the poses at distances s, from zero to `length`. Shape (n,) to (n, 4, 4)."""
+        ...
 
 
 def _poses(rotations: Array, points: Array) -> Array:
