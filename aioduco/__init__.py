@@ -12,54 +12,62 @@ Units are SI: metres, radians, seconds, kilograms, newtons; `deg()` and `mm()` c
 
 from __future__ import annotations
 
-from aioduco import errors, events
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from aioduco import errors
 from aioduco._version import __version__
 from aioduco.errors import *  # noqa: F403  # all of them, as errors.__all__ lists them
-from aioduco.models.enums import (
-    FileKind,
-    OperationMode,
-    Outcome,
-    OutputMode,
-    ProgramState,
-    RobotState,
-    SafetyState,
-    TaskState,
-)
-from aioduco.models.external_axis import ExternalAxis, ExternalAxisScheme, ExternalAxisState
-from aioduco.models.force import ForceFrame, ForceLogic, GuardedForce
-from aioduco.models.jog import Jog, JogDirections, JogFrame
-from aioduco.models.load import Load
-from aioduco.models.op import (
-    Op,
-    PointOp,
-    bool_register,
-    event,
-    float_register,
-    output,
-    tool_output,
-    word_register,
-)
-from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
-from aioduco.models.realtime import RealtimeMode, RealtimePoint
-from aioduco.models.state import IOStatus, RobotStates, RobotStatus
-from aioduco.models.units import deg, mm
-from aioduco.models.version import ControllerVersion
-from aioduco.models.weave import WeavePlane, WeaveShape
-from aioduco.robot import Robot, connect
-from aioduco.streaming.gains import ServoGains
-from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
-from aioduco.streaming.report import StreamStatistics
-from aioduco.streaming.settings import LaneOptions
-from aioduco.supervision.command import HeldMotion, MotionCommand
-from aioduco.supervision.feed import Snapshot
-from aioduco.supervision.pulse import HeartbeatState
-from aioduco.supervision.settings import ExitLadder
-from aioduco.supervision.task import OnCancel, Task
+
+if TYPE_CHECKING:
+    from aioduco import events
+    from aioduco.frozen import freeze_support
+    from aioduco.models.enums import (
+        FileKind,
+        OperationMode,
+        Outcome,
+        OutputMode,
+        ProgramState,
+        RobotState,
+        SafetyState,
+        TaskState,
+    )
+    from aioduco.models.external_axis import ExternalAxis, ExternalAxisScheme, ExternalAxisState
+    from aioduco.models.force import ForceFrame, ForceLogic, GuardedForce
+    from aioduco.models.jog import Jog, JogDirections, JogFrame
+    from aioduco.models.load import Load
+    from aioduco.models.op import (
+        Op,
+        PointOp,
+        bool_register,
+        event,
+        float_register,
+        output,
+        tool_output,
+        word_register,
+    )
+    from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
+    from aioduco.models.realtime import RealtimeMode, RealtimePoint
+    from aioduco.models.state import IOStatus, RobotStates, RobotStatus
+    from aioduco.models.units import deg, mm
+    from aioduco.models.version import ControllerVersion
+    from aioduco.models.weave import WeavePlane, WeaveShape
+    from aioduco.robot import Robot, connect
+    from aioduco.streaming.gains import ServoGains
+    from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
+    from aioduco.streaming.options import LaneOptions
+    from aioduco.streaming.report import StreamStatistics
+    from aioduco.supervision.command import HeldMotion, MotionCommand
+    from aioduco.supervision.heartbeat import HeartbeatState
+    from aioduco.supervision.settings import ExitLadder
+    from aioduco.supervision.state_feed import Snapshot
+    from aioduco.supervision.task import OnCancel, Task
 
 __all__ = [  # noqa: RUF022  # grouped by what they are for
     "__version__",
     # the robot
     "connect",
+    "freeze_support",
     "Robot",
     "HeldMotion",
     "MotionCommand",
@@ -121,3 +129,64 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     "events",
 ]
 __all__ += errors.__all__
+
+#: where each name comes from when it is first used; the imports above are for type checkers
+_HOMES = {
+    "aioduco.frozen": ("freeze_support",),
+    "aioduco.models.enums": (
+        "FileKind",
+        "OperationMode",
+        "Outcome",
+        "OutputMode",
+        "ProgramState",
+        "RobotState",
+        "SafetyState",
+        "TaskState",
+    ),
+    "aioduco.models.external_axis": ("ExternalAxis", "ExternalAxisScheme", "ExternalAxisState"),
+    "aioduco.models.force": ("ForceFrame", "ForceLogic", "GuardedForce"),
+    "aioduco.models.jog": ("Jog", "JogDirections", "JogFrame"),
+    "aioduco.models.load": ("Load",),
+    "aioduco.models.op": (
+        "Op",
+        "PointOp",
+        "bool_register",
+        "event",
+        "float_register",
+        "output",
+        "tool_output",
+        "word_register",
+    ),
+    "aioduco.models.pose": ("Joints", "JointsLike", "Pose", "PoseLike"),
+    "aioduco.models.realtime": ("RealtimeMode", "RealtimePoint"),
+    "aioduco.models.state": ("IOStatus", "RobotStates", "RobotStatus"),
+    "aioduco.models.units": ("deg", "mm"),
+    "aioduco.models.version": ("ControllerVersion",),
+    "aioduco.models.weave": ("WeavePlane", "WeaveShape"),
+    "aioduco.robot": ("Robot", "connect"),
+    "aioduco.streaming.gains": ("ServoGains",),
+    "aioduco.streaming.joint_trajectory": ("JointTrajectory", "Tolerances"),
+    "aioduco.streaming.report": ("StreamStatistics",),
+    "aioduco.streaming.options": ("LaneOptions",),
+    "aioduco.supervision.command": ("HeldMotion", "MotionCommand"),
+    "aioduco.supervision.state_feed": ("Snapshot",),
+    "aioduco.supervision.heartbeat": ("HeartbeatState",),
+    "aioduco.supervision.settings": ("ExitLadder",),
+    "aioduco.supervision.task": ("OnCancel", "Task"),
+}
+_HOME = {name: module for module, names in _HOMES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    """Load what is used: `import aioduco` alone loads neither numpy nor anyio."""
+    if name == "events":
+        return importlib.import_module("aioduco.events")
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(importlib.import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -21,6 +21,7 @@ __all__ = [
     "GuardLost",
     "HeartbeatLost",
     "LaneFailed",
+    "MissingExtra",
     "ModbusError",
     "ModbusGarbled",
     "ModbusRefused",
@@ -56,6 +57,8 @@ __all__ = [
     "TrackPoolFull",
     "UnknownFunction",
     "Unreachable",
+    "WrongLoop",
+    "WrongProcess",
 ]
 
 
@@ -264,6 +267,20 @@ class PersonNeeded(RobotStateError):
     """Only a person can lead the robot out of its state; the message says what to do."""
 
 
+class WrongLoop(RobotStateError):
+    """The robot is used outside of the event loop on which it was opened. Nothing was sent.
+
+    The robot goes on undisturbed on its own loop.
+    """
+
+
+class WrongProcess(RobotStateError):
+    """The robot is used in a child that was forked from the process that opened it.
+
+    Nothing was sent. The robot goes on undisturbed in the parent.
+    """
+
+
 class GuardLost(DucoError):
     """The guard's process could not be started, or is gone. The arm is stopped by other ways."""
 
@@ -403,3 +420,19 @@ class SceneError(DucoError, ValueError):
 
 class RenderError(DucoError, RuntimeError):
     """This computer can draw no picture of a simulator, or show no window. It goes on without."""
+
+
+class MissingExtra(DucoError, ModuleNotFoundError):
+    """A package is not installed that only an extra brings. Nothing was started or sent.
+
+    Attributes:
+        extra: the extra that brings it: `pip install 'aioduco[…]'`.
+    """
+
+    def __init__(self, wanted: str, package: str, extra: str) -> None:
+        super().__init__(f"{wanted} needs {package}: pip install 'aioduco[{extra}]'", name=package)
+        self.extra: str = extra
+
+    def __reduce__(self) -> tuple[object, ...]:
+        wanted = str(self).partition(" needs ")[0]
+        return type(self), (wanted, self.name, self.extra)

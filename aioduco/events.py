@@ -8,7 +8,7 @@ with robot.events.subscribe() as stream:
 
 from __future__ import annotations
 
-from aioduco.supervision.changes import (
+from aioduco.supervision.events import (
     CollisionDetected,
     CollisionReset,
     ConnectionBack,

@@ -67,7 +67,7 @@ def duco_simulator(duco_simulator_options: Mapping[str, Any]) -> Iterator[Simula
 
 @pytest.fixture
 def duco_proxy(duco_simulator: Simulator) -> Iterator[FaultProxy]:
-    """A fault proxy before the simulated controller; it does nothing until it is told to."""
+    """A fault proxy before the simulated controller; without faults until a test adds one."""
     from aioduco.testing import FaultProxy  # noqa: PLC0415 - not for who has no need of it
 
     with FaultProxy(duco_simulator.host, duco_simulator.port) as proxy:

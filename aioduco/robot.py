@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import time
 import warnings
+from importlib import import_module
 from typing import TYPE_CHECKING
 
-import anyio
-
-from aioduco.errors import HeartbeatLost, ParameterError
-from aioduco.supervision.settings import Settings
-from aioduco.supervision.times import SECONDS
+from aioduco._wire.host import HOST_RULE, is_host
+from aioduco.errors import ParameterError
+from aioduco.models.ranges import TIMEOUT as SECONDS
+from aioduco.supervision.settings import RobotSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,28 +25,68 @@ if TYPE_CHECKING:
     from aioduco.api.kinematics import Kinematics
     from aioduco.api.log import Log
     from aioduco.api.modbus import Modbus
+    from aioduco.api.motion import Motion
     from aioduco.api.optimization import Optimization
     from aioduco.api.program import Program
+    from aioduco.api.realtime import Realtime
     from aioduco.api.registers import Registers
     from aioduco.api.service import Service
     from aioduco.api.settings import Settings as SettingsSection
     from aioduco.api.state import State
     from aioduco.api.system import System
+    from aioduco.api.track import Track
     from aioduco.api.version import Version
     from aioduco.models.state import RobotStates
-    from aioduco.streaming.sections import Motion, Realtime, Servo, Speed, Track
+    from aioduco.streaming.servo import Servo
+    from aioduco.streaming.speed import Speed
     from aioduco.supervision.events import Events
-    from aioduco.supervision.feed import Feed, Snapshot
     from aioduco.supervision.heartbeat import HeartbeatStatistics
     from aioduco.supervision.settings import ExitLadder, GuardKind
+    from aioduco.supervision.state_feed import Snapshot, StateFeed
     from aioduco.supervision.supervisor import SupervisorStatistics
     from aioduco.supervision.task import OnCancel, Task
     from aioduco.trace import Trace
 
 __all__ = ["Robot", "connect"]
 
-#: seconds between two looks whether the heartbeat beats again
-_LOOK_EVERY = 0.002
+#: where the class of each section lies; `Robot` declares their types
+_SECTIONS = {
+    "system": "aioduco.api.system.System",
+    "program": "aioduco.api.program.Program",
+    "compound": "aioduco.api.compound.Compound",
+    "external_axes": "aioduco.api.external_axes.ExternalAxes",
+    "state": "aioduco.api.state.State",
+    "io": "aioduco.api.io.IO",
+    "registers": "aioduco.api.registers.Registers",
+    "bus": "aioduco.api.bus.Bus",
+    "frames": "aioduco.api.frames.Frames",
+    "kinematics": "aioduco.api.kinematics.Kinematics",
+    "settings": "aioduco.api.settings.Settings",
+    "optimization": "aioduco.api.optimization.Optimization",
+    "force": "aioduco.api.force.Force",
+    "modbus": "aioduco.api.modbus.Modbus",
+    "log": "aioduco.api.log.Log",
+    "service": "aioduco.api.service.Service",
+    "version": "aioduco.api.version.Version",
+}
+#: sections with functions of the wire and with streams
+_SECTIONS_WITH_STREAMS = {
+    "motion": "aioduco.api.motion.Motion",
+    "track": "aioduco.api.track.Track",
+    "realtime": "aioduco.api.realtime.Realtime",
+}
+#: sections with streams alone
+_STREAMS = {
+    "servo": "aioduco.streaming.servo.Servo",
+    "speed": "aioduco.streaming.speed.Speed",
+}
+
+
+def _load(place: str) -> Callable[..., object]:
+    """The class of a section, given its full name."""
+    module, _, name = place.rpartition(".")
+    kind: Callable[..., object] = getattr(import_module(module), name)
+    return kind
 
 
 def connect(
@@ -62,6 +101,7 @@ def connect(
     on_cancel: OnCancel = "stop",
     stop_timeout: float = 5.0,
     standstill_timeout: float = 5.0,
+    unanswered_timeout: float = 60.0,
     exit_ladder: ExitLadder | None = None,
     guard: GuardKind | None = None,
     state_rate: float = 50.0,
@@ -89,6 +129,9 @@ def connect(
             "pause", or "detach" (it moves on).
         stop_timeout: seconds in which a stop must be accepted by the controller.
         standstill_timeout: seconds in which the arm must stand after that.
+        unanswered_timeout: most seconds for which a motion that was sent and not answered is
+            waited for after its call_timeout. The arm is stopped at once, but the motion may reach
+            the controller late, and no await of it returns before that is ruled out.
         exit_ladder: what is done on the way out, and the time for each of it; None for all of it,
             with the times above.
         guard: "process" to have stop and heartbeat in a small process of their own, one for all
@@ -110,7 +153,7 @@ def connect(
     return Robot(
         host,
         port,
-        Settings(
+        RobotSettings(
             call_timeout=call_timeout,
             connect_timeout=connect_timeout,
             pool_size=pool_size,
@@ -119,6 +162,7 @@ def connect(
             on_cancel=on_cancel,
             stop_timeout=stop_timeout,
             standstill_timeout=standstill_timeout,
+            unanswered_timeout=unanswered_timeout,
             exit_ladder=exit_ladder,
             guard=guard,
             state_rate=state_rate,
@@ -186,65 +230,25 @@ class Robot:
     service: Service
     version: Version
 
-    def __init__(self, host: str, port: int, settings: Settings) -> None:
-        if not isinstance(host, str) or not host:
-            raise ParameterError("host", host, "a name or an address")
+    def __init__(self, host: str, port: int, settings: RobotSettings) -> None:
+        if not isinstance(host, str) or not is_host(host):
+            raise ParameterError("host", host, HOST_RULE)
         if type(port) is not int or not 1 <= port <= 65535:
             raise ParameterError("port", port, "a whole number from 1 to 65535")
         # Thrift is loaded here and not at import: `import aioduco` stays quick.
-        from aioduco.api.bus import Bus  # noqa: PLC0415
-        from aioduco.api.compound import Compound  # noqa: PLC0415
-        from aioduco.api.external_axes import ExternalAxes  # noqa: PLC0415
-        from aioduco.api.force import Force  # noqa: PLC0415
-        from aioduco.api.frames import Frames  # noqa: PLC0415
-        from aioduco.api.io import IO  # noqa: PLC0415
-        from aioduco.api.kinematics import Kinematics  # noqa: PLC0415
-        from aioduco.api.log import Log  # noqa: PLC0415
-        from aioduco.api.modbus import Modbus  # noqa: PLC0415
-        from aioduco.api.optimization import Optimization  # noqa: PLC0415
-        from aioduco.api.program import Program  # noqa: PLC0415
-        from aioduco.api.registers import Registers  # noqa: PLC0415
-        from aioduco.api.service import Service  # noqa: PLC0415
-        from aioduco.api.settings import Settings as SettingsSection  # noqa: PLC0415
-        from aioduco.api.state import State  # noqa: PLC0415
-        from aioduco.api.system import System  # noqa: PLC0415
-        from aioduco.api.version import Version  # noqa: PLC0415
-        from aioduco.streaming.endpoint import Endpoint  # noqa: PLC0415
-        from aioduco.streaming.sections import (  # noqa: PLC0415
-            Motion,
-            Realtime,
-            Servo,
-            Speed,
-            Track,
-        )
+        from aioduco.streaming.endpoint import StreamEndpoint  # noqa: PLC0415
         from aioduco.supervision.supervisor import Supervisor  # noqa: PLC0415
 
         self.host = host
         self.port = port
         self._supervisor = Supervisor(host, port, settings)
-        self.system = System(self._supervisor)
-        endpoint = Endpoint.of(self._supervisor)
-        self.motion = Motion(self._supervisor, endpoint)
-        self.servo = Servo(endpoint)
-        self.speed = Speed(endpoint)
-        self.program = Program(self._supervisor)
-        self.track = Track(self._supervisor, endpoint)
-        self.compound = Compound(self._supervisor)
-        self.external_axes = ExternalAxes(self._supervisor)
-        self.realtime = Realtime(self._supervisor, endpoint)
-        self.state = State(self._supervisor)
-        self.io = IO(self._supervisor)
-        self.registers = Registers(self._supervisor)
-        self.bus = Bus(self._supervisor)
-        self.frames = Frames(self._supervisor)
-        self.kinematics = Kinematics(self._supervisor)
-        self.settings = SettingsSection(self._supervisor)
-        self.optimization = Optimization(self._supervisor)
-        self.force = Force(self._supervisor)
-        self.modbus = Modbus(self._supervisor)
-        self.log = Log(self._supervisor)
-        self.service = Service(self._supervisor)
-        self.version = Version(self._supervisor)
+        endpoint = StreamEndpoint.of(self._supervisor)
+        for name, place in _SECTIONS.items():
+            setattr(self, name, _load(place)(self._supervisor))
+        for name, place in _SECTIONS_WITH_STREAMS.items():
+            setattr(self, name, _load(place)(self._supervisor, endpoint))
+        for name, place in _STREAMS.items():
+            setattr(self, name, _load(place)(endpoint))
 
     def __repr__(self) -> str:
         tasks = len(self.tasks)
@@ -253,15 +257,20 @@ class Robot:
     def __del__(self) -> None:
         supervisor = getattr(self, "_supervisor", None)
         if supervisor is not None and supervisor.state == "open":
-            warnings.warn(f"unclosed {self!r}", ResourceWarning, source=self, stacklevel=2)
+            unclosed = f"unclosed {self!r}"
             supervisor.forget()
+            # Last: where warnings are errors, or are shown by the program, it may raise or block.
+            warnings.warn(unclosed, ResourceWarning, source=self, stacklevel=2)
 
     async def open(self) -> None:
         """Connect, see that a controller answers, and start the heartbeat.
 
         For notebooks and fixtures; programs use `async with`, which closes whatever happens.
+        From now on the robot belongs to the event loop that runs: on any other, what is awaited
+        of it raises `WrongLoop` before anything is sent.
 
         Raises:
+            WrongLoop: no event loop of asyncio runs here; trio's is none.
             ConnectError: the host is unknown, the port is closed, or nothing answers.
             NotAController: something else than a controller answers.
             ConnectTimeout: something accepts connections, but answers nothing.
@@ -271,10 +280,12 @@ class Robot:
     async def aclose(self) -> None:
         """Stop what this program moves, see it stand, end the heartbeat, close.
 
-        It is gone through to its end even if it is cancelled.
+        It is gone through to its end even if it is cancelled. If the robot's own event loop has
+        been closed, any other one will do. In a forked child it does nothing.
 
         Raises:
             StopUnconfirmed: it is not known that the arm stands.
+            WrongLoop: the robot belongs to another event loop, which is to close it.
         """
         await self._supervisor.aclose()
 
@@ -293,7 +304,7 @@ class Robot:
     @property
     def tasks(self) -> tuple[Task, ...]:
         """The tasks of this program that live, in the order of their acceptance."""
-        return self._supervisor.keeper.poller.tasks
+        return self._supervisor.stop_coordinator.follower.tasks
 
     @property
     def heartbeat(self) -> HeartbeatStatistics | None:
@@ -350,7 +361,7 @@ class Robot:
         return states
 
     @property
-    def feed(self) -> Feed:
+    def feed(self) -> StateFeed:
         """Samples of the robot's state at a steady rate; it begins when it is first used."""
         return self._supervisor.feed
 
@@ -390,7 +401,7 @@ class Robot:
         Manual section 1.3.3.
         """
         self._supervisor.check_open("stop")
-        await self._supervisor.keeper.stop()
+        await self._supervisor.stop_coordinator.stop()
 
     def stop_now(self, timeout: float = 2.0) -> None:
         """Send a stop from any thread or signal handler; it needs no event loop.
@@ -402,12 +413,13 @@ class Robot:
 
         Raises:
             ParameterError: the time is not above 0; nothing was sent.
+            WrongProcess: this is a forked child; nothing was sent.
             StopUnconfirmed: none was: press the emergency stop.
 
         Manual section 1.3.3.
         """
-        self._supervisor.check_open("stop")
-        self._supervisor.keeper.stop_now(SECONDS("timeout", timeout))
+        self._supervisor.check_usable("stop")
+        self._supervisor.stop_coordinator.stop_now(SECONDS("timeout", timeout))
 
     async def pause(self) -> None:
         """Pause all tasks (暂停所有任务), and wait until the arm stands.
@@ -419,7 +431,7 @@ class Robot:
         Manual section 1.3.3.
         """
         self._supervisor.check_open("pause")
-        await self._supervisor.keeper.pause()
+        await self._supervisor.stop_coordinator.pause()
 
     async def resume(self) -> None:
         """Resume all paused tasks (恢复所有暂停的任务).
@@ -430,7 +442,7 @@ class Robot:
         Manual section 1.3.3.
         """
         self._supervisor.check_open("resume")
-        await self._supervisor.keeper.resume()
+        await self._supervisor.stop_coordinator.resume()
 
     async def abort(self) -> None:
         """End the running motion and those read ahead, and wait until the arm stands.
@@ -442,7 +454,7 @@ class Robot:
             StopUnconfirmed: the arm does not stand.
         """
         self._supervisor.check_open("abort")
-        await self._supervisor.keeper.abort()
+        await self._supervisor.stop_coordinator.abort()
 
     async def rearm_heartbeat(self, *, timeout: float = 2.0) -> None:
         """Go on after the event loop hung and the heartbeat was withheld.
@@ -457,16 +469,4 @@ class Robot:
             ParameterError: the time is not above 0.
             HeartbeatLost: none was.
         """
-        limit = SECONDS("timeout", timeout)
-        self._supervisor.check_open("rpc_heartbeat")
-        heartbeat = self._supervisor.heartbeat
-        if heartbeat is None:
-            return
-        heartbeat.rearm()
-        due = time.monotonic()
-        until = due + limit
-        while not heartbeat.heard:
-            if due >= until:
-                raise HeartbeatLost(f"no heartbeat was answered within {timeout:g} s")
-            due += _LOOK_EVERY
-            await anyio.sleep(max(0.0, due - time.monotonic()))
+        await self._supervisor.rearm_heartbeat(timeout)

@@ -1,4 +1,4 @@
-"""What is asked of the system's scheduler."""
+"""Requests to the system's scheduler."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ def shorten_slice(nanoseconds: int) -> bool:
 
     A thread that wakes up to work for a moment then goes before one that has been working for
     milliseconds, such as the program's own loop, instead of waiting for the end of its slice. It
-    gets no more of the processor by this, so everybody may ask for it. Linux does it since 6.12;
-    earlier ones take no notice.
+    gets no more of the processor by this, so no permission is needed. Linux does it since 6.12;
+    earlier versions ignore it.
 
     Args:
         nanoseconds: the length of a slice, 100 µs to 100 ms.
@@ -27,7 +27,7 @@ def shorten_slice(nanoseconds: int) -> bool:
     Returns:
         Whether the system took it.
     """
-    # imported here: only a lane needs it
+    # imported here: only a worker needs it
     import ctypes  # noqa: PLC0415
 
     number = _SCHED_SETATTR.get(os.uname().machine)

@@ -1,22 +1,36 @@
 """One hook that sees what happens on the wire: for loggers, recorders and benchmarks.
 
-A hook is any callable that takes an `Event`. It is called on the thread on which the event
-happened, so it must be quick and safe to call from several threads. Nothing is made or called
-while no hook is set.
+A hook is any callable that takes a `TraceEvent`. It runs on a thread of its own and gets the events
+one after another, in their order, a little later than they happened: `TraceEvent.at` has the time.
+What a hook raises is logged. A hook that blocks delays the next events and the log messages of this
+package, and never a call or a stop. Events that wait for too slow a hook are dropped beyond 10,000,
+and the log says how many. When a robot has been closed, its events have been given to the hook,
+unless that takes longer than a second. Nothing is made or called while no hook is set.
 """
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["CallFinished", "ConnectionEnded", "ConnectionOpened", "Event", "Trace", "emit"]
+from aioduco.reporting import BackgroundLogger, reporter
+
+__all__ = [
+    "CallFinished",
+    "ConnectionEnded",
+    "ConnectionOpened",
+    "Event",
+    "Trace",
+    "TraceEvent",
+    "emit",
+]
+
+_log = BackgroundLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
+class TraceEvent:
     """Something that happened.
 
     Attributes:
@@ -29,7 +43,7 @@ class Event:
 
 
 @dataclass(frozen=True, slots=True)
-class CallFinished(Event):
+class CallFinished(TraceEvent):
     """A call is over: it has its answer, or an error, or was cancelled.
 
     Attributes:
@@ -48,7 +62,7 @@ class CallFinished(Event):
 
 
 @dataclass(frozen=True, slots=True)
-class ConnectionOpened(Event):
+class ConnectionOpened(TraceEvent):
     """A connection to the controller was opened.
 
     Attributes:
@@ -61,7 +75,7 @@ class ConnectionOpened(Event):
 
 
 @dataclass(frozen=True, slots=True)
-class ConnectionEnded(Event):
+class ConnectionEnded(TraceEvent):
     """A connection is not used any more.
 
     Attributes:
@@ -73,12 +87,20 @@ class ConnectionEnded(Event):
     reason: str
 
 
-Trace = Callable[[Event], None]
+#: the former name of `TraceEvent`, for programs that use it
+Event = TraceEvent
+
+Trace = Callable[[TraceEvent], None]
 
 
-def emit(trace: Trace, event: Event) -> None:
-    """Call the hook; what it raises is logged, and never disturbs a call."""
+def emit(trace: Trace, event: TraceEvent) -> None:
+    """Have the hook called with an event; neither what it raises nor how long it takes matters."""
+    reporter.put(lambda: _call(trace, event))
+
+
+def _call(trace: Trace, event: TraceEvent) -> None:
     try:
         trace(event)
-    except Exception:
-        logging.getLogger(__name__).exception("the trace hook failed at %r", event)
+    except BaseException:
+        # A hook may even try to end its thread, which is not its own.
+        _log.exception("the trace hook failed at %r", event)

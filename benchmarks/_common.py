@@ -50,11 +50,11 @@ def scheduling() -> str:
 
 def machine() -> dict[str, Any]:
     """The machine and the versions that a result was measured with; nothing that names a host."""
-    packages = ("aioduco", "thriftpy2", "thrift", "anyio", "numpy", "mujoco")
+    packages = ("aioduco", "thriftpy2", "thrift", "anyio", "numpy", "mujoco-core")
     versions = {}
     for name in packages:
-        if importlib.util.find_spec(name) is not None:
-            versions[name] = importlib.metadata.version(name)
+        if importlib.util.find_spec(name.partition("-")[0]) is not None:
+            versions[name.partition("-")[0]] = importlib.metadata.version(name)
     return {
         "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
         "system": f"{platform.system()} {platform.release()}",

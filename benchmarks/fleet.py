@@ -15,7 +15,7 @@ import anyio
 from _common import ServerProcess, arguments, print_table, scheduling, spread, write_results
 
 import aioduco
-from aioduco._wire.lane import Lane
+from aioduco._wire.lane import WireLane
 
 HOST = "127.0.0.1"
 FEED_RATE = 20.0
@@ -26,7 +26,7 @@ MOTION = 2.0
 class Member:
     """One robot of the fleet, busy."""
 
-    def __init__(self, robot: aioduco.Robot, lane: Lane) -> None:
+    def __init__(self, robot: aioduco.Robot, lane: WireLane) -> None:
         self.robot = robot
         self.lane = lane
         self.samples = 0
@@ -66,7 +66,7 @@ async def stop_all(fleet: list[Member]) -> float:
     begin = time.monotonic()
     async with anyio.create_task_group() as tasks:
         for member in fleet:
-            tasks.start_soon(member.robot._supervisor.control.stop, 5.0)
+            tasks.start_soon(member.robot._supervisor.stop_channel.stop, 5.0)
     last = begin
     for member in fleet:
         reached = await member.lane.rpc.get_system_value_list("stops")
@@ -82,7 +82,7 @@ async def measure(server: ServerProcess, guard: bool, seconds: float, stops: int
                 HOST, port, state_rate=FEED_RATE, guard="process" if guard else None
             )
             await robot.open()
-            lane = Lane("bench", HOST, port)
+            lane = WireLane("bench", HOST, port)
             await lane.open()
             await lane.rpc.set_system_value_double("duration", MOTION)
             member = Member(robot, lane)

@@ -26,7 +26,7 @@ import anyio
 from _common import ServerProcess, arguments, print_table, scheduling, spread, write_results
 
 import aioduco
-from aioduco._wire.lane import Lane
+from aioduco._wire.lane import WireLane
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -45,7 +45,7 @@ Figures = dict[str, Any]
 class Desk:
     """A robot, a lane beside it that reads the controller's times, and the controller's process."""
 
-    def __init__(self, robot: aioduco.Robot, lane: Lane, server: ServerProcess) -> None:
+    def __init__(self, robot: aioduco.Robot, lane: WireLane, server: ServerProcess) -> None:
         self.robot = robot
         self.lane = lane
         self.server = server
@@ -69,7 +69,7 @@ class Desk:
 
     async def stop(self) -> float:
         begin = time.monotonic()
-        await self.robot._supervisor.control.stop(2.0)
+        await self.robot._supervisor.stop_channel.stop(2.0)
         return begin
 
     async def stop_now(self) -> float:
@@ -134,6 +134,7 @@ async def main():
     async with aioduco.connect(
         host, port, guard=guard, heartbeat=heartbeat, loop_stall_limit=limit, lag_limit=None
     ) as robot:
+        await robot.registers.set_system_value_double("duration", 60.0)
         await robot.motion.movej2([0.0] * 6, v=1.0, a=1.0).start()
         seat = robot._supervisor.guard
         print(json.dumps(seat.pid if seat else None), flush=True)
@@ -177,7 +178,9 @@ class Victim:
         self.process.communicate()
 
 
-async def deaths(lane: Lane, port: int, guard: GuardKind | None, count: int) -> dict[str, Figures]:
+async def deaths(
+    lane: WireLane, port: int, guard: GuardKind | None, count: int
+) -> dict[str, Figures]:
     def program(victim: Victim) -> float:
         begin = time.monotonic()
         victim.process.kill()
@@ -216,7 +219,7 @@ async def deaths(lane: Lane, port: int, guard: GuardKind | None, count: int) -> 
     return {name: spread(seconds) | {"times": len(seconds)} for name, seconds in late.items()}
 
 
-async def told(lane: Lane, begin: float) -> float:
+async def told(lane: WireLane, begin: float) -> float:
     """When the controller was first told to stop after `begin`, or stopped by itself."""
     with anyio.fail_after(30.0):
         while True:
@@ -242,7 +245,7 @@ async def measure(server: ServerProcess, cores: set[int], quick: bool) -> dict[s
         ("with guard", "process"),
     )
     for name, guard in kinds:
-        lane = Lane("bench", HOST, port)
+        lane = WireLane("bench", HOST, port)
         await lane.open()
         try:
             async with aioduco.connect(

@@ -40,7 +40,7 @@ from thriftpy2.transport import TCyBufferedTransportFactory
 
 from aioduco._wire import idl
 from aioduco._wire.connection import Connection
-from aioduco._wire.lane import Lane
+from aioduco._wire.lane import WireLane
 
 HOST = "127.0.0.1"
 
@@ -179,7 +179,7 @@ async def measure(
     args = CALLS[name]
     port = ports["thrift"]
     with contextlib.ExitStack() as stack:
-        lane = Lane("benchmark", HOST, port)
+        lane = WireLane("benchmark", HOST, port)
         await lane.open()
         direct = getattr(thriftpy2_client(port, stack), name)
         threaded = getattr(thriftpy2_client(port, stack), name)

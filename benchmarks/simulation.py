@@ -5,8 +5,7 @@
 The first rows say what is asked for and whether it was reached: by a simulator in a process of its
 own, on a core of its own, whose arm moves all the time. Run it on a quiet machine with two cores.
 Each model makes the same joint moves and lines at its full speed and acceleration, once through
-the planner and MuJoCo together. The inverse kinematics of many poses is compared with EAIK, which
-solves them one by one.
+the planner and MuJoCo together.
 """
 
 from __future__ import annotations
@@ -19,10 +18,9 @@ from _common import arguments, percentile, print_table, write_results
 from simulation_service import measure
 
 from aioduco.kinematics import Arm, arm, models
-from aioduco.kinematics.inverse import closed_form
+from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.segments import joint_move, line_move
-from aioduco.sim.world import World
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
@@ -89,28 +87,6 @@ def cycles(any_arm: Arm, repeats: int) -> dict[str, Any]:
     }
 
 
-def inverse(poses: int) -> dict[str, float]:
-    """Microseconds for all solutions of a pose."""
-    from eaik.IK_DH import DhRobot  # noqa: PLC0415  # optional
-
-    five = arm("gcr5_910")
-    g = five.geometry
-    flange = five.fkine(np.random.default_rng(0).uniform(-3, 3, (poses, 6)))
-    robot = DhRobot(np.array(g.alpha), np.array(g.a), np.array(g.d))
-
-    def microseconds(work: Any) -> float:
-        began = time.perf_counter()
-        work()
-        return round((time.perf_counter() - began) / poses * 1e6, 2)
-
-    return {
-        "EAIK, pose by pose": microseconds(lambda: [robot.IK(pose) for pose in flange]),
-        "closed form, all at once": microseconds(lambda: closed_form(g, flange)),
-        "closed form, pose by pose": microseconds(lambda: [closed_form(g, p) for p in flange]),
-        "Arm.ikine, pose by pose": microseconds(lambda: [five.ikine(p, HOME) for p in flange]),
-    }
-
-
 def main() -> None:
     options = arguments(__doc__, "simulation")
     service = measure(options.quick)
@@ -122,13 +98,8 @@ def main() -> None:
     columns = list(next(iter(results.values())))
     rows = [[model, *result.values()] for model, result in results.items()]
     print_table("Cycles of 1 ms", ["model", *columns], rows)
-    solved = inverse(500 if options.quick else 5000)
-    print_table("Inverse kinematics, µs a pose", ["", "µs"], [list(row) for row in solved.items()])
     if options.save:
-        inverse_us = {name: {"us": figure} for name, figure in solved.items()}
-        path = write_results(
-            "simulation", service | {"cycles": results, "inverse_kinematics": inverse_us}
-        )
+        path = write_results("simulation", service | {"cycles": results})
         print(f"written: {path}")
 
 

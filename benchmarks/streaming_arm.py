@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 from streaming_load import HOST, ask, sine
 
-from aioduco.streaming.endpoint import Endpoint
+from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.servo import Servo
 
 if TYPE_CHECKING:
-    from aioduco.streaming.settings import Upsampling
+    from aioduco.streaming.shared.config import Upsampling
 
 
 async def upsampling(port: int) -> dict[str, dict[str, Any]]:
@@ -26,7 +26,7 @@ async def upsampling(port: int) -> dict[str, dict[str, Any]]:
     ways: tuple[Upsampling, ...] = ("none", "linear", "cubic", "ruckig")
     for way in ways:
         ask(port, "arrivals")
-        opened = Servo(Endpoint(HOST, port)).joints(
+        opened = Servo(StreamEndpoint(HOST, port)).joints(
             v=3.0,
             # without up-sampling the limiter stands aside: what is shown are the bare steps
             a=1e6 if way == "none" else 15.0,
@@ -58,10 +58,11 @@ PROGRAM = """
 import sys
 import anyio
 from aioduco.streaming.servo import Servo
-from aioduco.streaming.endpoint import Endpoint
+from aioduco.streaming.endpoint import StreamEndpoint
 
 async def main(port):
-    async with Servo(Endpoint("127.0.0.1", int(port))).joints(v=1.0, a=5.0, rate=500) as stream:
+    servo = Servo(StreamEndpoint("127.0.0.1", int(port)))
+    async with servo.joints(v=1.0, a=5.0, rate=500) as stream:
         number = 0
         while True:
             way = 5e-6 * number**2 if number < 80 else 0.032 + 8e-4 * (number - 80)
@@ -88,7 +89,7 @@ def leftovers() -> set[str]:
     lanes = {
         path.parent.name
         for path in Path("/proc").glob("[0-9]*/cmdline")
-        if b"aioduco.streaming.lane" in _read(path)
+        if b"aioduco.streaming.worker.main" in _read(path)
     }
     return lanes | {path.name for path in Path("/dev/shm").iterdir()}
 
@@ -130,7 +131,7 @@ async def memory(port: int) -> dict[str, float]:
     found: dict[str, float] = {}
     ways: tuple[Upsampling, ...] = ("none", "ruckig")
     for way in ways:
-        opened = Servo(Endpoint(HOST, port)).joints(
+        opened = Servo(StreamEndpoint(HOST, port)).joints(
             v=1.0,
             a=5.0,
             source_rate=None if way == "none" else 50,

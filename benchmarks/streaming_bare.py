@@ -110,7 +110,7 @@ class BareLoop:
 
     def buckets(self) -> list[tuple[int, int, int]]:
         """Lateness as histograms give it [ns]."""
-        from aioduco.streaming.statistics import Histogram  # noqa: PLC0415  # only for this
+        from aioduco.streaming.shared.histogram import Histogram  # noqa: PLC0415  # only for this
 
         histogram = Histogram()
         for late in self._late:

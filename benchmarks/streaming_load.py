@@ -12,7 +12,7 @@ import anyio
 from streaming_bare import BareLoop
 
 from aioduco._wire.connection import Connection
-from aioduco.streaming.settings import LaneOptions
+from aioduco.streaming.options import LaneOptions
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator

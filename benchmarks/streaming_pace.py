@@ -22,12 +22,12 @@ from streaming_load import (
     urgent_allowed,
 )
 
-from aioduco._wire.lane import Lane
-from aioduco.streaming.endpoint import Endpoint
-from aioduco.streaming.pacing import Schedule
+from aioduco._wire.lane import WireLane
+from aioduco.streaming.endpoint import StreamEndpoint
+from aioduco.streaming.options import LaneOptions
 from aioduco.streaming.servo import Servo
-from aioduco.streaming.settings import LaneOptions
-from aioduco.streaming.statistics import Histogram
+from aioduco.streaming.shared.histogram import Histogram
+from aioduco.streaming.worker.clock import Schedule
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 async def lane_rate(port: int, count: int) -> float:
     """Set-points per second of a lane that never has to wait for its schedule."""
-    opened = Servo(Endpoint(HOST, port)).joints(
+    opened = Servo(StreamEndpoint(HOST, port)).joints(
         v=3.0, a=1000.0, rate=50_000, ahead=count, options=LaneOptions(watch=0)
     )
     async with opened as stream:
@@ -81,7 +81,7 @@ async def greatest_rate(port: int, quick: bool) -> dict[str, dict[str, Any]]:
 
 async def by_lane(found: Lateness, kind: str, port: int, seconds: float) -> None:
     """Send one set-point after the other, as a program does."""
-    stream = Servo(Endpoint(HOST, port)).joints(
+    stream = Servo(StreamEndpoint(HOST, port)).joints(
         v=3.0, a=50.0, rate=RATE, hold=20.0, options=LANES[kind]
     )
     with contextlib.suppress(TimeoutError):
@@ -96,7 +96,7 @@ async def by_lane(found: Lateness, kind: str, port: int, seconds: float) -> None
 
 
 async def by_loop(found: Lateness, port: int, seconds: float) -> None:
-    lane = Lane("benchmark", HOST, port)
+    lane = WireLane("benchmark", HOST, port)
     await lane.open()
     histogram = Histogram()
     period = round(1e9 / RATE)

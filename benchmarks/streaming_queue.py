@@ -10,8 +10,8 @@ import anyio
 from streaming_load import HOST, LANES, Noise, ask, load, sine, urgent_allowed, work_for
 from streaming_server import CYCLE
 
-from aioduco._wire.lane import Lane
-from aioduco.streaming.endpoint import Endpoint
+from aioduco._wire.lane import WireLane
+from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.realtime import RealtimeStreams
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 async def queue_by_lane(kind: str, port: int, seconds: float, stall: bool) -> StreamStatistics:
-    opened = RealtimeStreams(Endpoint(HOST, port)).stream(
+    opened = RealtimeStreams(StreamEndpoint(HOST, port)).stream(
         "joint_position", v=3.0, a=50.0, depth=50, hold=20.0, options=LANES[kind]
     )
     with contextlib.suppress(TimeoutError):
@@ -39,7 +39,7 @@ async def queue_by_loop(port: int, seconds: float, stall: bool) -> None:
     """What a program writes without streams: look at the queue, fill it up, sleep."""
     from aioduco._wire.rpc import RealTimeControlData  # noqa: PLC0415  # only for this
 
-    lane = Lane("benchmark", HOST, port)
+    lane = WireLane("benchmark", HOST, port)
     await lane.open()
     rpc, depth, period = lane.rpc, 50, 0.004
     points = [RealTimeControlData(joint_pos_cmd=q, status=True) for q in sine(100, 1000)]

@@ -17,7 +17,7 @@ from _common import ServerProcess, arguments, print_table, spread, write_results
 
 import aioduco
 from aioduco._wire import rpc
-from aioduco._wire.lane import Lane
+from aioduco._wire.lane import WireLane
 from aioduco.models.enums import TaskState
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ SCHEDULING = {os.SCHED_OTHER: "normal", os.SCHED_FIFO: "real-time (chrt -f)"}
 class Bench:
     """A robot, and a lane beside it that sets the controller up and reads its times."""
 
-    def __init__(self, robot: aioduco.Robot, lane: Lane) -> None:
+    def __init__(self, robot: aioduco.Robot, lane: WireLane) -> None:
         self.robot = robot
         self.lane = lane
         self.random = random.Random(1)
@@ -184,7 +184,7 @@ def fresh(bench: Bench) -> Callable[[], Awaitable[None]]:
     """What an application does that has no connection for it: connect, stop, close."""
 
     async def send() -> None:
-        lane = Lane("fresh", bench.lane.host, bench.lane.port)
+        lane = WireLane("fresh", bench.lane.host, bench.lane.port)
         await lane.open()
         await lane.rpc.stop(False)
         await lane.aclose()
@@ -201,7 +201,7 @@ async def calls(robot: aioduco.Robot) -> None:
 
 
 async def measure(port: int, quick: bool) -> dict[str, Any]:
-    lane = Lane("bench", HOST, port)
+    lane = WireLane("bench", HOST, port)
     await lane.open()
     try:
         async with aioduco.connect(HOST, port, call_timeout=600.0) as robot:

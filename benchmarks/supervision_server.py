@@ -27,13 +27,14 @@ class Handlers:
         self._duration = 0.3
         self._ends: dict[int, float] = {}
         self._stops: list[float] = []
+        self._moving_until = 0.0
         self._ids = itertools.count(1000)
         self._beat: threading.Timer | None = None
         self._held = threading.Event()
 
     def _start(self, *_: object) -> int:
         task_id = next(self._ids)
-        self._ends[task_id] = time.monotonic() + self._duration
+        self._ends[task_id] = self._moving_until = time.monotonic() + self._duration
         return task_id
 
     movej2 = movel = _start
@@ -49,8 +50,13 @@ class Handlers:
         return TaskState.FINISHED if time.monotonic() >= end else TaskState.RUNNING
 
     def stop(self, block: bool) -> int:  # noqa: ARG002  # the wire's name
-        self._stops.append(time.monotonic())
+        now = time.monotonic()
+        self._stops.append(now)
+        self._moving_until = min(self._moving_until, now)
         return next(self._ids)
+
+    def robotmoving(self) -> bool:
+        return time.monotonic() < self._moving_until
 
     def rpc_heartbeat(self, time: int) -> None:  # the wire's name
         if self._beat is not None:
@@ -89,7 +95,6 @@ class Handlers:
             "get_robot_version": "3.8.0",
             "get_actual_joints_position": [0.0] * 6,
             "get_last_error": [],
-            "robotmoving": False,
         }
         return lambda *_: answers[name]
 

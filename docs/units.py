@@ -14,7 +14,7 @@ class SectionsAreNotMade(griffe.Extension):
     def on_class(self, *, cls: griffe.Class, **_: Any) -> None:
         """Rewrite one class."""
         bases = [str(base) for base in cls.bases]
-        if "Section" in bases or cls.path.startswith("aioduco.streaming.sections."):
+        if "Section" in bases or cls.path == "aioduco.api.motion.Motion":
             cls.bases = []
             cls.members.pop("__init__", None)
 

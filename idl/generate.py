@@ -3,10 +3,9 @@
     python idl/generate.py            write the module
     python idl/generate.py --check    compare the whole text with what is committed
 
-The generated module holds one dataclass per struct, one method per function of the wire for
-callers on a thread (`RpcClient`) and on the event loop (`AsyncRpc`), and the protocol that a
-server's handlers fulfil (`Handler`). It imports nothing of Thrift, so that a type checker finds
-a wrong call, and a missing handler, anywhere in the package.
+The generated module holds one dataclass per struct and one method per function of the wire
+(`Functions`), for callers on a thread; `AsyncRpc` takes each of them over, awaited. It imports
+nothing of Thrift, so that a type checker finds a wrong call anywhere in the package.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ SCALARS = {
     TType.STRING: ("str", '""'),
 }
 
-HEADER = '''"""The controller's interface as Python types: structs, clients, the handler protocol.
+HEADER = '''"""The controller's interface as Python types: structs, functions, clients.
 
 Generated from `idl/robot.thrift` by `idl/generate.py`; change those, not this. Nothing here
 knows Thrift: `aioduco._wire.idl` binds the structs to the loaded IDL.
@@ -44,13 +43,59 @@ A field that the other side left out has the zero value of its type, as in the C
 controllers run.
 """
 
+# Here what came over the wire, of any type, becomes what the IDL says it is.
+# mypy: disable-error-code="no-any-return"
+
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Coroutine, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Concatenate, Final, ParamSpec, TypeVar, cast
 
+P = ParamSpec("P")
+R = TypeVar("R")
 Spec = dict[int, tuple[Any, ...]]
+'''
+
+FUNCTIONS = '''
+class Functions(ABC):
+    """Every function of the wire, for callers that own a thread."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def _call(self, name: str, args: tuple[Any, ...]) -> Any:
+        """Send one call and return what is answered."""
+'''
+
+CLIENTS = '''
+class RpcClient(Functions):
+    """Every function of the wire, for callers that own a thread; `call` sends one."""
+
+    __slots__ = ("_send",)
+
+    def __init__(self, call: Callable[[str, tuple[Any, ...]], Any]) -> None:
+        self._send = call
+
+    def _call(self, name: str, args: tuple[Any, ...]) -> Any:
+        return self._send(name, args)
+
+
+def awaited(
+    function: Callable[Concatenate[Functions, P], R],
+) -> Callable[Concatenate[AsyncRpc, P], Coroutine[Any, Any, R]]:
+    """The same function: it returns what `_call` returns, which is a coroutine in `AsyncRpc`."""
+    return cast("Callable[Concatenate[AsyncRpc, P], Coroutine[Any, Any, R]]", function)
+
+
+class AsyncRpc:
+    """Every function of the wire, awaited; `call` is a coroutine function."""
+
+    __slots__ = ("_call",)
+
+    def __init__(self, call: Callable[[str, tuple[Any, ...]], Coroutine[Any, Any, Any]]) -> None:
+        self._call = call
 '''
 
 
@@ -90,8 +135,8 @@ def comments(text: str) -> dict[str, str]:
     return found
 
 
-def signature(name: str, entries: list[tuple[Any, ...]], container: str, returns: str) -> str:
-    args = [f"{entry[1]}: {py_type(field_spec(entry), container)}" for entry in entries]
+def signature(name: str, entries: list[tuple[Any, ...]], returns: str) -> str:
+    args = [f"{entry[1]}: {py_type(field_spec(entry), 'Sequence')}" for entry in entries]
     line = f"    def {name}({', '.join(['self', *args])}) -> {returns}:"
     if len(line) <= 96:
         return line
@@ -99,16 +144,16 @@ def signature(name: str, entries: list[tuple[Any, ...]], container: str, returns
     return f"    def {name}(\n{body}    ) -> {returns}:"
 
 
-def call(prefix: str, name: str, entries: list[tuple[Any, ...]]) -> str:
+def call(name: str, entries: list[tuple[Any, ...]]) -> str:
     names = ", ".join(entry[1] for entry in entries) + ("," if len(entries) == 1 else "")
-    line = f'        {prefix}("{name}", ({names}))'
+    line = f'        return self._call("{name}", ({names}))'
     if len(line) <= 100:
         return line
     flat = f"            ({names}),"
     if len(flat) > 100:
         inner = "".join(f"                {entry[1]},\n" for entry in entries)
         flat = f"            (\n{inner}            ),"
-    return f'        {prefix}(\n            "{name}",\n{flat}\n        )'
+    return f'        return self._call(\n            "{name}",\n{flat}\n        )'
 
 
 def generate() -> str:
@@ -129,48 +174,16 @@ def generate() -> str:
             out.append(f"    {entry[1]}: {py_type(spec, 'list')} = {default(spec)}")
         out.append("")
 
-    faces = (
-        (
-            "RpcClient",
-            "Every function of the wire, for callers that own a thread; `call` sends one.",
-            "Sequence",
-            "{}",
-            "return self._call",
-            "Callable[[str, tuple[Any, ...]], Any]",
-        ),
-        (
-            "AsyncRpc",
-            "Every function of the wire, awaited; `call` is a coroutine function.",
-            "Sequence",
-            "Coroutine[Any, Any, {}]",
-            "return self._call",
-            "Callable[[str, tuple[Any, ...]], Coroutine[Any, Any, Any]]",
-        ),
-    )
-    for face, doc, container, wrap, prefix, type_ in faces:
-        out.append(f'\nclass {face}:\n    """{doc}"""\n')
-        out.append('    __slots__ = ("_call",)\n')
-        out.append(f"    def __init__(self, call: {type_}) -> None:\n        self._call = call\n")
-        for name in service.thrift_services:
-            entries = list(getattr(service, f"{name}_args").thrift_spec.values())
-            returns = wrap.format(result_type(service, name))
-            out.append(signature(name, entries, container, returns))
-            out.append(f'        """{notes[name]}"""')
-            if face == "RpcClient" and returns != "None":
-                out.append(call(f"result: {returns} = self._call", name, entries))
-                out.append("        return result\n")
-            elif face == "RpcClient":
-                out.append(call("self._call", name, entries) + "\n")
-            else:
-                out.append(call(prefix, name, entries) + "\n")
-
-    out.append(
-        '\nclass Handler(Protocol):\n    """What a server answers: one method per function."""\n'
-    )
+    out.append(FUNCTIONS)
     for name in service.thrift_services:
         entries = list(getattr(service, f"{name}_args").thrift_spec.values())
-        out.append(signature(name, entries, "list", result_type(service, name)) + " ...\n")
-    return "\n".join(out).rstrip("\n") + "\n"
+        returns = result_type(service, name)
+        out.append(signature(name, entries, returns))
+        out.append(f'        """{notes[name]}"""')
+        out.append(call(name, entries) + "\n")
+    out.append(CLIENTS)
+    out += [f"    {name}: Final = awaited(Functions.{name})" for name in service.thrift_services]
+    return "\n".join(out) + "\n"
 
 
 def result_type(service: Any, name: str) -> str:

@@ -1,10 +1,11 @@
-"""Generate `aioduco/compat/_generated.py`: the functions as the vendor's Python class has them.
+"""Generate `aioduco/compat/_generated.py`: what the vendor's Python class has otherwise.
 
     python idl/generate_compat.py            write the module
     python idl/generate_compat.py --check    compare the whole text with what is committed
 
-Functions and types are those of `aioduco/_wire/rpc.py`; the names of parameters, and the names
-that the manual spells otherwise, come from `tests/data/manual-3.8.json`.
+Most functions of the vendor's class are those of `aioduco/_wire/rpc.py`, which it inherits. Written
+here are those whose parameters the manual names otherwise or lets callers leave out, and the
+functions that the manual spells otherwise, as `tests/data/manual-3.8.json` has them.
 """
 
 from __future__ import annotations
@@ -30,33 +31,28 @@ HEADER = '''"""The functions as the vendor's Python class has them.
 
 Generated from `aioduco/_wire/rpc.py` and the manual's data by `idl/generate_compat.py`; change
 that, not this. Order and names of the functions, and the order of arguments, are the wire's; the
-names of arguments are the manual's.
+names of arguments are the manual's. What is the same in both is inherited.
 """
+
+# As in aioduco/_wire/rpc.py: what came over the wire becomes what the IDL says it is.
+# mypy: disable-error-code="no-any-return"
+# The names of arguments are the manual's, which differ from the wire's on purpose.
+# pyright: reportIncompatibleMethodOverride=false
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Final
 
-from aioduco._wire.rpc import Op
+from aioduco._wire.rpc import Functions, Op
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco._wire.rpc import (
-{structs}    )
+    from aioduco._wire.rpc import {structs}
 
 
-class Functions(ABC):
+class ManualFunctions(Functions):
     """Every function of the wire, under its name there and under the manual's."""
-
-    @abstractmethod
-    def _number(self, name: str, args: tuple[Any, ...]) -> int:
-        """Call a function whose answer is a number: -1 if the connection is lost."""
-
-    @abstractmethod
-    def _value(self, name: str, args: tuple[Any, ...]) -> Any:
-        """Call a function whose answer is something else."""
 '''
 
 #: what the vendor's Python class fills in, by function and parameter of the wire
@@ -74,9 +70,6 @@ for _name in ("servoj", "servoj_pose", "servo_tcp", "servol"):
 
 #: other spellings that the manual has besides those in its list of functions
 ALIASES = {"get_nonblock_taskstate": "get_noneblock_taskstate"}
-
-#: numbers that are read, and may be -1: a lost connection raises
-MAY_BE_MINUS_ONE = {"modbus_read", "read_encoder_count"}
 
 #: what is to be known of a function besides its line in the IDL
 NOTES = {
@@ -134,26 +127,25 @@ def head(name: str, signature: inspect.Signature, renamed: dict[str, str]) -> li
     return [f"    def {name}(", *body, f"    ) -> {signature.return_annotation}:"]
 
 
-def call(prefix: str, name: str, sent: list[str]) -> list[str]:
+def call(name: str, sent: list[str]) -> list[str]:
     """The lines of the call, as a formatter breaks them."""
     arguments = f"({', '.join(sent)}{',' if len(sent) == 1 else ''})"
-    line = f'        {prefix}("{name}", {arguments})'
+    line = f'        return self._call("{name}", {arguments})'
     if len(line) <= 100:
         return [line]
     flat = f'            "{name}", {arguments}'
     if len(flat) <= 100:
-        return [f"        {prefix}(", flat, "        )"]
+        return ["        return self._call(", flat, "        )"]
     if len(arguments) + 13 <= 100:
         inner = [f"            {arguments},"]
     else:
         inner = ["            (", *(f"                {each}," for each in sent), "            ),"]
-    return [f"        {prefix}(", f'            "{name}",', *inner, "        )"]
+    return ["        return self._call(", f'            "{name}",', *inner, "        )"]
 
 
 def method(name: str, function: Any, renamed: dict[str, str]) -> list[str]:
     """The lines of one method."""
     signature = inspect.signature(function)
-    returns = str(signature.return_annotation)
     sent = [
         renamed.get(parameter, parameter) + (" or Op()" if given.annotation == "Op" else "")
         for parameter, given in list(signature.parameters.items())[1:]
@@ -166,11 +158,17 @@ def method(name: str, function: Any, renamed: dict[str, str]) -> list[str]:
             "        if interval is None:",
             "            interval = 5.0 if mode == 0 else 0.5",
         ]
-    if returns == "int" and name not in MAY_BE_MINUS_ONE:
-        return lines + call("return self._number", name, sent)
-    if returns == "None":
-        return lines + call("self._value", name, sent)
-    return [*lines, *call(f"answer: {returns} = self._value", name, sent), "        return answer"]
+    return lines + call(name, sent)
+
+
+def differs(name: str, function: Any, renamed: dict[str, str]) -> bool:
+    """Whether the manual has a function otherwise than the wire."""
+    parameters = inspect.signature(function).parameters
+    return any(
+        renamed.get(parameter, parameter) != parameter
+        or default(name, parameter, str(given.annotation)) is not None
+        for parameter, given in parameters.items()
+    )
 
 
 def generate() -> str:
@@ -178,15 +176,23 @@ def generate() -> str:
     names, aliases = manual_names()
     functions = {
         name: function
-        for name, function in vars(rpc.RpcClient).items()
+        for name, function in vars(rpc.Functions).items()
         if inspect.isfunction(function) and not name.startswith("_")
     }
     out = []
+    written = set()
     for name, function in functions.items():
-        out += ["", *method(name, function, names.get(name, {}))]
+        renamed = names.get(name, {})
+        if differs(name, function, renamed):
+            written.add(name)
+            out += ["", *method(name, function, renamed)]
     out += ["", "    # as the manual spells them"]
     for alias, name in sorted(aliases.items()):
-        out.append(f"    {alias} = {name}")
+        out.append(
+            f"    {alias}: Final = {name}"
+            if name in written
+            else f"    {alias}: Final = Functions.{name}"
+        )
     text = "\n".join(out)
     structs = [
         name
@@ -195,7 +201,7 @@ def generate() -> str:
         and hasattr(struct, "thrift_spec")
         and re.search(rf"[ \[]{name}\b(?! =)", text)
     ]
-    return HEADER.format(structs="".join(f"        {name},\n" for name in structs)) + text + "\n"
+    return HEADER.format(structs=", ".join(structs)) + text + "\n"
 
 
 def main() -> int:

@@ -72,7 +72,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from aioduco.sync._tasks import moves
+from aioduco.sync._tasks import awaitables, moves
 
 if TYPE_CHECKING:
 {imports}
@@ -148,7 +148,7 @@ class Generator:
         self.imports: dict[str, str] = {}
         self.sources: dict[str, Source] = {}
         #: imports of what is evaluated
-        self.run_time: set[str] = {"from aioduco.sync._tasks import moves"}
+        self.run_time: set[str] = {"from aioduco.sync._tasks import awaitables, moves"}
 
     def source(self, module: str) -> Source:
         return self.sources.setdefault(module, Source(module))
@@ -192,16 +192,13 @@ class Generator:
         lines += _doc(inspect.getdoc(getattr(owner, name)), motion=motion)
         call = f"{target}.{name}"
         if motion:
-            lines += _broken(f"        made: aio_command.MotionCommand = {call}", sent, "")
-            lines.append("        return made")
-        elif returns == "None":
-            lines += _broken(f"        work = {call}", sent, "")
-            lines.append("        self._runner.call(work)")
-        else:
-            lines += _broken(f"        work = {call}", sent, "")
-            lines.append(f"        answer: {returns} = self._runner.call(work)")
-            lines.append("        return answer")
-        return lines
+            return lines + _broken(f"        return {call}", sent, "")
+        back = "" if returns == "None" else "return "
+        line = f"        {back}self._runner.call({call}({', '.join(sent)}))"
+        if len(line) <= 100:
+            return [*lines, line]
+        lines += _broken(f"        work = {call}", sent, "")
+        return [*lines, f"        {back}self._runner.call(work)"]
 
     def property(self, owner: type, name: str) -> list[str]:
         """The lines of one property."""
@@ -212,7 +209,7 @@ class Generator:
         returns = self.need(node.returns, source, default=False)
         lines = ["", "    @property", f"    def {name}(self) -> {returns}:"]
         lines += _doc(inspect.getdoc(getattr(owner, name)), motion=False)
-        return [*lines, f"        told: {returns} = self._section.{name}", "        return told"]
+        return [*lines, f"        return self._section.{name}"]
 
     def arguments(self, args: ast.arguments, source: Source) -> tuple[list[str], list[str]]:
         """What is declared, and what is handed on."""
@@ -239,9 +236,7 @@ class Generator:
             declared.append(declare(args.vararg, None, "*"))
             name = args.vararg.arg
             motions = ast.unparse(args.vararg.annotation or ast.Constant(None)) == "MotionCommand"
-            sent.append(
-                f'*(getattr(each, "awaitable", each) for each in {name})' if motions else f"*{name}"
-            )
+            sent.append(f"*awaitables({name})" if motions else f"*{name}")
         elif args.kwonlyargs:
             declared.append("*")
         for arg, value in zip(args.kwonlyargs, args.kw_defaults, strict=True):
@@ -263,7 +258,10 @@ class Generator:
         text = inspect.cleandoc(section.__doc__ or "")
         lines = ["", "", f"class {shown}(_Section):"]
         lines += [f"    {doc}"] if doc else _doc(text, motion=False, indent=4)
-        lines += ["", "    __slots__ = ()"]
+        lines += ["", "    __slots__ = ()", f"    _section: Aio{shown}"]
+        self.imports[f"Aio{shown}"] = (
+            f"from {section.__module__} import {section.__name__} as Aio{shown}"
+        )
         seen: set[str] = set()
         for base in section.__mro__:
             if not issubclass(base, Section) or base is Section:
@@ -324,14 +322,29 @@ class Generator:
         lines += self.robot(shown_as)
         text = "\n".join(lines)
         header = HEADER.replace(
-            "from aioduco.sync._tasks import moves",
+            "from aioduco.sync._tasks import awaitables, moves",
             "\n".join(sorted(self.run_time)),
             1,
         )
-        imports = sorted(
-            {*self.imports.values(), *OWN} - self.run_time - {"from typing import Any"}
-        )
-        return header.format(imports="\n".join(f"    {each}" for each in imports)) + text + "\n"
+        imports = {*self.imports.values(), *OWN} - self.run_time - {"from typing import Any"}
+        return header.format(imports="\n".join(_grouped(imports))) + text + "\n"
+
+
+def _grouped(imports: set[str]) -> list[str]:
+    """The lines that import the same, each module once."""
+    names: dict[str, list[str]] = {}
+    for each in sorted(imports):
+        module, name = each.removeprefix("from ").split(" import ")
+        names.setdefault(module, []).append(name)
+    lines: list[str] = []
+    for module, imported in names.items():
+        line = f"    from {module} import {', '.join(imported)}"
+        if len(line) <= 100:
+            lines.append(line)
+        else:
+            each_on_its_own = [f"        {one}," for one in imported]
+            lines += [f"    from {module} import (", *each_on_its_own, "    )"]
+    return lines
 
 
 def _broken(head: str, arguments: list[str], tail: str) -> list[str]:

@@ -1,4 +1,8 @@
-"""Options of the whole suite."""
+"""Options of the whole suite, and how much of it is run.
+
+Without options every test function runs, with a few of its cases: see `quick.py`. With `--thorough`
+all of their cases run.
+"""
 
 from __future__ import annotations
 
@@ -7,23 +11,26 @@ from collections import Counter
 from typing import Any
 
 import pytest
+import quick
 from hypothesis import settings
 
-# An example that takes long on a busy machine is no failure; the time-out of the test is enough.
-settings.register_profile("aioduco", deadline=None)
-# What decides over a change draws the same examples each time; at the desk they vary.
-settings.register_profile("aioduco-ci", deadline=None, derandomize=True, database=None)
-settings.load_profile("aioduco-ci" if os.environ.get("CI") else "aioduco")
+_FAULTS = {False: 300, True: 10_000}
+_FRAMES = {False: 300, True: 3_000}
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--thorough",
+        action="store_true",
+        help="run all cases of all tests, which takes minutes; without it a few of each",
+    )
     group = parser.getgroup("adversity", "faults on the wire, cancellations and kills")
     group.addoption(
         "--faults",
         type=int,
-        default=10_000,
         metavar="N",
-        help="faults that tests/adversity puts on the wire in all (default: %(default)s)",
+        help="faults that tests/adversity puts on the wire in all "
+        f"(default: {_FAULTS[False]}, with --thorough {_FAULTS[True]})",
     )
     group.addoption(
         "--seed",
@@ -35,17 +42,54 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--frames",
         type=int,
-        default=3_000,
         metavar="N",
-        help="frames that tests/sim/test_hostile.py sends to the server (default: %(default)s)",
+        help="frames that tests/sim/test_hostile.py sends to the server "
+        f"(default: {_FRAMES[False]}, with --thorough {_FRAMES[True]})",
     )
     group.addoption(
         "--frames-json", metavar="FILE", help="where that test writes what came of them"
     )
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    all_of_it: bool = config.getoption("thorough")
+    for option, number in (("faults", _FAULTS), ("frames", _FRAMES)):
+        if config.getoption(option) is None:
+            setattr(config.option, option, number[all_of_it])
+    # An example that takes long on a busy machine is no failure; the time-out of the test is
+    # enough. What decides over a change draws the same examples each time; at the desk they vary.
+    same: dict[str, Any] = {"derandomize": True, "database": None} if os.environ.get("CI") else {}
+    settings.register_profile("quick", deadline=None, max_examples=10, **same)
+    settings.register_profile("thorough", deadline=None, max_examples=100, **same)
+    settings.load_profile("thorough" if all_of_it else "quick")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.getoption("thorough"):
+        return
+    kept, left = quick.divided(items)
+    if left:
+        config.hook.pytest_deselected(items=left)
+        items[:] = kept
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """`-n auto`: more than the processors, since most tests wait for an arm or an answer."""
+    return quick.processors() + 2
+
+
+@pytest.fixture(scope="session")
+def thorough(pytestconfig: pytest.Config) -> bool:
+    """Whether all cases are run; a test that loops over them takes a few if not."""
+    return bool(pytestconfig.getoption("thorough"))
+
+
 def pytest_report_header(config: pytest.Config) -> str:
-    return f"adversity: {config.getoption('faults')} faults, seed {config.getoption('seed')}"
+    option = config.getoption
+    amount = "all cases (--thorough)" if option("thorough") else "a few cases of each test"
+    return f"{amount}; {option('faults')} faults on the wire, seed {option('seed')}"
 
 
 # What the adversity tests did, counted. Here and not beside them: where tests are spread over

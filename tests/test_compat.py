@@ -55,7 +55,7 @@ def sample(kind: Any) -> Any:
 
 
 def types_of(name: str) -> dict[str, Any]:
-    return get_type_hints(getattr(rpc.RpcClient, name), dict(vars(rpc)))
+    return get_type_hints(getattr(rpc.Functions, name), dict(vars(rpc)))
 
 
 def test_every_function_of_the_manual_is_there() -> None:

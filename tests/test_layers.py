@@ -14,27 +14,30 @@ import pytest
 ROOT = Path(__file__).parents[1] / "aioduco"
 
 #: the wire's types, generated and without a line of Thrift, count as a part of their own
-BASE = {"_version", "errors", "rpc", "scheduling", "trace"}
+BASE = {"_spawn", "_version", "errors", "reporting", "rpc", "scheduling", "trace"}
 CLIENT = BASE | {"models", "kinematics", "_wire", "supervision", "api", "streaming"}
 
 #: by part, the parts that it may import; itself always
 MAY_IMPORT: dict[str, set[str]] = {
+    "_spawn": set(),
     "_version": set(),
     "errors": set(),
     "rpc": set(),
     "scheduling": set(),
-    "trace": set(),
+    "reporting": set(),
+    "trace": {"reporting"},
     "models": {"errors", "rpc"},
     "kinematics": {"errors", "models"},
-    "_wire": {"errors", "rpc", "trace"},
+    "_wire": {"errors", "reporting", "rpc", "trace"},
     "supervision": BASE | {"models", "_wire"},
-    "api": BASE | {"models", "supervision"},
-    "streaming": CLIENT - {"streaming"},
-    "bus": CLIENT - {"streaming"},
+    "streaming": BASE | {"models", "_wire", "supervision"},
+    "api": BASE | {"models", "supervision", "streaming"},
+    "bus": BASE | {"models", "api"},
     "status_port": {"errors", "models"},
     "robot": CLIENT,
     "events": {"supervision"},
-    "__init__": CLIENT | {"robot", "events"},
+    "frozen": CLIENT,
+    "__init__": CLIENT | {"robot", "events", "frozen"},
     # the simulator is the other side: it knows the wire and the arms, and nothing of the client
     "sim": BASE | {"models", "kinematics", "_wire"},
     "testing": BASE | {"models", "_wire", "sim"},
@@ -46,18 +49,56 @@ MAY_IMPORT: dict[str, set[str]] = {
     "cli": CLIENT | {"robot", "__init__", "sim", "recording"},
 }
 
+#: by folder or module of the simulator, which others of it that may import; itself always
+SIM_MAY_IMPORT: dict[str, set[str]] = {
+    "refusal": set(),
+    "clock": set(),
+    "scene": set(),
+    "process": set(),
+    "view": set(),
+    "planner": set(),
+    "cycle": {"planner"},
+    "physics": {"planner"},
+    "server": {"refusal"},
+    "force": {"planner", "cycle", "scene"},
+    "cabinet": {"planner", "refusal"},
+    "controller": {"planner", "force", "cabinet", "cycle", "refusal"},
+    "runtime": {"planner", "cabinet", "controller", "physics", "cycle", "clock", "refusal"},
+    "handlers": {"planner", "force", "cabinet", "controller", "physics", "runtime", "refusal"},
+    "simulator": {
+        *("planner", "force", "cabinet", "controller", "physics", "handlers", "server", "view"),
+        *("runtime", "clock", "scene", "process"),
+    },
+    "__main__": {"simulator"},
+    "__init__": {"simulator", "process"},
+}
+
+#: by folder of the streams: what of the package it may import, each with all that is under it.
+#: The process border runs between the worker and the rest.
+STREAMING_MAY_IMPORT: dict[str, set[str]] = {
+    "shared": {"aioduco.streaming.shared"},
+    "worker": {
+        *("aioduco._wire", "aioduco.errors", "aioduco.scheduling"),
+        *("aioduco.streaming.shared", "aioduco.streaming.worker"),
+    },
+}
+#: and of the others, what neither of them may import
+NOT_IN_A_WORKER = {"anyio", "asyncio", "numpy", "concurrent", "multiprocessing"}
+
+#: by package, how many modules may import one another in a row
+LONGEST_CHAIN = {"aioduco.streaming": 9, "aioduco.supervision": 7}
+
 #: by library, the files that may import it, each with all that is under it
 ONLY_IN: dict[str, set[str]] = {
-    "thriftpy2": {"_wire", "sim/server", "sim/server.py"},
-    "mujoco": {"sim/world.py", "sim/dynamics.py", "sim/scene", "sim/drawing.py", "sim/viewer.py"},
+    "thriftpy2": {"_wire", "sim/server"},
+    "mujoco": {"sim/physics", "sim/view/drawing.py", "sim/view/viewer.py"},
     "ruckig": {"sim/planner", "streaming"},
-    "eaik": {"kinematics/eaik.py"},
     "typer": {"cli"},
     "rich": {"cli", "streaming/report.py", "streaming/doctor.py"},
     "PIL": {"cli/picture.py"},
     "matplotlib": {"cli", "streaming/report.py"},
     # the thread hand-off, and tasks that outlive the task that started them
-    "asyncio": {"_wire/handoff.py", "supervision/background.py"},
+    "asyncio": {"_wire/handoff.py", "supervision/concurrency.py"},
     "pytest": {"pytest_plugin.py"},
 }
 
@@ -66,14 +107,12 @@ PURE = {
     "bus/frames.py",
     "_wire/framing.py",
     "_wire/lifecycle.py",
-    "_wire/pool.py",
-    "_wire/semantics.py",
-    "sim/controller.py",
-    "sim/execution.py",
-    "sim/motion.py",
-    "sim/recording.py",
-    "sim/standstill.py",
-    "sim/warmth.py",
+    "_wire/worker_pool.py",
+    "_wire/idempotence.py",
+    "sim/controller",
+    "sim/force",
+    "sim/planner",
+    "sim/physics/temperature.py",
 }
 IMPURE = {"socket", "threading", "time", "queue", "anyio", "asyncio", "pathlib", "os"}
 
@@ -157,6 +196,79 @@ def test_no_part_is_above_itself() -> None:
         assert name not in reached, f"{name} may import itself through others"
 
 
+def modules() -> dict[str, str]:
+    """The files of the package by the full names of their modules."""
+    return {
+        f"aioduco.{path}".removesuffix(".py").replace("/", ".").removesuffix(".__init__"): path
+        for path in (found.relative_to(ROOT).as_posix() for found in ROOT.rglob("*.py"))
+    }
+
+
+def imported_modules(prefix: str) -> dict[str, set[str]]:
+    """By module with a name that begins so, which of them it imports, also for types alone."""
+    names = {path: name for name, path in modules().items() if f"{name}.".startswith(f"{prefix}.")}
+    graph: dict[str, set[str]] = {name: set() for name in names.values()}
+    for one in imports():
+        if one.path in names:
+            found = one.name if one.name in graph else one.name.rpartition(".")[0]
+            graph[names[one.path]] |= {found} & graph.keys() - {names[one.path]}
+    return graph
+
+
+def sim_part(name: str) -> str:
+    return name.removeprefix("aioduco.sim").strip(".").partition(".")[0] or "__init__"
+
+
+def test_folders_of_the_simulator_import_only_what_is_below_them() -> None:
+    graph = imported_modules("aioduco.sim")
+    assert {sim_part(name) for name in graph} == set(SIM_MAY_IMPORT)
+    wrong = [
+        f"{name} imports {other}"
+        for name, others in graph.items()
+        for other in others
+        if sim_part(other) not in SIM_MAY_IMPORT[sim_part(name)] | {sim_part(name)}
+    ]
+    assert wrong == []
+
+
+@pytest.mark.parametrize("package", ["aioduco.sim"])
+def test_no_module_imports_itself_through_others(package: str) -> None:
+    """Imports for type checkers included."""
+    graph = imported_modules(package)
+    assert len(graph) > 10
+    while leaves := {name for name, others in graph.items() if not others}:
+        graph = {name: others - leaves for name, others in graph.items() if name not in leaves}
+    assert graph == {}
+
+
+@pytest.mark.parametrize("folder", sorted(STREAMING_MAY_IMPORT))
+def test_a_worker_imports_what_its_process_needs(folder: str) -> None:
+    """Imports for type checkers included."""
+    found = [one for one in imports() if one.path.startswith(f"streaming/{folder}/")]
+    assert found
+    allowed = tuple(f"{name}." for name in STREAMING_MAY_IMPORT[folder])
+    wrong = [
+        str(one)
+        for one in found
+        if one.name.partition(".")[0] in NOT_IN_A_WORKER
+        or (one.name.startswith("aioduco.") and not f"{one.name}.".startswith(allowed))
+    ]
+    assert wrong == []
+
+
+@pytest.mark.parametrize("package", sorted(LONGEST_CHAIN))
+def test_no_chain_of_imports_is_long_or_leads_back_to_itself(package: str) -> None:
+    """Imports for type checkers included: each round takes away what imports none of the rest."""
+    graph = imported_modules(package)
+    assert len(graph) > 10
+    rounds = 0
+    while leaves := {name for name, others in graph.items() if not others}:
+        graph = {name: others - leaves for name, others in graph.items() if name not in leaves}
+        rounds += 1
+    assert graph == {}
+    assert rounds <= LONGEST_CHAIN[package]
+
+
 @pytest.mark.parametrize("library", sorted(ONLY_IN))
 def test_libraries_stay_where_they_belong(library: str) -> None:
     wrong = [
@@ -169,17 +281,20 @@ def test_libraries_stay_where_they_belong(library: str) -> None:
 
 def test_pure_modules_do_no_io() -> None:
     wrong = [
-        str(one) for one in imports() if one.path in PURE and one.name.partition(".")[0] in IMPURE
+        str(one)
+        for one in imports()
+        if below(one.path, PURE) and one.name.partition(".")[0] in IMPURE
     ]
     assert wrong == []
-    assert {one.path for one in imports()} >= PURE
+    for place in PURE:
+        assert any(below(one.path, {place}) for one in imports()), f"there is no {place}"
 
 
 def test_importing_the_package_loads_none_of_its_extras() -> None:
     """And starts nothing: no thread, no output."""
     code = (
         "import sys, threading, aioduco\n"
-        "extras = {'mujoco', 'ruckig', 'eaik', 'typer', 'rich', 'matplotlib', 'aioduco.sim'}\n"
+        "extras = {'mujoco', 'ruckig', 'PIL', 'typer', 'rich', 'matplotlib', 'aioduco.sim'}\n"
         "print(sorted(extras & set(sys.modules)), threading.active_count())\n"
     )
     done = subprocess.run(

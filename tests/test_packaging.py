@@ -9,6 +9,8 @@ import sys
 import tomllib
 from pathlib import Path
 
+import pytest
+
 import aioduco
 
 ROOT = Path(__file__).parents[1]
@@ -16,7 +18,7 @@ ROOT = Path(__file__).parents[1]
 IMPORTS = """
 import sys, threading
 import aioduco
-heavy = {"mujoco", "ruckig", "EAIK", "typer", "rich", "matplotlib", "pytest", "thrift"}
+heavy = {"mujoco", "ruckig", "PIL", "typer", "rich", "matplotlib", "pytest", "thrift"}
 print(sorted(heavy & set(sys.modules)), threading.active_count())
 """
 
@@ -52,7 +54,56 @@ def test_command_line_says_what_it_needs_when_its_extra_is_missing() -> None:
         "-c", "import sys; sys.modules['typer'] = None; import aioduco.cli as c; c.main()"
     )
     assert done.returncode == 1
-    assert done.stderr.strip() == "the command aioduco needs typer: pip install 'aioduco[sim,cli]'"
+    assert done.stderr.strip() == "the command aioduco needs typer: pip install 'aioduco[cli]'"
+
+
+@pytest.mark.parametrize(
+    ("absent", "program", "extra"),
+    [
+        ("mujoco", "aioduco.sim.Simulator()", "sim"),
+        ("matplotlib", "aioduco.streaming.report.plot({}, 'x.png')", "plot"),
+    ],
+)
+def test_a_missing_extra_is_a_typed_error_that_says_what_to_install(
+    absent: str, program: str, extra: str
+) -> None:
+    # As if it were not installed, for this package and for all that it imports.
+    code = f"""
+import importlib.abc, pickle, sys
+class Absent(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name.split('.')[0] == {absent!r}:
+            raise ModuleNotFoundError(f'No module named {{name!r}}', name=name)
+sys.meta_path.insert(0, Absent())
+import aioduco, aioduco.sim, aioduco.streaming.report
+try:
+    {program}
+except aioduco.MissingExtra as error:
+    assert isinstance(error, ModuleNotFoundError) and error.name == {absent!r}
+    again = pickle.loads(pickle.dumps(error))
+    assert (str(again), again.extra) == (str(error), error.extra)
+    print(error.extra, error)
+"""
+    done = python("-c", code)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith(f"{extra} ")
+    assert done.stdout.endswith(f"needs {absent}: pip install 'aioduco[{extra}]'\n")
+
+
+def test_jerk_limits_need_their_extra_and_not_the_simulator() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    names = {
+        extra: {re.split(r"[<>=\[]", one)[0] for one in extras[extra]}
+        for extra in ("sim", "stream", "cli", "plot")
+    }
+    assert names == {
+        "sim": {"mujoco-core", "ruckig"},
+        "stream": {"ruckig"},
+        "cli": {"typer", "rich"},
+        "plot": {"matplotlib", "pillow"},
+    }
+    assert extras["all"] == ["aioduco[sim,stream,cli,plot]"]
 
 
 def test_licence_is_whole() -> None:

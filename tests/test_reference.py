@@ -15,6 +15,7 @@ import pytest
 import aioduco
 from aioduco.api.section import Section
 from aioduco.sim import Simulator
+from aioduco.testing import eventually_async
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -52,7 +53,7 @@ async def test_an_example_runs(code: str, sim: Simulator) -> None:
         made = types.FunctionType(compiled, {"robot": robot, "__builtins__": builtins})()
         if inspect.iscoroutine(made):
             await made
-    assert not sim.moving
+    await eventually_async(lambda: not sim.moving)
 
 
 def sections() -> list[str]:

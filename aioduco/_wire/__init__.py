@@ -1,1 +1,1 @@
-"""The wire: the only part of the package, beside the simulator's server, that knows Thrift."""
+"""The wire: only this folder and the simulator's server import Thrift."""

@@ -5,23 +5,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._wire.handoff import BlockingCall
-from aioduco._wire.semantics import Kind, kind
-from aioduco._wire.worker import Dropped, hung
+from aioduco._wire.idempotence import CallKind, call_kind
+from aioduco._wire.worker import AbandonOutcome, hung
 from aioduco.errors import ConnectError, ConnectionLost
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from aioduco._wire.connection_factory import ConnectionFactory
     from aioduco._wire.idl import Function
-    from aioduco._wire.pool import Pool
-    from aioduco._wire.source import Source
     from aioduco._wire.worker import Worker
+    from aioduco._wire.worker_pool import WorkerPool
 
 #: seconds after which a stop is sent on a second connection as well
-_STOP_PATIENCE: Final = 0.1
+_SECOND_STOP_AFTER: Final = 0.1
 
 
-class Blocking:
+class BlockingCalls:
     """The blocking calls of one lane.
 
     A call takes a connection of the lane if one is free, else one of its own: it never waits
@@ -35,10 +35,10 @@ class Blocking:
         released: called on the thread that has become free again.
     """
 
-    def __init__(self, pool: Pool[Worker, Any], connections: Source) -> None:
+    def __init__(self, pool: WorkerPool[Worker, Any], connections: ConnectionFactory) -> None:
         self._pool = pool
         self._connections = connections
-        self.released: Callable[[], None] = _nobody
+        self.released: Callable[[], None] = _no_waiter
 
     def call(self, function: Function, arguments: bytes, deadline: float | None) -> Any:
         """Call a function of the wire and block until its answer is there.
@@ -52,15 +52,15 @@ class Blocking:
             if worker.claim():
                 break
         else:
-            return self._alone(function, arguments, deadline)
+            return self._on_own_connection(function, arguments, deadline)
         call = BlockingCall(function, arguments, deadline, self.released)
         try:
             worker.submit(call)
         except RuntimeError:
             # the system has no more threads
-            return self._alone(function, arguments, deadline)
-        if kind(function.name) is Kind.STOP:
-            return self._insist(call, function)
+            return self._on_own_connection(function, arguments, deadline)
+        if call_kind(function.name) is CallKind.STOP:
+            return self._stop_surely(call, function)
         try:
             answered = call.wait()
         except BaseException:
@@ -70,18 +70,20 @@ class Blocking:
             raise hung(function.name, worker.abandon(call, "its thread hangs"))
         return call.outcome()
 
-    def _insist(self, call: BlockingCall, function: Function) -> Any:
-        """Have a stop carried out that is under way: if it hangs, by a second one."""
-        if call.wait(_STOP_PATIENCE):
+    def _stop_surely(self, call: BlockingCall, function: Function) -> Any:
+        """Wait for a stop that is under way. If it hangs, send a second one."""
+        if call.wait(_SECOND_STOP_AFTER):
             return call.outcome()
         try:
-            return self._alone(function, call.arguments, call.deadline)
+            return self._on_own_connection(function, call.arguments, call.deadline)
         except (ConnectError, ConnectionLost):
             if call.wait():
                 return call.outcome()
-            raise hung(function.name, Dropped.UNKNOWN) from None
+            raise hung(function.name, AbandonOutcome.UNKNOWN) from None
 
-    def _alone(self, function: Function, arguments: bytes, deadline: float | None) -> Any:
+    def _on_own_connection(
+        self, function: Function, arguments: bytes, deadline: float | None
+    ) -> Any:
         """Call on a connection of the calling thread's own."""
         connection = self._connections.make()
         try:
@@ -91,5 +93,5 @@ class Blocking:
             connection.close()
 
 
-def _nobody() -> None:
-    """Nobody waits before the lane is open."""
+def _no_waiter() -> None:
+    """No call waits before the lane is open."""

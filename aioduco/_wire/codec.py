@@ -10,8 +10,8 @@ from thriftpy2.protocol import TCyBinaryProtocol
 from thriftpy2.thrift import TApplicationException, TDecodeException
 from thriftpy2.transport import TCyMemoryBuffer
 
-from aioduco._wire.fitting import Misfit
 from aioduco._wire.framing import Malformed, StructScanner
+from aioduco._wire.type_checks import TypeMismatch
 from aioduco.errors import ControllerError, ParameterError, UnknownFunction
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def encode(function: Function, args: tuple[Any, ...]) -> bytes:
     try:
         for check, parameter, value in zip(function.checks, parameters, args, strict=True):  # noqa: B007  # read when a check raises
             check(value)
-    except Misfit as exc:
+    except TypeMismatch as exc:
         raise ParameterError(f"{parameter}{exc.path}", exc.value, exc.expected) from None
     # a buffer of its own: a signal handler may encode a stop in the middle of another call
     buffer = TCyMemoryBuffer()

@@ -1,4 +1,4 @@
-"""A connection to the controller: one call at a time, each answered truly or not at all."""
+"""A connection to the controller: one call at a time, each with its own answer or an error."""
 
 from __future__ import annotations
 
@@ -10,11 +10,14 @@ import warnings
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from aioduco._wire import codec, idl
+from aioduco._wire.deadline_socket import DeadlinePassed, DeadlineSocket, Ended
+from aioduco._wire.forks import fork_hooks
 from aioduco._wire.framing import Malformed
+from aioduco._wire.host import HOST_RULE, is_host
+from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState, Lifecycle, Progress
+from aioduco._wire.resource_errors import resource_error
 from aioduco._wire.rpc import RpcClient
-from aioduco._wire.semantics import Kind, kind
-from aioduco._wire.stream import DeadlinePassed, Ended, Stream
 from aioduco.errors import (
     CallTimeout,
     ConnectError,
@@ -61,18 +64,25 @@ class Connection:
         port: its TCP port.
         connect_timeout: most seconds that `open` takes, over all addresses of the host. Only the
             resolution of a name takes as long as the system lets it.
+        keeps_overdue: whether a command whose answer is late, although all of it was delivered,
+            leaves the connection open for `late_answer`. It carries no other call either way.
     """
 
-    def __init__(self, host: str, port: int, *, connect_timeout: float = 3.0) -> None:
+    def __init__(
+        self, host: str, port: int, *, connect_timeout: float = 3.0, keeps_overdue: bool = False
+    ) -> None:
         self.host = host
         self.port = port
         self.connect_timeout = connect_timeout
+        self._keeps_overdue = keeps_overdue
         self._life = Lifecycle()
         # Reentrant: a signal handler may abandon the connection whose state its own thread is
         # just changing. Guards the state and the closing of the socket, so that `abandon` never
         # shuts a socket down whose number belongs to another file by then.
         self._guard = threading.RLock()
-        self._stream: Stream | None = None
+        self._stream: DeadlineSocket | None = None
+        #: the stream on which an answer is overdue that may still come
+        self._overdue: DeadlineSocket | None = None
         self._owner: int | None = None
         # Begun anywhere: a stray or forged answer must not fit by chance, as one with a low
         # number would on most connections.
@@ -119,8 +129,10 @@ class Connection:
 
     def __del__(self) -> None:
         if getattr(self, "_stream", None) is not None:
-            warnings.warn(f"unclosed {self!r}", ResourceWarning, source=self, stacklevel=2)
+            unclosed = f"unclosed {self!r}"
             self.close()
+            # last: where warnings are errors, it raises
+            warnings.warn(unclosed, ResourceWarning, source=self, stacklevel=2)
 
     def open(self, deadline: float | None = None) -> None:
         """Connect; the calling thread becomes the owner.
@@ -136,22 +148,27 @@ class Connection:
         if self.state is not ConnectionState.NEW:
             raise ConnectionLost(f"{self!r} cannot be opened again; nothing was sent")
         self._owner = threading.get_ident()
+        fork_hooks.add(self)
         limit = time.monotonic() + self.connect_timeout
         self._connect(limit if deadline is None else min(limit, deadline))
 
     def _connect(self, deadline: float) -> None:
+        if not is_host(self.host):
+            self._end("its host is no name and no address")
+            raise ConnectError(self.host, self.port, f"the host must be {HOST_RULE}")
         # the name is resolved anew each time: the address may have changed with the controller
         try:
             found = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)
         except (OSError, UnicodeError) as exc:
             self._end("its host is unknown")
-            raise ConnectError(self.host, self.port, f"unknown host ({exc})") from exc
+            reason = resource_error(exc) or f"unknown host ({exc})"
+            raise ConnectError(self.host, self.port, reason) from exc
         error: OSError = TimeoutError("no time left after the name was resolved")
         for family, type_, protocol, _, address in found:
             if self.state is not ConnectionState.NEW or time.monotonic() >= deadline:
                 break
             try:
-                stream = Stream(family, type_, protocol)
+                stream = DeadlineSocket(family, type_, protocol)
                 with self._guard:
                     # an abandon that came before finds no stream to shut down, but is seen below;
                     # one that comes later ends the handshake
@@ -179,6 +196,7 @@ class Connection:
         self._end("it could not be made")
         timed_out = isinstance(error, TimeoutError)
         reason = "no answer in time" if timed_out else error.strerror or str(error)
+        reason = resource_error(error) or reason
         raise ConnectError(self.host, self.port, reason) from error
 
     @property
@@ -254,11 +272,11 @@ class Connection:
             raise raised from exc
         with self._guard:
             if not self._life.complete():
-                # abandoned while the last bytes came: the caller has been told otherwise
+                # abandoned while the last bytes came: the caller already has an error
                 raise self._failure(function, Ended())
         self._answered += 1
         if len(data) > reply.length:
-            # this answer is true, but whose are the bytes behind it?
+            # this answer is valid, but the bytes behind it belong to no call
             self._end("bytes came behind an answer")
         if isinstance(value, ControllerError):
             raise value
@@ -267,9 +285,9 @@ class Connection:
     def send_ahead(self, function: idl.Function, arguments: bytes, deadline: float | None) -> bool:
         """Send a call before its owner's thread gets to run, from any thread; never waits.
 
-        For calls that may be sent twice, by whoever has the right to the next one. The owner's
-        `exchange` of this call then waits for its answer alone. A connection that does not take
-        the whole of it at once is poisoned.
+        For calls that may be sent twice. The caller must hold the claim to the next call. The
+        owner's `exchange` of this call then only waits for the answer. A connection that does not
+        take the whole of it at once is poisoned.
 
         Returns:
             Whether it was sent.
@@ -308,7 +326,7 @@ class Connection:
         except ControllerError as exc:
             return exc
 
-    def _send(self, stream: Stream, data: bytes, deadline: float | None) -> None:
+    def _send(self, stream: DeadlineSocket, data: bytes, deadline: float | None) -> None:
         sent = stream.send(data, deadline)
         self._life.sent()
         while sent < len(data):
@@ -316,7 +334,7 @@ class Connection:
         self._bytes_sent += sent
 
     def _receive(
-        self, stream: Stream, reply: codec.ReplyReader, deadline: float | None
+        self, stream: DeadlineSocket, reply: codec.ReplyReader, deadline: float | None
     ) -> bytes | bytearray:
         data: bytes | bytearray = stream.receive(deadline)
         self._life.answering()
@@ -328,7 +346,7 @@ class Connection:
         return data
 
     def _failure(self, function: idl.Function, exc: BaseException) -> BaseException:
-        """Poison the connection and say what the caller is told: the one place for that."""
+        """Poison the connection and choose the error for the caller: the one place for that."""
         match exc:
             case DeadlinePassed() if self.progress is Progress.NOTHING_SENT:
                 reason = "the system did not take it in time"
@@ -344,8 +362,8 @@ class Connection:
                 reason = f"its answer could not be read ({type(exc).__name__}: {exc})"
             case _:
                 reason = f"it was interrupted ({type(exc).__name__})"
-        self._end(reason)
-        # an abandoned connection has its own reason, and the system's error is only its echo
+        self._end(reason, keep=isinstance(exc, DeadlinePassed) and self._may_be_late(function))
+        # an abandoned connection has its own reason, and the system's error only follows from it
         reason = self.reason
         if not isinstance(exc, Exception):
             return exc
@@ -353,7 +371,7 @@ class Connection:
         late = isinstance(exc, DeadlinePassed)
         if self.progress is Progress.NOTHING_SENT:
             return (NotSent if late else ConnectionLost)(f"{name} was not sent, since {reason}")
-        if kind(name) is not Kind.READ:
+        if call_kind(name) is not CallKind.READ:
             return OutcomeUnknown(name, reason)
         if late:
             return CallTimeout(f"{name}: {reason}; the connection was closed")
@@ -361,32 +379,96 @@ class Connection:
             return ConnectionLost(f"{name}: {reason}; it only reads, so it may be called again")
         return ProtocolError(f"{name}: {reason}; the connection was closed")
 
+    def _may_be_late(self, function: idl.Function) -> bool:
+        """Whether a command was delivered to the last byte, so that its answer may still come."""
+        return (
+            self._keeps_overdue
+            and self.progress is not Progress.NOTHING_SENT
+            and call_kind(function.name) is CallKind.COMMAND
+            and self.undelivered == 0
+        )
+
     def abandon(self, reason: str = "the call was given up") -> None:
         """Poison the connection from any thread; a call that is under way returns at once."""
         with self._guard:
             if self._life.poison(reason) and self._stream is not None:
                 self._stream.shutdown()
 
-    def _end(self, reason: str) -> None:
+    def _end(self, reason: str, *, keep: bool = False) -> None:
         with self._guard:
             self._life.poison(reason)
-            self._drop()
+            if keep:
+                self._overdue = self._stream
+            else:
+                self._drop()
 
     def _drop(self) -> None:
         with self._guard:
             stream, self._stream = self._stream, None
+            self._overdue = None
             if stream is not None:
-                stream.close()
+                stream.discard()
+
+    def forked(self) -> None:
+        """This is a forked child: close its copy of the socket, which leaves the parent's open."""
+        self._guard = threading.RLock()
+        self._life.poison("it belongs to the process that forked this one")
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            stream.close_copy()
 
     def close(self) -> None:
         """Close the connection; on the owner's thread, or on any when no call is under way."""
         with self._guard:
+            idle = self._life.state is ConnectionState.IDLE
             self._life.close()
+            if idle and self._stream is not None:
+                stream, self._stream = self._stream, None
+                stream.close()
             self._drop()
 
+    @property
+    def undelivered(self) -> int:
+        """How many bytes of calls the system still holds; from any thread.
 
-def _check_silent(stream: Stream) -> None:
-    """Find out, before anything is sent, that the other side closed the connection or spoke."""
+        They are on their way, or the other side does not acknowledge them. 0 without a connection.
+        """
+        with self._guard:
+            return 0 if self._stream is None else self._stream.undelivered
+
+    def late_answer(self, deadline: float) -> bool:
+        """Wait for the answer to a command that came too late; only on the owner's thread.
+
+        Only if the connection `keeps_overdue`, and every byte of the command was acknowledged: it
+        may be waiting to be read; only its answer shows that it was.
+
+        Args:
+            deadline: time of `time.monotonic()` until which to wait.
+
+        Returns:
+            Whether it came; the connection is dropped then.
+        """
+        stream = self._overdue
+        if stream is None:
+            return False
+        try:
+            stream.receive(deadline)
+        except DeadlinePassed:
+            return False
+        except (Ended, OSError):
+            self._drop()
+            return False
+        self._drop()
+        return True
+
+    @property
+    def overdue(self) -> bool:
+        """Whether there is an answer for which `late_answer` can wait."""
+        return self._overdue is not None
+
+
+def _check_silent(stream: DeadlineSocket) -> None:
+    """Before anything is sent, find out whether the other side closed it or sent bytes."""
     stray = stream.waiting_bytes()
     if stray:
         raise Malformed(f"bytes came that nobody asked for: {stray!r}")

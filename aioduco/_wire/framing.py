@@ -1,10 +1,10 @@
 """Where an encoded struct ends, and whether it is one: read before thriftpy2 decodes it.
 
-The wire has no frames: the only way to know that a message is whole is to walk through its
-fields. And thriftpy2 believes what it reads. It allocates what a length claims, returns an empty
-list when the elements have another type than the IDL says, and leaves a field of another type
-out. So what a peer sends is measured and its types are checked here first, byte by byte as it
-comes, without any I/O; only a struct that is whole and fits is decoded.
+The wire has no frames: only a walk through its fields shows whether a message is whole. And
+thriftpy2 checks nothing that it reads. It allocates what a length claims, returns an empty list
+when the elements have another type than in the IDL, and leaves a field of another type out. So this
+module measures what a peer sends and checks its types first, byte by byte as it comes, without any
+I/O. Only a struct that is whole and fits is decoded.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any, Final, NamedTuple
 
 from thriftpy2.thrift import TType
 
-#: the longest reply that is believed; a status has 1 kB, the longest list of files some 100 kB
+#: the longest reply that is accepted; a status has 1 kB, the longest list of files some 100 kB
 MAX_REPLY: Final = 4 * 1024 * 1024
 
 _I32 = struct.Struct("!i").unpack_from
@@ -47,7 +47,7 @@ class Malformed(Exception):
 
 
 class Bounds(NamedTuple):
-    """What is believed of a message.
+    """The limits within which a message is accepted.
 
     Attributes:
         size: most bytes, from the message's begin to its end.
@@ -66,7 +66,7 @@ REPLY: Final = Bounds(size=MAX_REPLY, elements=MAX_REPLY, depth=32)
 
 
 class _Struct:
-    """A struct whose fields are being read; `fields` is empty if the IDL does not know it."""
+    """A struct whose fields are being read; `fields` is empty if the IDL does not have it."""
 
     __slots__ = ("fields",)
 
@@ -90,7 +90,7 @@ class StructScanner:
 
     Invariants: each byte is looked at once, however the stream is cut. `position` may lie past
     the end of the bytes, after a value that is announced but has not come; it never passes the
-    bounds, so no length that a peer claims makes anybody wait or allocate for it.
+    bounds, so no length that a peer claims causes a wait or an allocation.
     """
 
     __slots__ = ("_depth", "_elements", "_open", "_size", "position")
@@ -104,7 +104,7 @@ class StructScanner:
             fields: thriftpy2's spec of the struct: by field id a tuple of type, name, perhaps
                 the shape, and whether it is required; empty to take any struct.
             start: where in the bytes the struct begins.
-            bounds: what is believed.
+            bounds: the limits within which it is accepted.
         """
         self.position = start
         self._size, self._elements, self._depth = bounds

@@ -1,4 +1,4 @@
-"""How a call gets from a task to a thread and back: the only module that knows asyncio.
+"""How a call gets from a task to a thread and back. Of `_wire`, only this module imports asyncio.
 
 A call is handed over by a `SimpleQueue` and comes back by `call_soon_threadsafe`: measured, a
 third cheaper than `anyio.to_thread`, and the thread can own its connection, as the manual asks
@@ -8,13 +8,19 @@ third cheaper than `anyio.to_thread`, and the thread can own its connection, as 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import math
+import os
+import select
+import signal
 import time
 from abc import ABC, abstractmethod
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Final
 
-from aioduco._wire.semantics import Kind, kind
+from aioduco._wire.forks import fork_hooks
+from aioduco._wire.idempotence import CallKind, call_kind
+from aioduco.errors import WrongLoop, WrongProcess
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
@@ -29,9 +35,9 @@ GRACE: Final = 0.25
 class Call(ABC):
     """One call on its way: what is sent, by when, and what came of it.
 
-    Its parts have one writer each: the thread writes `value`, `error` and `handed_over`, then
-    calls `notify`; whoever waits writes `abandoned`. Only of an urgent one, whoever hands it over
-    writes `handed_over`, before the thread has it.
+    Each attribute has one writer: the thread writes `value`, `error` and `handed_over`, then calls
+    `notify`; the waiting side writes `abandoned`. For an urgent call, the side that hands it over
+    writes `handed_over` before the thread has it.
 
     Args:
         function: the function of the wire; None only opens the connection.
@@ -64,43 +70,179 @@ class Call(ABC):
     @property
     def urgent(self) -> bool:
         """Whether it is to be on its way before its thread gets to run."""
-        return self.function is not None and kind(self.function.name) is Kind.STOP
+        return self.function is not None and call_kind(self.function.name) is CallKind.STOP
 
     @property
     def name(self) -> str:
         """What is called, for messages."""
         return self.function.name if self.function is not None else "open"
 
+    @property
+    def undelivered(self) -> int:
+        """How many of its bytes the system still holds; from any thread."""
+        connection = None if self.worker is None else self.worker.connection
+        return 0 if connection is None else connection.undelivered
+
     @abstractmethod
     def notify(self) -> None:
-        """Wake whoever waits; on the worker's thread."""
+        """Wake the waiting side; on the worker's thread."""
 
 
-class Home:
-    """The event loop on which a lane is used.
+class OwnerLoop:
+    """The event loop that owns a lane, or a robot with all its lanes: the first one that uses it.
 
-    Kept, since asking asyncio for the running loop costs a system call in Python 3.11. A lane
-    may go on to another loop when its own has ended.
+    On any other loop, under any other library and in a forked child, nothing is sent. That costs
+    a fifth of a microsecond: in Python 3.11 asyncio asks the system for the process id before it
+    returns the running loop. Comparing threads would be cheaper, but confuses a loop with another
+    one that runs inside of it, as in some notebooks.
+
+    Args:
+        owner: what belongs to the loop, for messages.
+        moves: whether it goes on to another loop by itself when its own has been closed.
     """
 
-    __slots__ = ("_loop",)
+    __slots__ = ("__weakref__", "_loop", "_moves", "_owner", "forked_off")
 
-    def __init__(self) -> None:
+    def __init__(self, owner: str = "the lane", *, moves: bool = True) -> None:
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._owner = owner
+        self._moves = moves
+        #: whether this is a child that was forked from the owner's process
+        self.forked_off: bool = False
+        fork_hooks.add(self)
 
-    def loop(self) -> asyncio.AbstractEventLoop:
-        """The loop that runs; only on its own thread."""
-        loop = self._loop
-        if loop is None or not loop.is_running():
-            loop = self._loop = asyncio.get_running_loop()
+    def require(self, what: str) -> asyncio.AbstractEventLoop:
+        """Require that this loop runs here, in the process that opened it.
+
+        Args:
+            what: what is to be done on it, for messages.
+
+        Returns:
+            The loop.
+
+        Raises:
+            WrongLoop: another loop runs here, or none.
+            WrongProcess: this is a forked child.
+        """
+        try:
+            loop = asyncio.get_running_loop()
+        except RuntimeError:
+            raise self._refusal(what) from None
+        if loop is not self._loop:
+            self._adopt(loop, what)
         return loop
+
+    def require_process(self, what: str) -> None:
+        """Require that this is the owner's process; from any thread.
+
+        Args:
+            what: what is to be done, for messages.
+
+        Raises:
+            WrongProcess: this is a forked child.
+        """
+        if self.forked_off:
+            raise self._refusal(what)
+
+    @property
+    def closed(self) -> bool:
+        """Whether the loop has been closed: nothing can run on it any more."""
+        return self._loop is not None and self._loop.is_closed()
+
+    def move(self, what: str) -> None:
+        """Go on to the loop that runs, since its own has been closed.
+
+        Args:
+            what: what is to be done on it, for messages.
+
+        Raises:
+            WrongLoop: the loop has not been closed, or asyncio runs none.
+        """
+        if self.closed:
+            self._loop = None
+        self.require(what)
+
+    def forked(self) -> None:
+        """This is a forked child: refuse, and take its copy of the loop apart from the parent's."""
+        self.forked_off = True
+        if self._loop is not None and not self._loop.is_closed():
+            _detach_copy(self._loop)
+
+    def _adopt(self, loop: asyncio.AbstractEventLoop, what: str) -> None:
+        # no task runs where trio is a guest of this loop: nothing could be awaited
+        if self.forked_off or asyncio.current_task() is None:
+            raise self._refusal(what)
+        if self._loop is not None and not (self._moves and self._loop.is_closed()):
+            raise self._refusal(what)
+        self._loop = loop
+
+    def _refusal(self, what: str) -> WrongLoop | WrongProcess:
+        if self.forked_off:
+            return WrongProcess(
+                f"{what}: refused, since {self._owner} belongs to the process that forked this "
+                "one; nothing was sent. Open another one in this process"
+            )
+        if self._loop is None:
+            return WrongLoop(
+                f"{what}: refused, since aioduco needs asyncio, and no task of an asyncio event "
+                "loop runs here (trio's are none); nothing was sent. Use asyncio.run(...) or "
+                'anyio.run(..., backend="asyncio"); a program without an event loop uses '
+                "aioduco.sync"
+            )
+        return WrongLoop(
+            f"{what}: refused, since {self._owner} belongs to the event loop on which it was "
+            f"opened, {self._loop!r}, and this is not that one; nothing was sent. Open one for "
+            "each event loop. From other threads use stop_now(), "
+            "asyncio.run_coroutine_threadsafe(..., loop), or aioduco.sync"
+        )
+
+
+def _detach_copy(loop: asyncio.AbstractEventLoop) -> None:
+    """In a forked child: detach its copy of the loop from the parent's.
+
+    Parent and child share one epoll. A child that tears its copy down, as `sys.exit` in it does,
+    takes the pipe that wakes the loop out of that epoll. From then on no thread can wake the
+    parent's loop any more. So the child gets an epoll of its own, and a pipe of its own, and its
+    signals no longer wake the parent's loop.
+    """
+    with contextlib.suppress(ValueError):
+        signal.set_wakeup_fd(-1)
+    ours: Any = loop
+    if hasattr(ours, "_get_backend_id"):  # uvloop
+        number = ours._get_backend_id()
+    elif (selector := getattr(ours, "_selector", None)) is not None and hasattr(selector, "fileno"):
+        number = selector.fileno()
+    else:
+        return  # nothing of it is in the system
+    with select.epoll() as own:
+        os.dup2(own.fileno(), number, inheritable=False)
+    if hasattr(ours, "_make_self_pipe"):
+        ours._close_self_pipe()
+        ours._make_self_pipe()
+        return
+    # libuv shares memory with the system too, by which its copy would disturb the parent's even so:
+    # this copy never runs again
+    for task in asyncio.all_tasks(loop):
+        asyncio.tasks._unregister_task(task)
+    ours.run_forever = ours.close = _nothing
+    ours.run_until_complete = _discard
+
+
+def _nothing() -> None:
+    """What a copy of a loop does that never runs again."""
+
+
+def _discard(work: Any) -> None:
+    """As `_nothing`, for a loop that is given something to run."""
+    if asyncio.iscoroutine(work):
+        work.close()
 
 
 class AwaitedCall(Call):
     """A call that a task of the event loop awaits.
 
     Args:
-        home: where to find the loop.
+        owner_loop: where to find the loop.
         finished: called on the loop when the thread is done with the call.
     """
 
@@ -108,14 +250,14 @@ class AwaitedCall(Call):
 
     def __init__(
         self,
-        home: Home,
+        owner_loop: OwnerLoop,
         function: Function | None,
         arguments: bytes,
         deadline: float | None,
         finished: Callable[[AwaitedCall], None],
     ) -> None:
         super().__init__(function, arguments, deadline)
-        self.loop = home.loop()
+        self.loop = owner_loop.require(self.name)
         self._future: asyncio.Future[Any] = self.loop.create_future()
         self._finished = finished
         #: whether its deadline has been seen to pass once
@@ -123,7 +265,7 @@ class AwaitedCall(Call):
 
     @property
     def refused(self) -> bool:
-        """Whether nobody waits any more; such a call is not handed to a thread."""
+        """Whether no task waits for it any more; such a call is not handed to a thread."""
         return self._future.done()
 
     @property
@@ -142,14 +284,14 @@ class AwaitedCall(Call):
         try:
             self.loop.call_soon_threadsafe(self._finished, self)
         except RuntimeError:
-            # the loop is closed: nobody waits any more, and the thread lives on for the next
+            # the loop is closed: no task waits any more, and the thread serves the next call
             return
 
     def settle(self) -> None:
         """Give the waiting task what the thread left; on the loop."""
         error, self.error = self.error, None
         if error is not None:
-            # not kept here too: its traceback knows this call, which would be a cycle
+            # not kept here too: its traceback refers to this call: a reference cycle
             self.fail(error)
         elif not self._future.done():
             self._future.set_result(self.value)
@@ -164,8 +306,8 @@ class AwaitedCall(Call):
 class Deadlines:
     """Sees that no task waits past its deadline, even if a thread hangs.
 
-    One timer for all calls of a lane: set for the earliest deadline, and looked after when it
-    rings. A timer per call would cost as much as a tenth of a call.
+    One timer for all calls of a lane: set for the earliest deadline, and set anew when it
+    expires. A timer per call would cost as much as a tenth of a call.
 
     Args:
         expired: called on the loop with a call whose deadline has passed and False, and once
@@ -174,18 +316,18 @@ class Deadlines:
 
     def __init__(self, expired: Callable[[AwaitedCall, bool], None]) -> None:
         self._expired = expired
-        #: the calls that somebody awaits
+        #: the calls that tasks await
         self.calls: set[AwaitedCall] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._timer: asyncio.TimerHandle | None = None
-        self._rings_at = math.inf
+        self._expires_at = math.inf
 
     def add(self, call: AwaitedCall) -> None:
         """Watch a call until it is discarded."""
         self.calls.add(call)
         if call.deadline is None:
             return
-        if call.deadline < self._rings_at or call.loop is not self._loop:
+        if call.deadline < self._expires_at or call.loop is not self._loop:
             self._set(call.loop, call.deadline)
 
     def discard(self, call: AwaitedCall) -> None:
@@ -198,19 +340,19 @@ class Deadlines:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        self._rings_at = math.inf
+        self._expires_at = math.inf
 
     def _set(self, loop: asyncio.AbstractEventLoop, at: float) -> None:
         if self._timer is not None:
             self._timer.cancel()
         self._loop = loop
-        self._rings_at = at
-        self._timer = loop.call_later(at - time.monotonic(), self._ring)
+        self._expires_at = at
+        self._timer = loop.call_later(at - time.monotonic(), self._check)
 
-    def _ring(self) -> None:
+    def _check(self) -> None:
         now = time.monotonic()
         self._timer = None
-        self._rings_at = math.inf
+        self._expires_at = math.inf
         for call in [call for call in self.calls if call.due <= now]:
             again, call.overdue = call.overdue, True
             self._expired(call, again)
@@ -264,33 +406,33 @@ class BlockingCall(Call):
         self._released()
 
 
-def doorbell(callback: Callable[[], None]) -> Callable[[], None]:
+def loop_callback(callback: Callable[[], None]) -> Callable[[], None]:
     """A function that has the callback called on the running event loop, from any thread."""
     loop = asyncio.get_running_loop()
 
-    def ring() -> None:
+    def call() -> None:
         try:
             loop.call_soon_threadsafe(callback)
         except RuntimeError:
-            # the loop is closed, and with it whatever could wait for this
+            # the loop is closed: nothing waits for this any more
             return
 
-    return ring
+    return call
 
 
-class Farewell:
+class ThreadEnd:
     """Tells a task of the running event loop that a thread is about to end."""
 
     def __init__(self) -> None:
-        self._gone = asyncio.Event()
+        self._reported = asyncio.Event()
         #: called by the thread
-        self.ring = doorbell(self._gone.set)
+        self.report = loop_callback(self._reported.set)
 
     @property
-    def said(self) -> bool:
-        """Whether the thread has told."""
-        return self._gone.is_set()
+    def reported(self) -> bool:
+        """Whether the thread has reported its end."""
+        return self._reported.is_set()
 
     async def wait(self) -> None:
-        """Wait until the thread tells."""
-        await self._gone.wait()
+        """Wait until the thread reports its end."""
+        await self._reported.wait()

@@ -1,17 +1,22 @@
-"""The loaded IDL: the only link between the typed structs of `rpc` and Thrift."""
+"""The loaded IDL: the only link between the typed structs of `rpc` and Thrift.
+
+It is read here, and not by thriftpy2's parser: making that parser's tables takes 12 MB and most of
+the time that a program, or a stream's worker, needs to start.
+"""
 
 from __future__ import annotations
 
 import functools
+import re
 import struct
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import thriftpy2
-from thriftpy2.thrift import TType
+from thriftpy2.thrift import TPayload, TType, gen_init
 
 from aioduco._wire import rpc
-from aioduco._wire.fitting import Check, check_of, type_of
+from aioduco._wire.type_checks import Check, check_of, type_of
 
 SERVICE = "RPCRobot"
 
@@ -38,7 +43,25 @@ _OLDER = {
         "toolButton",
     )
 }
+_Spec = dict[int, tuple[Any, ...]]
 _WHOLE = {TType.BYTE, TType.I16, TType.I32, TType.I64}
+
+#: what the file may contain: comments, structs, the service, their fields and functions
+_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
+_STRUCT = re.compile(r"\bstruct (\w+) \{(.*?)\}", re.DOTALL)
+_SERVICE = re.compile(rf"\bservice {SERVICE} \{{(.*?)\}}", re.DOTALL)
+_FIELD = re.compile(r"(\d+):\s*([\w<>,]+) (\w+)")
+_FUNCTION = re.compile(r"([\w<>,]+) (\w+)\((.*?)\)", re.DOTALL)
+_CONTAINER = re.compile(r"(list|map)<(.+)>")
+_TYPES: dict[str, int] = {
+    "bool": TType.BOOL,
+    "byte": TType.BYTE,
+    "i16": TType.I16,
+    "i32": TType.I32,
+    "i64": TType.I64,
+    "double": TType.DOUBLE,
+    "string": TType.STRING,
+}
 
 
 class Function:
@@ -53,6 +76,7 @@ class Function:
         checks: for each parameter the check whether a value fits its type.
         whole: positions of the parameters that are whole numbers.
         void: whether the function returns nothing.
+        number: whether the function returns a whole number.
         head: the name as it stands in a message: its length and its text.
         texts: whether the result has strings in it, at any depth.
     """
@@ -62,6 +86,7 @@ class Function:
         "checks",
         "head",
         "name",
+        "number",
         "older",
         "parameters",
         "result",
@@ -71,10 +96,10 @@ class Function:
         "zeros",
     )
 
-    def __init__(self, service: Any, name: str) -> None:
+    def __init__(self, name: str, args: _Spec, result: _Spec) -> None:
         self.name: str = name
-        self.args: Any = getattr(service, f"{name}_args")
-        self.result: Any = getattr(service, f"{name}_result")
+        self.args: Any = _payload(f"{name}_args", args)
+        self.result: Any = _payload(f"{name}_result", result)
         self.older: Any = _older(self.result, _OLDER[name]) if name in _OLDER else None
         entries = list(self.args.thrift_spec.values())
         self.parameters: tuple[str, ...] = tuple(entry[1] for entry in entries)
@@ -83,12 +108,46 @@ class Function:
             index for index, entry in enumerate(entries) if entry[0] in _WHOLE
         )
         self.void: bool = 0 not in self.result.thrift_spec
+        self.number: bool = not self.void and self.result.thrift_spec[0][0] in _WHOLE
         self.head: bytes = struct.pack("!i", len(name)) + name.encode()
         self.texts: bool = _has_text(self.result.thrift_spec)
         #: one factory per parameter for the value that a field left out stands for
         self.zeros: tuple[Any, ...] = tuple(
             entry[2] if entry[0] == TType.STRUCT else _ZERO[entry[0]] for entry in entries
         )
+
+
+class Functions(Mapping[str, Function]):
+    """The functions of the wire by name, each laid out when it is first asked for.
+
+    A stream's worker calls ten of them. Any thread may ask, and all get the same one.
+    """
+
+    __slots__ = ("_lines", "_made")
+
+    def __init__(self, service: str) -> None:
+        self._made: dict[str, Function] = {}
+        #: by name what the function returns and what it takes, as they stand in the IDL
+        self._lines = {
+            name: (returned, arguments) for returned, name, arguments in _FUNCTION.findall(service)
+        }
+
+    def __getitem__(self, name: str) -> Function:
+        made = self._made.get(name)
+        if made is None:
+            returned, arguments = self._lines[name]
+            function = Function(name, _fields(arguments), _result(returned))
+            made = self._made.setdefault(name, function)
+        return made
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._lines
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._lines)
+
+    def __len__(self) -> int:
+        return len(self._lines)
 
 
 def path() -> Path:
@@ -100,30 +159,53 @@ def path() -> Path:
 
 
 @functools.cache
-def functions() -> dict[str, Function]:
+def functions() -> Functions:
     """Load the IDL, once, and return every function of the wire by name.
 
-    The structs of `rpc` take the place of the classes that thriftpy2 makes, so that what is
-    read and written are the typed dataclasses themselves, without a copy in between.
+    What is read and written are the typed dataclasses of `rpc`, without a copy in between.
     """
-    module = thriftpy2.load(str(path()), module_name="aioduco_robot_thrift")
-    service = getattr(module, SERVICE)
-    structs = {made.__name__: getattr(rpc, made.__name__) for made in _structs(module)}
-    for made in _structs(module):
-        typed = structs[made.__name__]
-        typed.thrift_spec = {fid: _typed(e, structs) for fid, e in made.thrift_spec.items()}
-    for name in service.thrift_services:
-        for part in ("args", "result"):
-            payload = getattr(service, f"{name}_{part}")
-            payload.thrift_spec = {
-                fid: _typed(entry, structs) for fid, entry in payload.thrift_spec.items()
-            }
-    return {name: Function(service, name) for name in service.thrift_services}
+    text = _COMMENT.sub("", path().read_text("utf-8"))
+    for name, fields in _STRUCT.findall(text):
+        getattr(rpc, name).thrift_spec = _fields(fields)
+    (service,) = _SERVICE.findall(text)
+    return Functions(service)
 
 
-def _structs(module: Any) -> list[Any]:
-    structs: list[Any] = module.__thrift_meta__["structs"]
-    return structs
+def _payload(name: str, spec: _Spec) -> Any:
+    """A class for the arguments or the result of a function, as thriftpy2 makes them."""
+    made = type(name, (TPayload,), {"__module__": __name__})
+    return gen_init(made, spec, [(entry[1], None) for entry in spec.values()])
+
+
+def _result(returned: str) -> _Spec:
+    return {} if returned == "void" else {0: _entry(returned, "success")}
+
+
+def _fields(text: str) -> _Spec:
+    return {int(number): _entry(kind, name) for number, kind, name in _FIELD.findall(text)}
+
+
+def _entry(kind: str, name: str) -> tuple[Any, ...]:
+    """What thriftpy2 keeps of a field: its type, its name, perhaps its shape, never required."""
+    number, *shape = _type(kind)
+    return (number, name, *shape, False)
+
+
+def _type(text: str) -> tuple[Any, ...]:
+    """The number of a type; behind it a container's elements, or a struct's class."""
+    if text in _TYPES:
+        return (_TYPES[text],)
+    container = _CONTAINER.fullmatch(text)
+    if container is None:
+        return TType.STRUCT, getattr(rpc, text)
+    if container[1] == "map":
+        return TType.MAP, tuple(map(_part, container[2].split(",", 1)))
+    return TType.LIST, _part(container[2])
+
+
+def _part(text: str) -> Any:
+    found = _type(text)
+    return found[0] if len(found) == 1 else found
 
 
 def _older(result: Any, names: tuple[str, ...]) -> Any:
@@ -147,12 +229,3 @@ def _has_text(part: Any) -> bool:
     if isinstance(part, type):
         return _has_text(vars(part)["thrift_spec"])
     return bool(part == TType.STRING)
-
-
-def _typed(part: Any, structs: dict[str, type]) -> Any:
-    """A field's spec with each struct class of thriftpy2 replaced by the dataclass."""
-    if isinstance(part, tuple):
-        return tuple(_typed(inner, structs) for inner in part)
-    if isinstance(part, type):
-        return structs[part.__name__]
-    return part

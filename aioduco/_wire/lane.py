@@ -11,16 +11,18 @@ import anyio
 from anyio.lowlevel import checkpoint_if_cancelled
 
 from aioduco._wire import codec, idl
-from aioduco._wire.blocking import Blocking
-from aioduco._wire.handoff import AwaitedCall, Deadlines, Farewell, Home, doorbell
-from aioduco._wire.pool import Pool
+from aioduco._wire.blocking import BlockingCalls
+from aioduco._wire.connection_factory import ConnectionFactory
+from aioduco._wire.handoff import AwaitedCall, Deadlines, OwnerLoop, ThreadEnd, loop_callback
 from aioduco._wire.rpc import AsyncRpc
-from aioduco._wire.source import Source
-from aioduco._wire.worker import Dropped, Worker, hung
+from aioduco._wire.worker import AbandonOutcome, Worker, hung
+from aioduco._wire.worker_pool import WorkerPool
 from aioduco.errors import ConnectError, ConnectionLost, NotSent, UnknownFunction
 from aioduco.trace import CallFinished, emit
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from aioduco.trace import Trace
 
 #: seconds that `aclose` waits for threads; each comes back at once unless it hangs in the system
@@ -69,7 +71,7 @@ class LaneStatistics(NamedTuple):
     stuck: int
 
 
-class Lane:
+class WireLane:
     """Connections to the controller for one purpose, never shared with another.
 
     A call that is cancelled, or times out, loses its connection: the socket is closed at once,
@@ -85,6 +87,8 @@ class Lane:
         call_timeout: most seconds that a call takes if nothing else is said, the wait for a
             connection included.
         trace: a hook that sees each call and each connection.
+        owner_loop: the event loop to which it belongs, if it shares that with others; else the one
+            that it is opened on, or, when that has been closed, the next that uses it.
 
     Attributes:
         version: version of the controller's software, for errors; empty as long as it is not known.
@@ -100,6 +104,7 @@ class Lane:
         connect_timeout: float = 3.0,
         call_timeout: float = 2.0,
         trace: Trace | None = None,
+        owner_loop: OwnerLoop | None = None,
     ) -> None:
         self.name = name
         self.host = host
@@ -110,10 +115,10 @@ class Lane:
         self._trace = trace
         self._state = LaneState.NEW
         self._functions = idl.functions()
-        self._connections = Source(name, host, port, connect_timeout, trace)
-        self._pool: Pool[Worker, AwaitedCall] = Pool(size, self._connections.worker)
-        self._blocking = Blocking(self._pool, self._connections)
-        self._home = Home()
+        self._connections = ConnectionFactory(name, host, port, connect_timeout, trace)
+        self._pool: WorkerPool[Worker, AwaitedCall] = WorkerPool(size, self._connections.worker)
+        self._blocking = BlockingCalls(self._pool, self._connections)
+        self.owner_loop: OwnerLoop = OwnerLoop() if owner_loop is None else owner_loop
         self._deadlines = Deadlines(self._expired)
         self._leaving: list[Worker] = []
         self._calls = 0
@@ -147,11 +152,13 @@ class Lane:
         )
 
     def __del__(self) -> None:
-        if getattr(self, "_state", None) is LaneState.OPEN:
-            warnings.warn(f"unclosed {self!r}", ResourceWarning, source=self, stacklevel=2)
+        if getattr(self, "_state", None) is LaneState.OPEN and not self.owner_loop.forked_off:
+            unclosed = f"unclosed {self!r}"
             for worker in self._pool.workers:
                 worker.abandon(None, "the lane was forgotten")
                 worker.dismiss()
+            # last: where warnings are errors, it raises
+            warnings.warn(unclosed, ResourceWarning, source=self, stacklevel=2)
 
     async def open(self) -> None:
         """Open the first connection; the others open when calls need them.
@@ -161,11 +168,12 @@ class Lane:
         """
         if self._state is not LaneState.NEW:
             raise RuntimeError(f"{self!r} can be opened once")
+        self.owner_loop.require("open")
         self._state = LaneState.OPEN
-        self._blocking.released = doorbell(self._dispatch)
+        self._blocking.released = loop_callback(self._dispatch)
         deadline = time.monotonic() + self._connections.connect_timeout
         try:
-            await self._carry_out(AwaitedCall(self._home, None, b"", deadline, self._finished))
+            await self._carry_out(AwaitedCall(self.owner_loop, None, b"", deadline, self._finished))
         except BaseException as exc:
             await self.aclose()
             if isinstance(exc, TimeoutError):
@@ -182,19 +190,19 @@ class Lane:
         workers = [*self._pool.workers, *self._leaving]
         for worker in workers:
             worker.abandon(None, "its lane was closed")
-        farewells = [Farewell() for _ in workers]
-        for worker, farewell in zip(workers, farewells, strict=True):
-            worker.dismiss(farewell.ring)
+        ends = [ThreadEnd() for _ in workers]
+        for worker, end in zip(workers, ends, strict=True):
+            worker.dismiss(end.report)
         with anyio.move_on_after(_CLOSE_LIMIT, shield=True):
-            for farewell in farewells:
-                await farewell.wait()
-        for worker, farewell in zip(workers, farewells, strict=True):
-            # a thread that said it is past its last wait, so this takes no time
-            if farewell.said:
+            for end in ends:
+                await end.wait()
+        for worker, end in zip(workers, ends, strict=True):
+            # a thread that reported its end is past its last wait, so this takes no time
+            if end.reported:
                 worker.join(_CLOSE_LIMIT)
         for call in self._deadlines.calls:
             # its thread hangs, and will find the connection given up when it comes back
-            call.fail(hung(call.name, Dropped.UNKNOWN))
+            call.fail(hung(call.name, AbandonOutcome.UNKNOWN))
         self._deadlines.stop()
 
     def within(self, timeout: float | None) -> AsyncRpc:
@@ -210,6 +218,7 @@ class Lane:
         name: str,
         args: tuple[Any, ...],
         timeout: float | _Default | None = _Default.LIMIT,
+        begun: Callable[[AwaitedCall], object] | None = None,
     ) -> Any:
         """Call a function of the wire and wait for its answer.
 
@@ -217,6 +226,7 @@ class Lane:
             name: the function.
             args: one value per parameter.
             timeout: most seconds for the whole call; None: no limit. By default the lane's.
+            begun: is given the call before it is handed to a thread, to see how far it comes.
 
         Returns:
             The result; None for a function without one.
@@ -228,6 +238,8 @@ class Lane:
             NotSent: the time was over before anything was sent.
             ConnectionLost: nothing was sent, or a function that only reads was not answered.
             OutcomeUnknown: a command was sent and its answer did not come.
+            WrongLoop: the lane belongs to another event loop; nothing was sent.
+            WrongProcess: the lane belongs to the process that forked this one; nothing was sent.
         """
         function = self._functions[name]
         # encoded before anything else: a value that cannot be sent costs no connection, and one
@@ -235,14 +247,16 @@ class Lane:
         encoded = codec.encode(function, args)
         if self._state is not LaneState.OPEN:
             raise ConnectionLost(f"{name} was not sent, since {self!r} is not open")
-        # a task whose scope is cancelled already sends nothing: from here to the thread there is
-        # no other point at which it would notice
-        await checkpoint_if_cancelled()
         seconds = self.call_timeout if timeout is _Default.LIMIT else timeout
         begin = time.monotonic()
         deadline = None if seconds is None else begin + seconds
+        call = AwaitedCall(self.owner_loop, function, encoded, deadline, self._finished)
+        # a task whose scope is cancelled already sends nothing: from here to the thread there is
+        # no other point at which it would notice
+        await checkpoint_if_cancelled()
         self._calls += 1
-        call = AwaitedCall(self._home, function, encoded, deadline, self._finished)
+        if begun is not None:
+            begun(call)
         if self._trace is None:
             return await self._carry_out(call)
         value: Any = None
@@ -285,27 +299,43 @@ class Lane:
         else:
             self._drop(call.worker, call, "the call was cancelled")
 
-    def _drop(self, worker: Worker, call: AwaitedCall, reason: str) -> Dropped:
+    def _drop(self, worker: Worker, call: AwaitedCall, reason: str) -> AbandonOutcome:
         """Abandon a call that is under way, and the thread with it."""
         dropped = worker.abandon(call, reason)
-        if dropped is Dropped.OVER:
+        if dropped is AbandonOutcome.OVER:
             return dropped
         self._abandoned += 1
         # The next call gets a new thread at once, and need not wait for this one to notice. But
-        # if many hang, the rest is waited for: calls then fail at their deadlines.
+        # if many hang, or there are no more threads to be had, this one is kept: calls wait for
+        # it, or fail at their deadlines.
         self._leaving = [leaving for leaving in self._leaving if leaving.alive]
-        if len(self._leaving) < _LEAVING_LIMIT * self._pool.size and self._pool.discard(worker):
+        if len(self._leaving) < _LEAVING_LIMIT * self._pool.size and self._replace(worker):
             self._leaving.append(worker)
             worker.dismiss()
             self._dispatch()
         return dropped
+
+    def _replace(self, worker: Worker) -> bool:
+        """Put another thread in the place of one; whether there is one."""
+        if worker not in self._pool.workers:
+            return False
+        other = self._connections.worker()
+        try:
+            other.start()
+        except RuntimeError:
+            return False
+        self._pool.discard(worker)
+        self._pool.workers.append(other)
+        return True
 
     def _submit(self, worker: Worker, call: AwaitedCall) -> None:
         try:
             worker.submit(call)
         except RuntimeError as exc:
             self._pool.discard(worker)
-            call.fail(ConnectionLost(f"{call.name} was not sent: no thread for it ({exc})"))
+            lost = ConnectionLost(f"{call.name} was not sent: no thread for it ({exc})")
+            lost.__cause__ = exc
+            call.fail(lost)
 
     def _dispatch(self) -> None:
         for worker, call in self._pool.assign():
@@ -326,7 +356,7 @@ class Lane:
         elif again and not call.refused:
             dropped = self._drop(worker, call, "its thread hangs")
             # if it is over, its notice is on the way to the loop, which was too busy for it
-            if dropped is not Dropped.OVER:
+            if dropped is not AbandonOutcome.OVER:
                 call.fail(hung(call.name, dropped))
 
     def call_from_thread(self, name: str, args: tuple[Any, ...], timeout: float | None) -> Any:
@@ -346,10 +376,11 @@ class Lane:
             The result; None for a function without one.
 
         Raises:
-            The errors of `call`.
+            The errors of `call`; but it is for any thread, and any event loop.
         """
         function = self._functions[name]
         encoded = codec.encode(function, args)
+        self.owner_loop.require_process(name)
         if self._state is not LaneState.OPEN:
             raise ConnectionLost(f"{name} was not sent, since {self!r} is not open")
         self._calls += 1

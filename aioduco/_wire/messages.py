@@ -1,8 +1,8 @@
 """Messages of the wire, and where they begin and end: strict TBinaryProtocol, without a schema.
 
 What stands at the other end of a client, a server or a proxy, takes whole messages out of a
-stream here. It needs to know of a body only how to get past it, which the types in the body
-itself tell. No I/O is done.
+stream here. Of a body it needs only the length, which follows from the types in the body. No I/O
+is done.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ _STRING: Final = 11
 _I32: Final = 8
 
 
-class Kind(enum.IntEnum):
-    """Kind of a message."""
+class MessageType(enum.IntEnum):
+    """Type of a message."""
 
     CALL = 1
     REPLY = 2
@@ -37,7 +37,7 @@ class Kind(enum.IntEnum):
     ONEWAY = 4
 
 
-_KINDS: Final = {int(kind): kind for kind in Kind}
+_KINDS: Final = {int(kind): kind for kind in MessageType}
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ class Message:
         body: the encoded struct of arguments or of the result, its stop byte included.
     """
 
-    kind: Kind
+    kind: MessageType
     name: str
     seqid: int
     body: bytes
@@ -78,7 +78,7 @@ def application_error(call: Message, code: int, text: str) -> Message:
     body = (
         struct.pack("!bhI", _STRING, 1, len(said)) + said + struct.pack("!bhib", _I32, 2, code, 0)
     )
-    return Message(Kind.EXCEPTION, call.name, call.seqid, body)
+    return Message(MessageType.EXCEPTION, call.name, call.seqid, body)
 
 
 class Inbox:
@@ -90,16 +90,18 @@ class Inbox:
 
     Args:
         kinds: the kinds of messages that are taken.
-        bounds: what is believed of a message.
+        bounds: the limits within which a message is accepted.
     """
 
     __slots__ = ("_body", "_bounds", "_data", "_head", "_kinds", "_scanner")
 
-    def __init__(self, kinds: Set[Kind] = frozenset(Kind), bounds: Bounds = REPLY) -> None:
+    def __init__(
+        self, kinds: Set[MessageType] = frozenset(MessageType), bounds: Bounds = REPLY
+    ) -> None:
         self._kinds = kinds
         self._bounds = bounds
         self._data = bytearray()
-        self._head: tuple[Kind, str, int] | None = None
+        self._head: tuple[MessageType, str, int] | None = None
         self._body = 0
         self._scanner = StructScanner({}, 0)
 
@@ -130,7 +132,7 @@ class Inbox:
         self._head = None
         return message
 
-    def _header(self) -> tuple[Kind, str, int] | None:
+    def _header(self) -> tuple[MessageType, str, int] | None:
         data = self._data
         size = len(data)
         if size < 4:

@@ -1,4 +1,4 @@
-"""The controller's interface as Python types: structs, clients, the handler protocol.
+"""The controller's interface as Python types: structs, functions, clients.
 
 Generated from `idl/robot.thrift` by `idl/generate.py`; change those, not this. Nothing here
 knows Thrift: `aioduco._wire.idl` binds the structs to the loaded IDL.
@@ -7,12 +7,18 @@ A field that the other side left out has the zero value of its type, as in the C
 controllers run.
 """
 
+# Here what came over the wire, of any type, becomes what the IDL says it is.
+# mypy: disable-error-code="no-any-return"
+
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Coroutine, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Concatenate, Final, ParamSpec, TypeVar, cast
 
+P = ParamSpec("P")
+R = TypeVar("R")
 Spec = dict[int, tuple[Any, ...]]
 
 
@@ -182,1733 +188,68 @@ class EAxisSchemeParam:
     install: int = 0
 
 
-class RpcClient:
-    """Every function of the wire, for callers that own a thread; `call` sends one."""
+class Functions(ABC):
+    """Every function of the wire, for callers that own a thread."""
 
-    __slots__ = ("_call",)
+    __slots__ = ()
 
-    def __init__(self, call: Callable[[str, tuple[Any, ...]], Any]) -> None:
-        self._call = call
+    @abstractmethod
+    def _call(self, name: str, args: tuple[Any, ...]) -> Any:
+        """Send one call and return what is answered."""
 
     def rpc_heartbeat(self, time: int) -> None:
         """Report that this client lives; the arm stops if none follows within `time` ms."""
-        self._call("rpc_heartbeat", (time,))
+        return self._call("rpc_heartbeat", (time,))
 
     def power_on(self, block: bool) -> int:
         """Power the arm on. Returns the task's end state if `block`, else its id."""
-        result: int = self._call("power_on", (block,))
-        return result
+        return self._call("power_on", (block,))
 
     def power_off(self, block: bool) -> int:
         """Power the arm off. Returns the task's end state if `block`, else its id."""
-        result: int = self._call("power_off", (block,))
-        return result
+        return self._call("power_off", (block,))
 
     def enable(self, block: bool) -> int:
         """Enable the servos. Returns the task's end state if `block`, else its id."""
-        result: int = self._call("enable", (block,))
-        return result
+        return self._call("enable", (block,))
 
     def disable(self, block: bool) -> int:
         """Disable the servos. Returns the task's end state if `block`, else its id."""
-        result: int = self._call("disable", (block,))
-        return result
+        return self._call("disable", (block,))
 
     def shutdown(self, block: bool) -> int:
         """Shut the controller down. Returns the task's end state if `block`, else its id."""
-        result: int = self._call("shutdown", (block,))
-        return result
+        return self._call("shutdown", (block,))
 
     def restart(self, block: bool) -> int:
         """Restart the controller. Returns the task's end state if `block`, else its id."""
-        result: int = self._call("restart", (block,))
-        return result
+        return self._call("restart", (block,))
 
     def stop(self, block: bool) -> int:
         """Stop all tasks. Returns the end state if `block`, else a task id."""
-        result: int = self._call("stop", (block,))
-        return result
+        return self._call("stop", (block,))
 
     def pause(self, block: bool) -> int:
         """Pause all tasks. Returns the end state if `block`, else a task id."""
-        result: int = self._call("pause", (block,))
-        return result
+        return self._call("pause", (block,))
 
     def resume(self, block: bool) -> int:
         """Resume all paused tasks. Returns the end state if `block`, else a task id."""
-        result: int = self._call("resume", (block,))
-        return result
+        return self._call("resume", (block,))
 
     def abort(self, block: bool) -> int:
         """End the running motion and those read ahead. Not in manual 3.8, in 4.3."""
-        result: int = self._call("abort", (block,))
-        return result
+        return self._call("abort", (block,))
 
     def run_program(self, name: str, block: bool) -> int:
         """Run a program of the controller by name. Returns end state or task id."""
-        result: int = self._call("run_program", (name, block))
-        return result
+        return self._call("run_program", (name, block))
 
     def get_current_project(self) -> str:
         """Path of the project that is loaded."""
-        result: str = self._call("get_current_project", ())
-        return result
-
-    def get_files_list(self, path: str) -> dict[str, int]:
-        """Files below `path`: name to kind, 0 a folder, 1 a file."""
-        result: dict[str, int] = self._call("get_files_list", (path,))
-        return result
-
-    def movej2(
-        self,
-        joints_list: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """Move the joints to `joints_list` rad; v rad/s, a rad/s², r m of blending."""
-        result: int = self._call("movej2", (joints_list, v, a, r, block, op, def_acc))
-        return result
-
-    def movej_pose2(
-        self,
-        p: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """Move the joints to the pose p m, rad; v rad/s, a rad/s², r m of blending."""
-        result: int = self._call(
-            "movej_pose2",
-            (p, v, a, r, q_near, tool, wobj, block, op, def_acc),
-        )
-        return result
-
-    def movel(
-        self,
-        p: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """Move the tool along a line to the pose p m, rad; v m/s, a m/s², r m of blending."""
-        result: int = self._call("movel", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
-        return result
-
-    def movec(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        mode: int,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """Move the tool along an arc through p1 to p2 m, rad; v m/s, a m/s², r m of blending."""
-        result: int = self._call(
-            "movec",
-            (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc),
-        )
-        return result
-
-    def move_circle(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        mode: int,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """Move the tool along the full circle through p1 and p2; v m/s, a m/s², r m."""
-        result: int = self._call(
-            "move_circle",
-            (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc),
-        )
-        return result
-
-    def tcp_move(
-        self,
-        pose_offset: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        tool: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """Move along a line by an offset m, rad in the tool's frame; v m/s, a m/s², r m."""
-        result: int = self._call("tcp_move", (pose_offset, v, a, r, tool, block, op, def_acc))
-        return result
-
-    def tcp_move_2p(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """Move along a line by the offset from p1 to p2 in the tool's frame; v m/s, a m/s²."""
-        result: int = self._call("tcp_move_2p", (p1, p2, v, a, r, tool, wobj, block, op, def_acc))
-        return result
-
-    def wobj_move(
-        self,
-        pose_offset: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """Move along a line by an offset m, rad in the work object's frame; v m/s, a m/s²."""
-        result: int = self._call("wobj_move", (pose_offset, v, a, r, wobj, block, op, def_acc))
-        return result
-
-    def wobj_move_2p(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """Move along a line by the offset from p1 to p2 in the work object's frame."""
-        result: int = self._call("wobj_move_2p", (p1, p2, v, a, r, tool, wobj, block, op, def_acc))
-        return result
-
-    def speedj(self, joints_list: Sequence[float], a: float, time: int, block: bool) -> int:
-        """Turn the joints at `joints_list` rad/s for `time` ms, -1 for no end; a rad/s²."""
-        result: int = self._call("speedj", (joints_list, a, time, block))
-        return result
-
-    def speedl(self, pose_list: Sequence[float], a: float, time: int, block: bool) -> int:
-        """Move the tool at `pose_list` m/s, rad/s for `time` ms, -1 for no end; a m/s²."""
-        result: int = self._call("speedl", (pose_list, a, time, block))
-        return result
-
-    def speed_stop(self, block: bool) -> int:
-        """End speedj and speedl."""
-        result: int = self._call("speed_stop", (block,))
-        return result
-
-    def teach_mode(self, block: bool) -> int:
-        """Enter hand guiding."""
-        result: int = self._call("teach_mode", (block,))
-        return result
-
-    def end_teach_mode(self, block: bool) -> int:
-        """Leave hand guiding."""
-        result: int = self._call("end_teach_mode", (block,))
-        return result
-
-    def set_hand_teach_parameter(
-        self,
-        space: int,
-        joint_scale: Sequence[int],
-        cart_scale: Sequence[int],
-        coord_type: int,
-        direction: Sequence[bool],
-    ) -> int:
-        """Set hand guiding: space, compliance of joints or of x to rz, frame, directions."""
-        result: int = self._call(
-            "set_hand_teach_parameter",
-            (space, joint_scale, cart_scale, coord_type, direction),
-        )
-        return result
-
-    def replay(self, name: str, value: int, mode: int) -> int:
-        """Run a recorded track at `value` percent; mode 0 by joints, 1 by poses."""
-        result: int = self._call("replay", (name, value, mode))
-        return result
-
-    def spline(
-        self,
-        pose_list: Sequence[Sequence[float]],
-        v: float,
-        a: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        r: float,
-        def_acc: bool,
-    ) -> int:
-        """Move the tool along a spline through up to 50 poses m, rad; v m/s, a m/s², r m."""
-        result: int = self._call("spline", (pose_list, v, a, tool, wobj, block, op, r, def_acc))
-        return result
-
-    def spline_op(
-        self,
-        pose_list: Sequence[PointOp],
-        v: float,
-        a: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        r: float,
-        def_acc: bool,
-    ) -> int:
-        """Move along a spline of up to 50 poses with triggers at the points; v m/s, a m/s²."""
-        result: int = self._call("spline_op", (pose_list, v, a, tool, wobj, block, op, r, def_acc))
-        return result
-
-    def servoj(
-        self,
-        joints_list: Sequence[float],
-        v: float,
-        a: float,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> int:
-        """Follow joint targets rad that come one after another; v rad/s, a rad/s²."""
-        result: int = self._call(
-            "servoj",
-            (joints_list, v, a, block, kp, kd, smooth_vel, smooth_acc),
-        )
-        return result
-
-    def servoj_pose(
-        self,
-        pose_list: Sequence[float],
-        v: float,
-        a: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> int:
-        """Follow poses m, rad that come one after another, by the joints; v rad/s, a rad/s²."""
-        result: int = self._call(
-            "servoj_pose",
-            (pose_list, v, a, q_near, tool, wobj, block, kp, kd, smooth_vel, smooth_acc),
-        )
-        return result
-
-    def servo_tcp(
-        self,
-        pose_offset: Sequence[float],
-        v: float,
-        a: float,
-        tool: str,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> int:
-        """Follow offsets m, rad of the tool that come one after another."""
-        result: int = self._call(
-            "servo_tcp",
-            (pose_offset, v, a, tool, block, kp, kd, smooth_vel, smooth_acc),
-        )
-        return result
-
-    def servol(
-        self,
-        pose_list: Sequence[float],
-        v: float,
-        a: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> int:
-        """Follow poses m, rad that come one after another, by the Cartesian directions."""
-        result: int = self._call(
-            "servol",
-            (pose_list, v, a, q_near, tool, wobj, block, kp, kd, smooth_vel, smooth_acc),
-        )
-        return result
-
-    def move_spiral(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        rev: float,
-        len: float,
-        r: float,
-        mode: int,
-        v: float,
-        a: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """Move along a spiral: `rev` turns, `len` m along the axis, `r` m; v m/s, a m/s²."""
-        result: int = self._call(
-            "move_spiral",
-            (p1, p2, rev, len, r, mode, v, a, q_near, tool, wobj, block, op, def_acc),
-        )
-        return result
-
-    def move_jog(self, param: MoveJogTaskParam, block: bool) -> int:
-        """Jog one joint or one Cartesian direction, continuously or by a step."""
-        result: int = self._call("move_jog", (param, block))
-        return result
-
-    def stop_manual_move(self, block: bool) -> int:
-        """End move_jog."""
-        result: int = self._call("stop_manual_move", (block,))
-        return result
-
-    def set_blend_ahead(self, per: int, num: int) -> int:
-        """Read following motions ahead at `per` percent of the path, or `num` of them."""
-        result: int = self._call("set_blend_ahead", (per, num))
-        return result
-
-    def movej(
-        self,
-        joints_list: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """Move the joints to `joints_list` rad; v and a in percent. Not in the manual."""
-        result: int = self._call("movej", (joints_list, v, a, r, block, op, def_acc))
-        return result
-
-    def movej_pose(
-        self,
-        p: Sequence[float],
-        v: float,
-        a: float,
-        r: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """Move the joints to the pose p m, rad; v and a in percent. Not in the manual."""
-        result: int = self._call("movej_pose", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
-        return result
-
-    def set_baudrate_485(self, value: int, block: bool) -> int:
-        """Set the rate of the cabinet's RS-485 port, bit/s."""
-        result: int = self._call("set_baudrate_485", (value, block))
-        return result
-
-    def read_raw_data_485(self, len: int) -> list[int]:
-        """Read `len` bytes from RS-485; empty if there is nothing."""
-        result: list[int] = self._call("read_raw_data_485", (len,))
-        return result
-
-    def read_raw_data_485_h(self, head: Sequence[int], len: int) -> list[int]:
-        """Read a frame of `len` bytes that starts with `head` from RS-485."""
-        result: list[int] = self._call("read_raw_data_485_h", (head, len))
-        return result
-
-    def read_raw_data_485_ht(self, head: Sequence[int], tail: Sequence[int]) -> list[int]:
-        """Read a frame from `head` to `tail` from RS-485."""
-        result: list[int] = self._call("read_raw_data_485_ht", (head, tail))
-        return result
-
-    def write_raw_data_485(self, data: Sequence[int]) -> bool:
-        """Write bytes to RS-485."""
-        result: bool = self._call("write_raw_data_485", (data,))
-        return result
-
-    def write_raw_data_485_h(self, data: Sequence[int], head: Sequence[int]) -> bool:
-        """Write `head` and bytes to RS-485."""
-        result: bool = self._call("write_raw_data_485_h", (data, head))
-        return result
-
-    def write_raw_data_485_ht(
-        self,
-        data: Sequence[int],
-        head: Sequence[int],
-        tail: Sequence[int],
-    ) -> bool:
-        """Write `head`, bytes and `tail` to RS-485."""
-        result: bool = self._call("write_raw_data_485_ht", (data, head, tail))
-        return result
-
-    def read_data_485(self) -> list[int]:
-        """Read from RS-485. Not in the manual."""
-        result: list[int] = self._call("read_data_485", ())
-        return result
-
-    def write_data_485(self, data: Sequence[int]) -> bool:
-        """Write to RS-485. Not in the manual."""
-        result: bool = self._call("write_data_485", (data,))
-        return result
-
-    def tool_read_raw_data_485(self, len: int) -> list[int]:
-        """Read `len` bytes from the tool's RS-485; empty if there is nothing."""
-        result: list[int] = self._call("tool_read_raw_data_485", (len,))
-        return result
-
-    def tool_read_raw_data_485_h(self, head: Sequence[int], len: int) -> list[int]:
-        """Read a frame of `len` bytes that starts with `head` from the tool's RS-485."""
-        result: list[int] = self._call("tool_read_raw_data_485_h", (head, len))
-        return result
-
-    def tool_read_raw_data_485_ht(self, head: Sequence[int], tail: Sequence[int]) -> list[int]:
-        """Read a frame from `head` to `tail` from the tool's RS-485."""
-        result: list[int] = self._call("tool_read_raw_data_485_ht", (head, tail))
-        return result
-
-    def tool_write_raw_data_485(self, data: Sequence[int]) -> bool:
-        """Write bytes to the tool's RS-485."""
-        result: bool = self._call("tool_write_raw_data_485", (data,))
-        return result
-
-    def tool_write_raw_data_485_h(self, data: Sequence[int], head: Sequence[int]) -> bool:
-        """Write `head` and bytes to the tool's RS-485."""
-        result: bool = self._call("tool_write_raw_data_485_h", (data, head))
-        return result
-
-    def tool_write_raw_data_485_ht(
-        self,
-        data: Sequence[int],
-        head: Sequence[int],
-        tail: Sequence[int],
-    ) -> bool:
-        """Write `head`, bytes and `tail` to the tool's RS-485."""
-        result: bool = self._call("tool_write_raw_data_485_ht", (data, head, tail))
-        return result
-
-    def tool_read_data_485(self) -> list[int]:
-        """Read from the tool's RS-485. Not in the manual."""
-        result: list[int] = self._call("tool_read_data_485", ())
-        return result
-
-    def tool_write_data_485(self, data: Sequence[int]) -> bool:
-        """Write to the tool's RS-485. Not in the manual."""
-        result: bool = self._call("tool_write_data_485", (data,))
-        return result
-
-    def set_baudrate_can(self, value: int, block: bool) -> int:
-        """Set the rate of the CAN bus, bit/s."""
-        result: int = self._call("set_baudrate_can", (value, block))
-        return result
-
-    def read_raw_data_can(self) -> list[int]:
-        """Read one CAN frame: the sender's id, then the bytes; empty if there is none."""
-        result: list[int] = self._call("read_raw_data_can", ())
-        return result
-
-    def write_raw_data_can(self, id: int, data: Sequence[int]) -> bool:
-        """Write one CAN frame."""
-        result: bool = self._call("write_raw_data_can", (id, data))
-        return result
-
-    def read_data_can(self) -> list[int]:
-        """Read from CAN. Not in the manual."""
-        result: list[int] = self._call("read_data_can", ())
-        return result
-
-    def write_data_can(self, id: int, data: Sequence[int]) -> bool:
-        """Write to CAN. Not in the manual."""
-        result: bool = self._call("write_data_can", (id, data))
-        return result
-
-    def set_digital_output_mode(self, num: int, type: int, freq: int, duty_cycle: int) -> int:
-        """Make a cabinet output a level (type 0) or pulses (1) at freq Hz, duty_cycle percent."""
-        result: int = self._call("set_digital_output_mode", (num, type, freq, duty_cycle))
-        return result
-
-    def set_standard_digital_out(self, num: int, value: bool, block: bool) -> int:
-        """Set cabinet output 1 to 16."""
-        result: int = self._call("set_standard_digital_out", (num, value, block))
-        return result
-
-    def get_standard_digital_out(self, num: int) -> bool:
-        """Level of cabinet output 1 to 16."""
-        result: bool = self._call("get_standard_digital_out", (num,))
-        return result
-
-    def get_standard_digital_in(self, num: int) -> bool:
-        """Level of cabinet input 1 to 16."""
-        result: bool = self._call("get_standard_digital_in", (num,))
-        return result
-
-    def set_tool_digital_out(self, num: int, value: bool, block: bool) -> int:
-        """Set tool output 1 or 2."""
-        result: int = self._call("set_tool_digital_out", (num, value, block))
-        return result
-
-    def get_tool_digital_out(self, num: int) -> bool:
-        """Level of tool output 1 or 2."""
-        result: bool = self._call("get_tool_digital_out", (num,))
-        return result
-
-    def get_tool_digital_in(self, num: int) -> bool:
-        """Level of tool input 1 or 2."""
-        result: bool = self._call("get_tool_digital_in", (num,))
-        return result
-
-    def get_config_digital_in(self, num: int) -> bool:
-        """Level of a configurable cabinet input. Not in the manual."""
-        result: bool = self._call("get_config_digital_in", (num,))
-        return result
-
-    def get_function_digital_in(self, num: int) -> bool:
-        """Level of function input 1 to 8."""
-        result: bool = self._call("get_function_digital_in", (num,))
-        return result
-
-    def get_function_digital_out(self, num: int) -> bool:
-        """Level of function output 1 to 8."""
-        result: bool = self._call("get_function_digital_out", (num,))
-        return result
-
-    def get_standard_analog_voltage_in(self, num: int) -> float:
-        """Voltage at cabinet channel 1 to 4, V."""
-        result: float = self._call("get_standard_analog_voltage_in", (num,))
-        return result
-
-    def set_standard_analog_voltage_out(self, num: int, value: float, block: bool) -> int:
-        """Set the voltage of cabinet channel 1 to 4, 0 to 10 V."""
-        result: int = self._call("set_standard_analog_voltage_out", (num, value, block))
-        return result
-
-    def get_tool_analog_voltage_in(self, num: int) -> float:
-        """Voltage at tool channel 1 or 2, V."""
-        result: float = self._call("get_tool_analog_voltage_in", (num,))
-        return result
-
-    def get_standard_analog_current_in(self, num: int) -> float:
-        """Current at cabinet channel 1 to 4, mA."""
-        result: float = self._call("get_standard_analog_current_in", (num,))
-        return result
-
-    def set_standard_analog_current_out(self, num: int, value: float, block: bool) -> int:
-        """Set the current of cabinet channel 1 to 4, 4 to 20 mA."""
-        result: int = self._call("set_standard_analog_current_out", (num, value, block))
-        return result
-
-    def set_analog_output_mode(self, num: int, mode: int, block: bool) -> int:
-        """Set the kind of an analog output. Not in the manual."""
-        result: int = self._call("set_analog_output_mode", (num, mode, block))
-        return result
-
-    def write_bool_reg(self, num: int, value: bool) -> int:
-        """Write bool register 1 to 64."""
-        result: int = self._call("write_bool_reg", (num, value))
-        return result
-
-    def write_word_reg(self, num: int, value: int) -> int:
-        """Write word register 1 to 32."""
-        result: int = self._call("write_word_reg", (num, value))
-        return result
-
-    def write_float_reg(self, num: int, value: float) -> int:
-        """Write float register 1 to 32."""
-        result: int = self._call("write_float_reg", (num, value))
-        return result
-
-    def read_bool_reg(self, num: int) -> bool:
-        """Read bool register 1 to 64."""
-        result: bool = self._call("read_bool_reg", (num,))
-        return result
-
-    def read_word_reg(self, num: int) -> int:
-        """Read word register 1 to 32."""
-        result: int = self._call("read_word_reg", (num,))
-        return result
-
-    def read_float_reg(self, num: int) -> float:
-        """Read float register 1 to 32."""
-        result: float = self._call("read_float_reg", (num,))
-        return result
-
-    def get_function_reg_in(self, num: int) -> bool:
-        """Read function input register 1 to 16."""
-        result: bool = self._call("get_function_reg_in", (num,))
-        return result
-
-    def get_function_reg_out(self, num: int) -> bool:
-        """Read function output register 1 to 16."""
-        result: bool = self._call("get_function_reg_out", (num,))
-        return result
-
-    def set_wobj_offset(self, wobj: Sequence[float], active: bool) -> int:
-        """Add an offset m, rad to the work object of all following motions, or take it away."""
-        result: int = self._call("set_wobj_offset", (wobj, active))
-        return result
-
-    def set_wobj(self, name: str, wobj: Sequence[float]) -> int:
-        """Set a work object by name, m, rad. Not in the manual."""
-        result: int = self._call("set_wobj", (name, wobj))
-        return result
-
-    def set_tool_data(
-        self,
-        name: str,
-        tool_offset: Sequence[float],
-        payload: Sequence[float],
-        inertia_tensor: Sequence[float],
-    ) -> int:
-        """Set a tool: offset m, rad from the flange, payload kg, m, inertia kg m²."""
-        result: int = self._call("set_tool_data", (name, tool_offset, payload, inertia_tensor))
-        return result
-
-    def cal_ikine(
-        self,
-        p: Sequence[float],
-        q_near: Sequence[float],
-        tool: Sequence[float],
-        wobj: Sequence[float],
-    ) -> list[float]:
-        """Joints rad for the pose p m, rad, near q_near; empty lists mean the present values."""
-        result: list[float] = self._call("cal_ikine", (p, q_near, tool, wobj))
-        return result
-
-    def cal_fkine(
-        self,
-        joints_position: Sequence[float],
-        tool: Sequence[float],
-        wobj: Sequence[float],
-    ) -> list[float]:
-        """Pose m, rad for joints rad; empty tool and wobj mean the present ones."""
-        result: list[float] = self._call("cal_fkine", (joints_position, tool, wobj))
-        return result
-
-    def get_tcp_pose(self) -> list[float]:
-        """Pose of the tool in the base frame, m, rad."""
-        result: list[float] = self._call("get_tcp_pose", ())
-        return result
-
-    def get_tcp_pose_coord(self, tool: str, wobj: str) -> list[float]:
-        """Pose m, rad with the tool and the work object of these names."""
-        result: list[float] = self._call("get_tcp_pose_coord", (tool, wobj))
-        return result
-
-    def get_tcp_speed(self) -> list[float]:
-        """Speed of the tool's origin, m/s, rad/s."""
-        result: list[float] = self._call("get_tcp_speed", ())
-        return result
-
-    def get_tcp_acceleration(self) -> list[float]:
-        """Acceleration of the tool's origin, m/s², rad/s²."""
-        result: list[float] = self._call("get_tcp_acceleration", ())
-        return result
-
-    def get_tcp_force(self) -> list[float]:
-        """Force at the tool's origin, N, N m; needs a force sensor."""
-        result: list[float] = self._call("get_tcp_force", ())
-        return result
-
-    def get_tcp_force_tool(self, tool: str) -> list[float]:
-        """Force in the frame of the tool of this name, N, N m; needs a force sensor."""
-        result: list[float] = self._call("get_tcp_force_tool", (tool,))
-        return result
-
-    def get_tcp_offset(self) -> list[float]:
-        """Offset of the present tool from the flange, m, rad."""
-        result: list[float] = self._call("get_tcp_offset", ())
-        return result
-
-    def get_tool_load(self) -> list[float]:
-        """Mass and centre of mass of the present tool, kg, m."""
-        result: list[float] = self._call("get_tool_load", ())
-        return result
-
-    def get_wobj(self) -> list[float]:
-        """The present work object in the base frame, m, rad."""
-        result: list[float] = self._call("get_wobj", ())
-        return result
-
-    def get_actual_joints_position(self) -> list[float]:
-        """Measured joint positions, rad."""
-        result: list[float] = self._call("get_actual_joints_position", ())
-        return result
-
-    def get_target_joints_position(self) -> list[float]:
-        """Planned joint positions, rad."""
-        result: list[float] = self._call("get_target_joints_position", ())
-        return result
-
-    def get_actual_joints_speed(self) -> list[float]:
-        """Measured joint speeds, rad/s."""
-        result: list[float] = self._call("get_actual_joints_speed", ())
-        return result
-
-    def get_target_joints_speed(self) -> list[float]:
-        """Planned joint speeds, rad/s."""
-        result: list[float] = self._call("get_target_joints_speed", ())
-        return result
-
-    def get_actual_joints_acceleration(self) -> list[float]:
-        """Measured joint accelerations, rad/s²."""
-        result: list[float] = self._call("get_actual_joints_acceleration", ())
-        return result
-
-    def get_target_joints_acceleration(self) -> list[float]:
-        """Planned joint accelerations, rad/s²."""
-        result: list[float] = self._call("get_target_joints_acceleration", ())
-        return result
-
-    def get_actual_joints_torque(self) -> list[float]:
-        """Measured joint torques, N m."""
-        result: list[float] = self._call("get_actual_joints_torque", ())
-        return result
-
-    def get_target_joints_torque(self) -> list[float]:
-        """Planned joint torques, N m; the manual's text says rad/s²."""
-        result: list[float] = self._call("get_target_joints_torque", ())
-        return result
-
-    def get_flange_pose(self) -> list[float]:
-        """Pose of the flange in the base frame, m, rad."""
-        result: list[float] = self._call("get_flange_pose", ())
-        return result
-
-    def get_flange_speed(self) -> list[float]:
-        """Speed of the flange in the base frame, m/s, rad/s."""
-        result: list[float] = self._call("get_flange_speed", ())
-        return result
-
-    def get_flange_acceleration(self) -> list[float]:
-        """Acceleration of the flange in the base frame, m/s², rad/s²."""
-        result: list[float] = self._call("get_flange_acceleration", ())
-        return result
-
-    def get_robot_state(self) -> list[int]:
-        """Four states: robot, program, safety controller, operation mode."""
-        result: list[int] = self._call("get_robot_state", ())
-        return result
-
-    def simulation(self, sim: bool, block: bool) -> int:
-        """Switch between simulation and the real arm; the arm must stand."""
-        result: int = self._call("simulation", (sim, block))
-        return result
-
-    def speed(self, val: float) -> int:
-        """Set the global speed, 1 to 100 percent."""
-        result: int = self._call("speed", (val,))
-        return result
-
-    def set_load_data(self, value: Sequence[float]) -> int:
-        """Set the mass kg and centre m of what the tool holds."""
-        result: int = self._call("set_load_data", (value,))
-        return result
-
-    def start_record_track(
-        self,
-        name: str,
-        mode: int,
-        tool: str,
-        wobj: str,
-        interval: float,
-    ) -> int:
-        """Start to record a track: mode 0 each `interval` degrees, 1 each `interval` seconds."""
-        result: int = self._call("start_record_track", (name, mode, tool, wobj, interval))
-        return result
-
-    def stop_record_track(self) -> int:
-        """End the record of a track."""
-        result: int = self._call("stop_record_track", ())
-        return result
-
-    def collision_detect(self, value: int) -> int:
-        """Set the level of collision detection, 0 off, 1 to 5."""
-        result: int = self._call("collision_detect", (value,))
-        return result
-
-    def collision_detection_reset(self) -> int:
-        """Clear the collision warning."""
-        result: int = self._call("collision_detection_reset", ())
-        return result
-
-    def set_teach_pendant(self, enable: bool) -> int:
-        """Turn the keys of the pendant on or off."""
-        result: int = self._call("set_teach_pendant", (enable,))
-        return result
-
-    def set_teach_speed(self, v: int) -> int:
-        """Set the teaching speed, 1 to 100 percent."""
-        result: int = self._call("set_teach_speed", (v,))
-        return result
-
-    def get_teach_speed(self) -> int:
-        """Teaching speed, percent."""
-        result: int = self._call("get_teach_speed", ())
-        return result
-
-    def get_global_speed(self) -> int:
-        """Global speed, percent."""
-        result: int = self._call("get_global_speed", ())
-        return result
-
-    def reach_check(
-        self,
-        base: Sequence[float],
-        wobj: Sequence[float],
-        tool: Sequence[float],
-        ref_pos: Sequence[float],
-        check_points: Sequence[Sequence[float]],
-    ) -> ReachabilityParam:
-        """Whether poses m, rad can be reached with this base, work object and tool."""
-        result: ReachabilityParam = self._call(
-            "reach_check",
-            (base, wobj, tool, ref_pos, check_points),
-        )
-        return result
-
-    def switch_mode(self, mode: int) -> int:
-        """Switch to manual (0) or automatic (1) operation."""
-        result: int = self._call("switch_mode", (mode,))
-        return result
-
-    def getRobotStatus(self) -> RobotStatus:
-        """The arm's positions, speeds, currents, temperatures and errors at once."""
-        result: RobotStatus = self._call("getRobotStatus", ())
-        return result
-
-    def getRobotIOStatus(self) -> IOStatus:
-        """All inputs, outputs and registers at once."""
-        result: IOStatus = self._call("getRobotIOStatus", ())
-        return result
-
-    def read_encoder_count(self) -> int:
-        """Count of the external incremental encoder."""
-        result: int = self._call("read_encoder_count", ())
-        return result
-
-    def get_origin_DH(self) -> list[list[float]]:
-        """DH parameters of the model: a m, alpha rad, d m, theta rad per joint."""
-        result: list[list[float]] = self._call("get_origin_DH", ())
-        return result
-
-    def get_calib_DH(self) -> list[list[float]]:
-        """DH parameters after calibration: a m, alpha rad, d m, theta rad per joint."""
-        result: list[list[float]] = self._call("get_calib_DH", ())
-        return result
-
-    def get_robot_type(self) -> list[str]:
-        """Series, model, extension and serial number."""
-        result: list[str] = self._call("get_robot_type", ())
-        return result
-
-    def get_ext_torque(self) -> list[float]:
-        """Observed external joint torques."""
-        result: list[float] = self._call("get_ext_torque", ())
-        return result
-
-    def set_system_value_bool(self, name: str, value: bool) -> int:
-        """Set a global variable of type bool."""
-        result: int = self._call("set_system_value_bool", (name, value))
-        return result
-
-    def set_system_value_double(self, name: str, value: float) -> int:
-        """Set a global variable of type number."""
-        result: int = self._call("set_system_value_double", (name, value))
-        return result
-
-    def set_system_value_str(self, name: str, value: str) -> int:
-        """Set a global variable of type string."""
-        result: int = self._call("set_system_value_str", (name, value))
-        return result
-
-    def set_system_value_list(self, name: str, value: Sequence[float]) -> int:
-        """Set a global variable of type list of numbers."""
-        result: int = self._call("set_system_value_list", (name, value))
-        return result
-
-    def get_system_value_bool(self, name: str) -> bool:
-        """Read a global variable of type bool."""
-        result: bool = self._call("get_system_value_bool", (name,))
-        return result
-
-    def get_system_value_double(self, name: str) -> float:
-        """Read a global variable of type number."""
-        result: float = self._call("get_system_value_double", (name,))
-        return result
-
-    def get_system_value_str(self, name: str) -> str:
-        """Read a global variable of type string."""
-        result: str = self._call("get_system_value_str", (name,))
-        return result
-
-    def get_system_value_list(self, name: str) -> list[float]:
-        """Read a global variable of type list of numbers."""
-        result: list[float] = self._call("get_system_value_list", (name,))
-        return result
-
-    def get_system_value_lists(self, name: str) -> list[list[float]]:
-        """Read a global variable of type list of poses. Not in manual 3.8, in 4.3."""
-        result: list[list[float]] = self._call("get_system_value_lists", (name,))
-        return result
-
-    def log_info(self, message: str) -> None:
-        """Write a line into the controller's log."""
-        self._call("log_info", (message,))
-
-    def log_error(self, message: str) -> None:
-        """Show an error on the pendant and pause all tasks."""
-        self._call("log_error", (message,))
-
-    def get_last_error(self) -> list[str]:
-        """The latest errors."""
-        result: list[str] = self._call("get_last_error", ())
-        return result
-
-    def get_noneblock_taskstate(self, id: int) -> int:
-        """State of a task by its id."""
-        result: int = self._call("get_noneblock_taskstate", (id,))
-        return result
-
-    def robotmoving(self) -> bool:
-        """Whether the arm moves."""
-        result: bool = self._call("robotmoving", ())
-        return result
-
-    def modbus_read(self, signal_name: str) -> int:
-        """Read a Modbus signal."""
-        result: int = self._call("modbus_read", (signal_name,))
-        return result
-
-    def modbus_write(self, signal_name: str, value: int) -> int:
-        """Write a Modbus signal: a register 0 to 65535, a coil 0 or 1."""
-        result: int = self._call("modbus_write", (signal_name, value))
-        return result
-
-    def modbus_set_frequency(self, signal_name: str, frequence: int) -> None:
-        """Set how often a Modbus signal is refreshed, 1 to 100 Hz."""
-        self._call("modbus_set_frequency", (signal_name, frequence))
-
-    def modbus_write_multiple_regs(
-        self,
-        slave_num: int,
-        name: str,
-        len: int,
-        word_list: Sequence[int],
-    ) -> int:
-        """Write `len` registers of a Modbus unit."""
-        result: int = self._call("modbus_write_multiple_regs", (slave_num, name, len, word_list))
-        return result
-
-    def modbus_write_multiple_coils(
-        self,
-        slave_num: int,
-        name: str,
-        len: int,
-        byte_list: Sequence[int],
-    ) -> int:
-        """Write `len` coils of a Modbus unit."""
-        result: int = self._call("modbus_write_multiple_coils", (slave_num, name, len, byte_list))
-        return result
-
-    def modbus_add_signal(
-        self,
-        ip: str,
-        slave_number: int,
-        signal_address: int,
-        signal_type: int,
-        signal_name: str,
-    ) -> int:
-        """Add a Modbus signal. Not in the manual."""
-        result: int = self._call(
-            "modbus_add_signal",
-            (ip, slave_number, signal_address, signal_type, signal_name),
-        )
-        return result
-
-    def modbus_delete_signal(self, signal_name: str) -> int:
-        """Delete a Modbus signal. Not in the manual."""
-        result: int = self._call("modbus_delete_signal", (signal_name,))
-        return result
-
-    def fc_start(self) -> int:
-        """Start force control; motions then give way to force."""
-        result: int = self._call("fc_start", ())
-        return result
-
-    def fc_stop(self) -> int:
-        """End force control; the arm must stand."""
-        result: int = self._call("fc_stop", ())
-        return result
-
-    def fc_config(
-        self,
-        direction: Sequence[bool],
-        ref_ft: Sequence[float],
-        damp: Sequence[float],
-        max_vel: Sequence[float],
-        number_list: Sequence[float],
-        tool: str,
-        wobj: str,
-        value: int,
-    ) -> int:
-        """Set force control: directions, target N, N m, damping, greatest speed, dead band, frame."""
-        result: int = self._call(
-            "fc_config",
-            (direction, ref_ft, damp, max_vel, number_list, tool, wobj, value),
-        )
-        return result
-
-    def fc_move(self, block: bool) -> int:
-        """Move by force control alone."""
-        result: int = self._call("fc_move", (block,))
-        return result
-
-    def fc_guard_act(
-        self,
-        direction: Sequence[bool],
-        ref_ft: Sequence[float],
-        tool: str,
-        wobj: str,
-        type: int,
-        force_property: int,
-    ) -> int:
-        """Watch the force, N, N m: the arm stops with an alarm when it is exceeded."""
-        result: int = self._call(
-            "fc_guard_act",
-            (direction, ref_ft, tool, wobj, type, force_property),
-        )
-        return result
-
-    def fc_guard_deact(self) -> int:
-        """End the watch of fc_guard_act."""
-        result: int = self._call("fc_guard_deact", ())
-        return result
-
-    def fc_force_set_value(self, direction: Sequence[bool], ref_ft: Sequence[float]) -> int:
-        """Set the readings of the force sensor to these values, N, N m."""
-        result: int = self._call("fc_force_set_value", (direction, ref_ft))
-        return result
-
-    def fc_wait_pos(
-        self,
-        middle: Sequence[float],
-        range: Sequence[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int:
-        """End the motion at a position m, rad held for `duration` ms; give up after `timeout` ms."""
-        result: int = self._call("fc_wait_pos", (middle, range, absolute, duration, timeout))
-        return result
-
-    def fc_wait_vel(
-        self,
-        middle: Sequence[float],
-        range: Sequence[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int:
-        """End the motion at a speed m/s, rad/s held for `duration` ms; give up after `timeout` ms."""
-        result: int = self._call("fc_wait_vel", (middle, range, absolute, duration, timeout))
-        return result
-
-    def fc_wait_ft(
-        self,
-        middle: Sequence[float],
-        range: Sequence[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int:
-        """End the motion at a force N, N m held for `duration` ms; give up after `timeout` ms."""
-        result: int = self._call("fc_wait_ft", (middle, range, absolute, duration, timeout))
-        return result
-
-    def fc_wait_logic(self, value: Sequence[int]) -> int:
-        """Combine the conditions position, speed, force: 0 off, 1 and, 2 or. Resets them."""
-        result: int = self._call("fc_wait_logic", (value,))
-        return result
-
-    def fc_get_ft(self) -> list[float]:
-        """Readings of the force sensor, N, N m."""
-        result: list[float] = self._call("fc_get_ft", ())
-        return result
-
-    def fc_mode_is_active(self) -> bool:
-        """Whether force control is on."""
-        result: bool = self._call("fc_mode_is_active", ())
-        return result
-
-    def enable_speed_optimization(self) -> int:
-        """Let the controller choose speeds up to the safety limits, in automatic operation."""
-        result: int = self._call("enable_speed_optimization", ())
-        return result
-
-    def disable_speed_optimization(self) -> int:
-        """End enable_speed_optimization."""
-        result: int = self._call("disable_speed_optimization", ())
-        return result
-
-    def enable_acc_optimization(self) -> int:
-        """Let the controller choose accelerations by the arm's dynamics."""
-        result: int = self._call("enable_acc_optimization", ())
-        return result
-
-    def disable_acc_optimization(self) -> int:
-        """End enable_acc_optimization."""
-        result: int = self._call("disable_acc_optimization", ())
-        return result
-
-    def enable_singularity_control(self) -> int:
-        """Pass singularities by joint motion, off the path; vibration control must be off."""
-        result: int = self._call("enable_singularity_control", ())
-        return result
-
-    def disable_singularity_control(self) -> int:
-        """End enable_singularity_control."""
-        result: int = self._call("disable_singularity_control", ())
-        return result
-
-    def enable_vibration_control(self) -> int:
-        """Damp vibration at start and stop; each motion takes 0.2 to 0.4 s longer."""
-        result: int = self._call("enable_vibration_control", ())
-        return result
-
-    def disable_vibration_control(self) -> int:
-        """End enable_vibration_control, until it is enabled again."""
-        result: int = self._call("disable_vibration_control", ())
-        return result
-
-    def trackEnqueue(self, track: Sequence[Sequence[float]], block: bool) -> int:
-        """Put points, joints rad or poses m, rad, into the pool of 1000. -1 if it is full."""
-        result: int = self._call("trackEnqueue", (track, block))
-        return result
-
-    def trackClearQueue(self) -> int:
-        """Empty the pool."""
-        result: int = self._call("trackClearQueue", ())
-        return result
-
-    def getQueueSize(self) -> int:
-        """How many points of the pool are still to come."""
-        result: int = self._call("getQueueSize", ())
-        return result
-
-    def trackJointMotion(self, speed: float, acc: float, block: bool) -> int:
-        """Follow the pool's points as joints; speed rad/s, acc rad/s²."""
-        result: int = self._call("trackJointMotion", (speed, acc, block))
-        return result
-
-    def trackCartMotion(
-        self,
-        speed: float,
-        acc: float,
-        block: bool,
-        tool: str,
-        wobj: str,
-        radius: float,
-    ) -> int:
-        """Follow the pool's points as poses; speed m/s, acc m/s², radius m."""
-        result: int = self._call("trackCartMotion", (speed, acc, block, tool, wobj, radius))
-        return result
-
-    def trackEnqueueOp(self, track: Sequence[PointOp], block: bool) -> int:
-        """Put points with triggers into the pool of 1000. -1 if it is full."""
-        result: int = self._call("trackEnqueueOp", (track, block))
-        return result
-
-    def combine_motion_config(
-        self,
-        type: int,
-        ref_plane: int,
-        fq: float,
-        amp: float,
-        el_offset: float,
-        az_offset: float,
-        up_height: float,
-        time: Sequence[int],
-        path_dwell: bool,
-        op_list: Sequence[Op],
-    ) -> int:
-        """Set the weave that is laid over motions: shape, plane, fq Hz, amp m, dwell ms."""
-        result: int = self._call(
-            "combine_motion_config",
-            (type, ref_plane, fq, amp, el_offset, az_offset, up_height, time, path_dwell, op_list),
-        )
-        return result
-
-    def enable_combine_motion(self) -> int:
-        """Lay the weave over the following motions; the arm must stand."""
-        result: int = self._call("enable_combine_motion", ())
-        return result
-
-    def disable_combine_motion(self) -> int:
-        """End the weave; the arm must stand."""
-        result: int = self._call("disable_combine_motion", ())
-        return result
-
-    def enable_eaxis_scheme(self, scheme_name: str) -> int:
-        """Activate a scheme of external axes."""
-        result: int = self._call("enable_eaxis_scheme", (scheme_name,))
-        return result
-
-    def disable_eaxis_scheme(self, scheme_name: str) -> int:
-        """Deactivate a scheme of external axes."""
-        result: int = self._call("disable_eaxis_scheme", (scheme_name,))
-        return result
-
-    def move_eaxis(
-        self,
-        scheme_name: str,
-        epose: Sequence[float],
-        v: float,
-        block: bool,
-        op: Op,
-    ) -> int:
-        """Move external axes to `epose` rad or m; v rad/s or m/s."""
-        result: int = self._call("move_eaxis", (scheme_name, epose, v, block, op))
-        return result
-
-    def move_jog_eaxis(self, name: str, direction: int, vel: float, block: bool) -> int:
-        """Jog an external axis, direction -1 or 1, at `vel` percent."""
-        result: int = self._call("move_jog_eaxis", (name, direction, vel, block))
-        return result
-
-    def movej2_eaxis(
-        self,
-        joints_list: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """movej2 together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
-        result: int = self._call(
-            "movej2_eaxis",
-            (joints_list, v, a, rad, scheme_name, epose, eaxis_v, block, op, def_acc),
-        )
-        return result
-
-    def movej2_pose_eaxis(
-        self,
-        p: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """movej_pose2 together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
-        result: int = self._call(
-            "movej2_pose_eaxis",
-            (p, v, a, rad, qnear, tool, wobj, scheme_name, epose, eaxis_v, block, op, def_acc),
-        )
-        return result
-
-    def movel_eaxis(
-        self,
-        p: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """movel together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
-        result: int = self._call(
-            "movel_eaxis",
-            (p, v, a, rad, qnear, tool, wobj, scheme_name, epose, eaxis_v, block, op, def_acc),
-        )
-        return result
-
-    def movec_eaxis(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-        mode: int,
-    ) -> int:
-        """movec together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
-        result: int = self._call(
-            "movec_eaxis",
-            (
-                p1,
-                p2,
-                v,
-                a,
-                rad,
-                qnear,
-                tool,
-                wobj,
-                scheme_name,
-                epose,
-                eaxis_v,
-                block,
-                op,
-                def_acc,
-                mode,
-            ),
-        )
-        return result
-
-    def move_circle_eaxis(
-        self,
-        p1: Sequence[float],
-        p2: Sequence[float],
-        v: float,
-        a: float,
-        rad: float,
-        mode: int,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: Sequence[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int:
-        """move_circle together with external axes. Not in the manual."""
-        result: int = self._call(
-            "move_circle_eaxis",
-            (
-                p1,
-                p2,
-                v,
-                a,
-                rad,
-                mode,
-                qnear,
-                tool,
-                wobj,
-                scheme_name,
-                epose,
-                eaxis_v,
-                block,
-                op,
-                def_acc,
-            ),
-        )
-        return result
-
-    def get_eaxis_info(self) -> list[EAxissInfo]:
-        """Schemes of external axes: state and position. Not in manual 3.8, in 4.3."""
-        result: list[EAxissInfo] = self._call("get_eaxis_info", ())
-        return result
-
-    def set_eaxis_param(self, num: int, param: EAxisParam, block: bool) -> int:
-        """Set the parameters of external axis `num`. Not in the manual."""
-        result: int = self._call("set_eaxis_param", (num, param, block))
-        return result
-
-    def set_eaxiss_scheme_param(self, num: int, param: EAxisSchemeParam, block: bool) -> int:
-        """Set the parameters of scheme `num`. Not in the manual."""
-        result: int = self._call("set_eaxiss_scheme_param", (num, param, block))
-        return result
-
-    def add_eaxis_scheme(self, num: int, block: bool) -> int:
-        """Add a scheme of external axes. Not in the manual."""
-        result: int = self._call("add_eaxis_scheme", (num, block))
-        return result
-
-    def delete_eaxis_scheme(self, num: int, block: bool) -> int:
-        """Delete a scheme of external axes. Not in the manual."""
-        result: int = self._call("delete_eaxis_scheme", (num, block))
-        return result
-
-    def start_realtime_mode(
-        self,
-        mode: int,
-        fileter_bandwidth: float,
-        com_lost_time: float,
-    ) -> int:
-        """Follow the realtime queue; filter Hz, stop without data for com_lost_time s."""
-        result: int = self._call("start_realtime_mode", (mode, fileter_bandwidth, com_lost_time))
-        return result
-
-    def end_realtime_mode(self) -> int:
-        """End realtime control."""
-        result: int = self._call("end_realtime_mode", ())
-        return result
-
-    def realtime_data_enqueue(
-        self,
-        realtime_data: Sequence[RealTimeControlData],
-        block: bool,
-    ) -> int:
-        """Put commands into the realtime queue."""
-        result: int = self._call("realtime_data_enqueue", (realtime_data, block))
-        return result
-
-    def clear_realtime_data_queue(self) -> int:
-        """Empty the realtime queue."""
-        result: int = self._call("clear_realtime_data_queue", ())
-        return result
-
-    def get_realtime_data_queue_size(self) -> int:
-        """How many commands wait in the realtime queue."""
-        result: int = self._call("get_realtime_data_queue_size", ())
-        return result
-
-    def get_robot_version(self) -> str:
-        """Version of the controller's software."""
-        result: str = self._call("get_robot_version", ())
-        return result
-
-    def change_recipe(self) -> None:
-        """Change the recipe. Not in the manual."""
-        self._call("change_recipe", ())
-
-    def set_pendant_type(self, type: int) -> int:
-        """Set the kind of pendant. Not in the manual."""
-        result: int = self._call("set_pendant_type", (type,))
-        return result
-
-    def set_servo_config(
-        self,
-        axis_num: int,
-        id: int,
-        value: int,
-        qfmt: int,
-        block: bool,
-    ) -> int:
-        """Set a parameter of an axis' servo drive. Not in the manual."""
-        result: int = self._call("set_servo_config", (axis_num, id, value, qfmt, block))
-        return result
-
-    def apply_servo_config(self, axis_num: int, block: bool) -> int:
-        """Apply the parameters of an axis' servo drive. Not in the manual."""
-        result: int = self._call("apply_servo_config", (axis_num, block))
-        return result
-
-    def set_servo_file_params(
-        self,
-        axis_num: int,
-        id: int,
-        name: str,
-        value: float,
-        qfmt: float,
-    ) -> int:
-        """Set a parameter in an axis' servo file. Not in the manual."""
-        result: int = self._call("set_servo_file_params", (axis_num, id, name, value, qfmt))
-        return result
-
-    def get_axis_motor_kt(self) -> list[float]:
-        """Torque constants of the motors. Not in the manual."""
-        result: list[float] = self._call("get_axis_motor_kt", ())
-        return result
-
-    def get_axis_motor_rated_current(self) -> list[float]:
-        """Rated currents of the motors. Not in the manual."""
-        result: list[float] = self._call("get_axis_motor_rated_current", ())
-        return result
-
-    def get_axis_ratio(self) -> list[int]:
-        """Gear ratios of the axes. Not in the manual."""
-        result: list[int] = self._call("get_axis_ratio", ())
-        return result
-
-    def get_motor_pole_pair_number(self) -> list[int]:
-        """Pole pairs of the motors. Not in the manual."""
-        result: list[int] = self._call("get_motor_pole_pair_number", ())
-        return result
-
-    def get_motor_stator_slots(self) -> list[int]:
-        """Stator slots of the motors. Not in the manual."""
-        result: list[int] = self._call("get_motor_stator_slots", ())
-        return result
-
-    def get_pos_bias(self) -> list[float]:
-        """Position biases of the axes. Not in the manual."""
-        result: list[float] = self._call("get_pos_bias", ())
-        return result
-
-    def get_dynamic_calibration_params(self) -> list[list[float]]:
-        """Parameters of the dynamic calibration. Not in the manual."""
-        result: list[list[float]] = self._call("get_dynamic_calibration_params", ())
-        return result
-
-    def set_dynamic_calibration_params(self, params: Sequence[Sequence[float]]) -> int:
-        """Set the parameters of the dynamic calibration. Not in the manual."""
-        result: int = self._call("set_dynamic_calibration_params", (params,))
-        return result
-
-    def set_dynamic_calibration_info(self, passwd: str, info: str) -> int:
-        """Set the notes of the dynamic calibration. Not in the manual."""
-        result: int = self._call("set_dynamic_calibration_info", (passwd, info))
-        return result
-
-    def save_dynamic_calibration_params(self, passwd: str) -> int:
-        """Save the dynamic calibration. Not in the manual."""
-        result: int = self._call("save_dynamic_calibration_params", (passwd,))
-        return result
-
-    def set_kinematic_calibration_params(self, params: Sequence[Sequence[float]]) -> int:
-        """Set the parameters of the kinematic calibration. Not in the manual."""
-        result: int = self._call("set_kinematic_calibration_params", (params,))
-        return result
-
-    def set_kinematic_calibration_info(self, passwd: str, info: str) -> int:
-        """Set the notes of the kinematic calibration. Not in the manual."""
-        result: int = self._call("set_kinematic_calibration_info", (passwd, info))
-        return result
-
-    def save_kinematic_calibration_params(self, passwd: str) -> int:
-        """Save the kinematic calibration. Not in the manual."""
-        result: int = self._call("save_kinematic_calibration_params", (passwd,))
-        return result
-
-    def get_vibration_calibration_params(self) -> list[list[float]]:
-        """Parameters of the vibration calibration. Not in the manual."""
-        result: list[list[float]] = self._call("get_vibration_calibration_params", ())
-        return result
-
-    def set_vibration_calibration_info(self, passwd: str, info: str) -> int:
-        """Set the notes of the vibration calibration. Not in the manual."""
-        result: int = self._call("set_vibration_calibration_info", (passwd, info))
-        return result
-
-    def upload_robot_param_to_toolboard(self, passwd: str) -> int:
-        """Write the robot's parameters to the tool board. Not in the manual."""
-        result: int = self._call("upload_robot_param_to_toolboard", (passwd,))
-        return result
-
-
-class AsyncRpc:
-    """Every function of the wire, awaited; `call` is a coroutine function."""
-
-    __slots__ = ("_call",)
-
-    def __init__(self, call: Callable[[str, tuple[Any, ...]], Coroutine[Any, Any, Any]]) -> None:
-        self._call = call
-
-    def rpc_heartbeat(self, time: int) -> Coroutine[Any, Any, None]:
-        """Report that this client lives; the arm stops if none follows within `time` ms."""
-        return self._call("rpc_heartbeat", (time,))
-
-    def power_on(self, block: bool) -> Coroutine[Any, Any, int]:
-        """Power the arm on. Returns the task's end state if `block`, else its id."""
-        return self._call("power_on", (block,))
-
-    def power_off(self, block: bool) -> Coroutine[Any, Any, int]:
-        """Power the arm off. Returns the task's end state if `block`, else its id."""
-        return self._call("power_off", (block,))
-
-    def enable(self, block: bool) -> Coroutine[Any, Any, int]:
-        """Enable the servos. Returns the task's end state if `block`, else its id."""
-        return self._call("enable", (block,))
-
-    def disable(self, block: bool) -> Coroutine[Any, Any, int]:
-        """Disable the servos. Returns the task's end state if `block`, else its id."""
-        return self._call("disable", (block,))
-
-    def shutdown(self, block: bool) -> Coroutine[Any, Any, int]:
-        """Shut the controller down. Returns the task's end state if `block`, else its id."""
-        return self._call("shutdown", (block,))
-
-    def restart(self, block: bool) -> Coroutine[Any, Any, int]:
-        """Restart the controller. Returns the task's end state if `block`, else its id."""
-        return self._call("restart", (block,))
-
-    def stop(self, block: bool) -> Coroutine[Any, Any, int]:
-        """Stop all tasks. Returns the end state if `block`, else a task id."""
-        return self._call("stop", (block,))
-
-    def pause(self, block: bool) -> Coroutine[Any, Any, int]:
-        """Pause all tasks. Returns the end state if `block`, else a task id."""
-        return self._call("pause", (block,))
-
-    def resume(self, block: bool) -> Coroutine[Any, Any, int]:
-        """Resume all paused tasks. Returns the end state if `block`, else a task id."""
-        return self._call("resume", (block,))
-
-    def abort(self, block: bool) -> Coroutine[Any, Any, int]:
-        """End the running motion and those read ahead. Not in manual 3.8, in 4.3."""
-        return self._call("abort", (block,))
-
-    def run_program(self, name: str, block: bool) -> Coroutine[Any, Any, int]:
-        """Run a program of the controller by name. Returns end state or task id."""
-        return self._call("run_program", (name, block))
-
-    def get_current_project(self) -> Coroutine[Any, Any, str]:
-        """Path of the project that is loaded."""
         return self._call("get_current_project", ())
 
-    def get_files_list(self, path: str) -> Coroutine[Any, Any, dict[str, int]]:
+    def get_files_list(self, path: str) -> dict[str, int]:
         """Files below `path`: name to kind, 0 a folder, 1 a file."""
         return self._call("get_files_list", (path,))
 
@@ -1921,7 +262,7 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move the joints to `joints_list` rad; v rad/s, a rad/s², r m of blending."""
         return self._call("movej2", (joints_list, v, a, r, block, op, def_acc))
 
@@ -1937,7 +278,7 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move the joints to the pose p m, rad; v rad/s, a rad/s², r m of blending."""
         return self._call("movej_pose2", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
 
@@ -1953,7 +294,7 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move the tool along a line to the pose p m, rad; v m/s, a m/s², r m of blending."""
         return self._call("movel", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
 
@@ -1971,7 +312,7 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move the tool along an arc through p1 to p2 m, rad; v m/s, a m/s², r m of blending."""
         return self._call("movec", (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc))
 
@@ -1989,7 +330,7 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move the tool along the full circle through p1 and p2; v m/s, a m/s², r m."""
         return self._call(
             "move_circle",
@@ -2006,7 +347,7 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move along a line by an offset m, rad in the tool's frame; v m/s, a m/s², r m."""
         return self._call("tcp_move", (pose_offset, v, a, r, tool, block, op, def_acc))
 
@@ -2022,7 +363,7 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move along a line by the offset from p1 to p2 in the tool's frame; v m/s, a m/s²."""
         return self._call("tcp_move_2p", (p1, p2, v, a, r, tool, wobj, block, op, def_acc))
 
@@ -2036,7 +377,7 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move along a line by an offset m, rad in the work object's frame; v m/s, a m/s²."""
         return self._call("wobj_move", (pose_offset, v, a, r, wobj, block, op, def_acc))
 
@@ -2052,39 +393,27 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move along a line by the offset from p1 to p2 in the work object's frame."""
         return self._call("wobj_move_2p", (p1, p2, v, a, r, tool, wobj, block, op, def_acc))
 
-    def speedj(
-        self,
-        joints_list: Sequence[float],
-        a: float,
-        time: int,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
+    def speedj(self, joints_list: Sequence[float], a: float, time: int, block: bool) -> int:
         """Turn the joints at `joints_list` rad/s for `time` ms, -1 for no end; a rad/s²."""
         return self._call("speedj", (joints_list, a, time, block))
 
-    def speedl(
-        self,
-        pose_list: Sequence[float],
-        a: float,
-        time: int,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
+    def speedl(self, pose_list: Sequence[float], a: float, time: int, block: bool) -> int:
         """Move the tool at `pose_list` m/s, rad/s for `time` ms, -1 for no end; a m/s²."""
         return self._call("speedl", (pose_list, a, time, block))
 
-    def speed_stop(self, block: bool) -> Coroutine[Any, Any, int]:
+    def speed_stop(self, block: bool) -> int:
         """End speedj and speedl."""
         return self._call("speed_stop", (block,))
 
-    def teach_mode(self, block: bool) -> Coroutine[Any, Any, int]:
+    def teach_mode(self, block: bool) -> int:
         """Enter hand guiding."""
         return self._call("teach_mode", (block,))
 
-    def end_teach_mode(self, block: bool) -> Coroutine[Any, Any, int]:
+    def end_teach_mode(self, block: bool) -> int:
         """Leave hand guiding."""
         return self._call("end_teach_mode", (block,))
 
@@ -2095,14 +424,14 @@ class AsyncRpc:
         cart_scale: Sequence[int],
         coord_type: int,
         direction: Sequence[bool],
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Set hand guiding: space, compliance of joints or of x to rz, frame, directions."""
         return self._call(
             "set_hand_teach_parameter",
             (space, joint_scale, cart_scale, coord_type, direction),
         )
 
-    def replay(self, name: str, value: int, mode: int) -> Coroutine[Any, Any, int]:
+    def replay(self, name: str, value: int, mode: int) -> int:
         """Run a recorded track at `value` percent; mode 0 by joints, 1 by poses."""
         return self._call("replay", (name, value, mode))
 
@@ -2117,7 +446,7 @@ class AsyncRpc:
         op: Op,
         r: float,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move the tool along a spline through up to 50 poses m, rad; v m/s, a m/s², r m."""
         return self._call("spline", (pose_list, v, a, tool, wobj, block, op, r, def_acc))
 
@@ -2132,7 +461,7 @@ class AsyncRpc:
         op: Op,
         r: float,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move along a spline of up to 50 poses with triggers at the points; v m/s, a m/s²."""
         return self._call("spline_op", (pose_list, v, a, tool, wobj, block, op, r, def_acc))
 
@@ -2146,7 +475,7 @@ class AsyncRpc:
         kd: float,
         smooth_vel: float,
         smooth_acc: float,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Follow joint targets rad that come one after another; v rad/s, a rad/s²."""
         return self._call("servoj", (joints_list, v, a, block, kp, kd, smooth_vel, smooth_acc))
 
@@ -2163,7 +492,7 @@ class AsyncRpc:
         kd: float,
         smooth_vel: float,
         smooth_acc: float,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Follow poses m, rad that come one after another, by the joints; v rad/s, a rad/s²."""
         return self._call(
             "servoj_pose",
@@ -2181,7 +510,7 @@ class AsyncRpc:
         kd: float,
         smooth_vel: float,
         smooth_acc: float,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Follow offsets m, rad of the tool that come one after another."""
         return self._call(
             "servo_tcp",
@@ -2201,7 +530,7 @@ class AsyncRpc:
         kd: float,
         smooth_vel: float,
         smooth_acc: float,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Follow poses m, rad that come one after another, by the Cartesian directions."""
         return self._call(
             "servol",
@@ -2224,22 +553,22 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move along a spiral: `rev` turns, `len` m along the axis, `r` m; v m/s, a m/s²."""
         return self._call(
             "move_spiral",
             (p1, p2, rev, len, r, mode, v, a, q_near, tool, wobj, block, op, def_acc),
         )
 
-    def move_jog(self, param: MoveJogTaskParam, block: bool) -> Coroutine[Any, Any, int]:
+    def move_jog(self, param: MoveJogTaskParam, block: bool) -> int:
         """Jog one joint or one Cartesian direction, continuously or by a step."""
         return self._call("move_jog", (param, block))
 
-    def stop_manual_move(self, block: bool) -> Coroutine[Any, Any, int]:
+    def stop_manual_move(self, block: bool) -> int:
         """End move_jog."""
         return self._call("stop_manual_move", (block,))
 
-    def set_blend_ahead(self, per: int, num: int) -> Coroutine[Any, Any, int]:
+    def set_blend_ahead(self, per: int, num: int) -> int:
         """Read following motions ahead at `per` percent of the path, or `num` of them."""
         return self._call("set_blend_ahead", (per, num))
 
@@ -2252,7 +581,7 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move the joints to `joints_list` rad; v and a in percent. Not in the manual."""
         return self._call("movej", (joints_list, v, a, r, block, op, def_acc))
 
@@ -2268,43 +597,31 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move the joints to the pose p m, rad; v and a in percent. Not in the manual."""
         return self._call("movej_pose", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
 
-    def set_baudrate_485(self, value: int, block: bool) -> Coroutine[Any, Any, int]:
+    def set_baudrate_485(self, value: int, block: bool) -> int:
         """Set the rate of the cabinet's RS-485 port, bit/s."""
         return self._call("set_baudrate_485", (value, block))
 
-    def read_raw_data_485(self, len: int) -> Coroutine[Any, Any, list[int]]:
+    def read_raw_data_485(self, len: int) -> list[int]:
         """Read `len` bytes from RS-485; empty if there is nothing."""
         return self._call("read_raw_data_485", (len,))
 
-    def read_raw_data_485_h(
-        self,
-        head: Sequence[int],
-        len: int,
-    ) -> Coroutine[Any, Any, list[int]]:
+    def read_raw_data_485_h(self, head: Sequence[int], len: int) -> list[int]:
         """Read a frame of `len` bytes that starts with `head` from RS-485."""
         return self._call("read_raw_data_485_h", (head, len))
 
-    def read_raw_data_485_ht(
-        self,
-        head: Sequence[int],
-        tail: Sequence[int],
-    ) -> Coroutine[Any, Any, list[int]]:
+    def read_raw_data_485_ht(self, head: Sequence[int], tail: Sequence[int]) -> list[int]:
         """Read a frame from `head` to `tail` from RS-485."""
         return self._call("read_raw_data_485_ht", (head, tail))
 
-    def write_raw_data_485(self, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
+    def write_raw_data_485(self, data: Sequence[int]) -> bool:
         """Write bytes to RS-485."""
         return self._call("write_raw_data_485", (data,))
 
-    def write_raw_data_485_h(
-        self,
-        data: Sequence[int],
-        head: Sequence[int],
-    ) -> Coroutine[Any, Any, bool]:
+    def write_raw_data_485_h(self, data: Sequence[int], head: Sequence[int]) -> bool:
         """Write `head` and bytes to RS-485."""
         return self._call("write_raw_data_485_h", (data, head))
 
@@ -2313,47 +630,35 @@ class AsyncRpc:
         data: Sequence[int],
         head: Sequence[int],
         tail: Sequence[int],
-    ) -> Coroutine[Any, Any, bool]:
+    ) -> bool:
         """Write `head`, bytes and `tail` to RS-485."""
         return self._call("write_raw_data_485_ht", (data, head, tail))
 
-    def read_data_485(self) -> Coroutine[Any, Any, list[int]]:
+    def read_data_485(self) -> list[int]:
         """Read from RS-485. Not in the manual."""
         return self._call("read_data_485", ())
 
-    def write_data_485(self, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
+    def write_data_485(self, data: Sequence[int]) -> bool:
         """Write to RS-485. Not in the manual."""
         return self._call("write_data_485", (data,))
 
-    def tool_read_raw_data_485(self, len: int) -> Coroutine[Any, Any, list[int]]:
+    def tool_read_raw_data_485(self, len: int) -> list[int]:
         """Read `len` bytes from the tool's RS-485; empty if there is nothing."""
         return self._call("tool_read_raw_data_485", (len,))
 
-    def tool_read_raw_data_485_h(
-        self,
-        head: Sequence[int],
-        len: int,
-    ) -> Coroutine[Any, Any, list[int]]:
+    def tool_read_raw_data_485_h(self, head: Sequence[int], len: int) -> list[int]:
         """Read a frame of `len` bytes that starts with `head` from the tool's RS-485."""
         return self._call("tool_read_raw_data_485_h", (head, len))
 
-    def tool_read_raw_data_485_ht(
-        self,
-        head: Sequence[int],
-        tail: Sequence[int],
-    ) -> Coroutine[Any, Any, list[int]]:
+    def tool_read_raw_data_485_ht(self, head: Sequence[int], tail: Sequence[int]) -> list[int]:
         """Read a frame from `head` to `tail` from the tool's RS-485."""
         return self._call("tool_read_raw_data_485_ht", (head, tail))
 
-    def tool_write_raw_data_485(self, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
+    def tool_write_raw_data_485(self, data: Sequence[int]) -> bool:
         """Write bytes to the tool's RS-485."""
         return self._call("tool_write_raw_data_485", (data,))
 
-    def tool_write_raw_data_485_h(
-        self,
-        data: Sequence[int],
-        head: Sequence[int],
-    ) -> Coroutine[Any, Any, bool]:
+    def tool_write_raw_data_485_h(self, data: Sequence[int], head: Sequence[int]) -> bool:
         """Write `head` and bytes to the tool's RS-485."""
         return self._call("tool_write_raw_data_485_h", (data, head))
 
@@ -2362,170 +667,139 @@ class AsyncRpc:
         data: Sequence[int],
         head: Sequence[int],
         tail: Sequence[int],
-    ) -> Coroutine[Any, Any, bool]:
+    ) -> bool:
         """Write `head`, bytes and `tail` to the tool's RS-485."""
         return self._call("tool_write_raw_data_485_ht", (data, head, tail))
 
-    def tool_read_data_485(self) -> Coroutine[Any, Any, list[int]]:
+    def tool_read_data_485(self) -> list[int]:
         """Read from the tool's RS-485. Not in the manual."""
         return self._call("tool_read_data_485", ())
 
-    def tool_write_data_485(self, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
+    def tool_write_data_485(self, data: Sequence[int]) -> bool:
         """Write to the tool's RS-485. Not in the manual."""
         return self._call("tool_write_data_485", (data,))
 
-    def set_baudrate_can(self, value: int, block: bool) -> Coroutine[Any, Any, int]:
+    def set_baudrate_can(self, value: int, block: bool) -> int:
         """Set the rate of the CAN bus, bit/s."""
         return self._call("set_baudrate_can", (value, block))
 
-    def read_raw_data_can(self) -> Coroutine[Any, Any, list[int]]:
+    def read_raw_data_can(self) -> list[int]:
         """Read one CAN frame: the sender's id, then the bytes; empty if there is none."""
         return self._call("read_raw_data_can", ())
 
-    def write_raw_data_can(self, id: int, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
+    def write_raw_data_can(self, id: int, data: Sequence[int]) -> bool:
         """Write one CAN frame."""
         return self._call("write_raw_data_can", (id, data))
 
-    def read_data_can(self) -> Coroutine[Any, Any, list[int]]:
+    def read_data_can(self) -> list[int]:
         """Read from CAN. Not in the manual."""
         return self._call("read_data_can", ())
 
-    def write_data_can(self, id: int, data: Sequence[int]) -> Coroutine[Any, Any, bool]:
+    def write_data_can(self, id: int, data: Sequence[int]) -> bool:
         """Write to CAN. Not in the manual."""
         return self._call("write_data_can", (id, data))
 
-    def set_digital_output_mode(
-        self,
-        num: int,
-        type: int,
-        freq: int,
-        duty_cycle: int,
-    ) -> Coroutine[Any, Any, int]:
+    def set_digital_output_mode(self, num: int, type: int, freq: int, duty_cycle: int) -> int:
         """Make a cabinet output a level (type 0) or pulses (1) at freq Hz, duty_cycle percent."""
         return self._call("set_digital_output_mode", (num, type, freq, duty_cycle))
 
-    def set_standard_digital_out(
-        self,
-        num: int,
-        value: bool,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
+    def set_standard_digital_out(self, num: int, value: bool, block: bool) -> int:
         """Set cabinet output 1 to 16."""
         return self._call("set_standard_digital_out", (num, value, block))
 
-    def get_standard_digital_out(self, num: int) -> Coroutine[Any, Any, bool]:
+    def get_standard_digital_out(self, num: int) -> bool:
         """Level of cabinet output 1 to 16."""
         return self._call("get_standard_digital_out", (num,))
 
-    def get_standard_digital_in(self, num: int) -> Coroutine[Any, Any, bool]:
+    def get_standard_digital_in(self, num: int) -> bool:
         """Level of cabinet input 1 to 16."""
         return self._call("get_standard_digital_in", (num,))
 
-    def set_tool_digital_out(
-        self,
-        num: int,
-        value: bool,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
+    def set_tool_digital_out(self, num: int, value: bool, block: bool) -> int:
         """Set tool output 1 or 2."""
         return self._call("set_tool_digital_out", (num, value, block))
 
-    def get_tool_digital_out(self, num: int) -> Coroutine[Any, Any, bool]:
+    def get_tool_digital_out(self, num: int) -> bool:
         """Level of tool output 1 or 2."""
         return self._call("get_tool_digital_out", (num,))
 
-    def get_tool_digital_in(self, num: int) -> Coroutine[Any, Any, bool]:
+    def get_tool_digital_in(self, num: int) -> bool:
         """Level of tool input 1 or 2."""
         return self._call("get_tool_digital_in", (num,))
 
-    def get_config_digital_in(self, num: int) -> Coroutine[Any, Any, bool]:
+    def get_config_digital_in(self, num: int) -> bool:
         """Level of a configurable cabinet input. Not in the manual."""
         return self._call("get_config_digital_in", (num,))
 
-    def get_function_digital_in(self, num: int) -> Coroutine[Any, Any, bool]:
+    def get_function_digital_in(self, num: int) -> bool:
         """Level of function input 1 to 8."""
         return self._call("get_function_digital_in", (num,))
 
-    def get_function_digital_out(self, num: int) -> Coroutine[Any, Any, bool]:
+    def get_function_digital_out(self, num: int) -> bool:
         """Level of function output 1 to 8."""
         return self._call("get_function_digital_out", (num,))
 
-    def get_standard_analog_voltage_in(self, num: int) -> Coroutine[Any, Any, float]:
+    def get_standard_analog_voltage_in(self, num: int) -> float:
         """Voltage at cabinet channel 1 to 4, V."""
         return self._call("get_standard_analog_voltage_in", (num,))
 
-    def set_standard_analog_voltage_out(
-        self,
-        num: int,
-        value: float,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
+    def set_standard_analog_voltage_out(self, num: int, value: float, block: bool) -> int:
         """Set the voltage of cabinet channel 1 to 4, 0 to 10 V."""
         return self._call("set_standard_analog_voltage_out", (num, value, block))
 
-    def get_tool_analog_voltage_in(self, num: int) -> Coroutine[Any, Any, float]:
+    def get_tool_analog_voltage_in(self, num: int) -> float:
         """Voltage at tool channel 1 or 2, V."""
         return self._call("get_tool_analog_voltage_in", (num,))
 
-    def get_standard_analog_current_in(self, num: int) -> Coroutine[Any, Any, float]:
+    def get_standard_analog_current_in(self, num: int) -> float:
         """Current at cabinet channel 1 to 4, mA."""
         return self._call("get_standard_analog_current_in", (num,))
 
-    def set_standard_analog_current_out(
-        self,
-        num: int,
-        value: float,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
+    def set_standard_analog_current_out(self, num: int, value: float, block: bool) -> int:
         """Set the current of cabinet channel 1 to 4, 4 to 20 mA."""
         return self._call("set_standard_analog_current_out", (num, value, block))
 
-    def set_analog_output_mode(
-        self,
-        num: int,
-        mode: int,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
+    def set_analog_output_mode(self, num: int, mode: int, block: bool) -> int:
         """Set the kind of an analog output. Not in the manual."""
         return self._call("set_analog_output_mode", (num, mode, block))
 
-    def write_bool_reg(self, num: int, value: bool) -> Coroutine[Any, Any, int]:
+    def write_bool_reg(self, num: int, value: bool) -> int:
         """Write bool register 1 to 64."""
         return self._call("write_bool_reg", (num, value))
 
-    def write_word_reg(self, num: int, value: int) -> Coroutine[Any, Any, int]:
+    def write_word_reg(self, num: int, value: int) -> int:
         """Write word register 1 to 32."""
         return self._call("write_word_reg", (num, value))
 
-    def write_float_reg(self, num: int, value: float) -> Coroutine[Any, Any, int]:
+    def write_float_reg(self, num: int, value: float) -> int:
         """Write float register 1 to 32."""
         return self._call("write_float_reg", (num, value))
 
-    def read_bool_reg(self, num: int) -> Coroutine[Any, Any, bool]:
+    def read_bool_reg(self, num: int) -> bool:
         """Read bool register 1 to 64."""
         return self._call("read_bool_reg", (num,))
 
-    def read_word_reg(self, num: int) -> Coroutine[Any, Any, int]:
+    def read_word_reg(self, num: int) -> int:
         """Read word register 1 to 32."""
         return self._call("read_word_reg", (num,))
 
-    def read_float_reg(self, num: int) -> Coroutine[Any, Any, float]:
+    def read_float_reg(self, num: int) -> float:
         """Read float register 1 to 32."""
         return self._call("read_float_reg", (num,))
 
-    def get_function_reg_in(self, num: int) -> Coroutine[Any, Any, bool]:
+    def get_function_reg_in(self, num: int) -> bool:
         """Read function input register 1 to 16."""
         return self._call("get_function_reg_in", (num,))
 
-    def get_function_reg_out(self, num: int) -> Coroutine[Any, Any, bool]:
+    def get_function_reg_out(self, num: int) -> bool:
         """Read function output register 1 to 16."""
         return self._call("get_function_reg_out", (num,))
 
-    def set_wobj_offset(self, wobj: Sequence[float], active: bool) -> Coroutine[Any, Any, int]:
+    def set_wobj_offset(self, wobj: Sequence[float], active: bool) -> int:
         """Add an offset m, rad to the work object of all following motions, or take it away."""
         return self._call("set_wobj_offset", (wobj, active))
 
-    def set_wobj(self, name: str, wobj: Sequence[float]) -> Coroutine[Any, Any, int]:
+    def set_wobj(self, name: str, wobj: Sequence[float]) -> int:
         """Set a work object by name, m, rad. Not in the manual."""
         return self._call("set_wobj", (name, wobj))
 
@@ -2535,7 +809,7 @@ class AsyncRpc:
         tool_offset: Sequence[float],
         payload: Sequence[float],
         inertia_tensor: Sequence[float],
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Set a tool: offset m, rad from the flange, payload kg, m, inertia kg m²."""
         return self._call("set_tool_data", (name, tool_offset, payload, inertia_tensor))
 
@@ -2545,7 +819,7 @@ class AsyncRpc:
         q_near: Sequence[float],
         tool: Sequence[float],
         wobj: Sequence[float],
-    ) -> Coroutine[Any, Any, list[float]]:
+    ) -> list[float]:
         """Joints rad for the pose p m, rad, near q_near; empty lists mean the present values."""
         return self._call("cal_ikine", (p, q_near, tool, wobj))
 
@@ -2554,103 +828,103 @@ class AsyncRpc:
         joints_position: Sequence[float],
         tool: Sequence[float],
         wobj: Sequence[float],
-    ) -> Coroutine[Any, Any, list[float]]:
+    ) -> list[float]:
         """Pose m, rad for joints rad; empty tool and wobj mean the present ones."""
         return self._call("cal_fkine", (joints_position, tool, wobj))
 
-    def get_tcp_pose(self) -> Coroutine[Any, Any, list[float]]:
+    def get_tcp_pose(self) -> list[float]:
         """Pose of the tool in the base frame, m, rad."""
         return self._call("get_tcp_pose", ())
 
-    def get_tcp_pose_coord(self, tool: str, wobj: str) -> Coroutine[Any, Any, list[float]]:
+    def get_tcp_pose_coord(self, tool: str, wobj: str) -> list[float]:
         """Pose m, rad with the tool and the work object of these names."""
         return self._call("get_tcp_pose_coord", (tool, wobj))
 
-    def get_tcp_speed(self) -> Coroutine[Any, Any, list[float]]:
+    def get_tcp_speed(self) -> list[float]:
         """Speed of the tool's origin, m/s, rad/s."""
         return self._call("get_tcp_speed", ())
 
-    def get_tcp_acceleration(self) -> Coroutine[Any, Any, list[float]]:
+    def get_tcp_acceleration(self) -> list[float]:
         """Acceleration of the tool's origin, m/s², rad/s²."""
         return self._call("get_tcp_acceleration", ())
 
-    def get_tcp_force(self) -> Coroutine[Any, Any, list[float]]:
+    def get_tcp_force(self) -> list[float]:
         """Force at the tool's origin, N, N m; needs a force sensor."""
         return self._call("get_tcp_force", ())
 
-    def get_tcp_force_tool(self, tool: str) -> Coroutine[Any, Any, list[float]]:
+    def get_tcp_force_tool(self, tool: str) -> list[float]:
         """Force in the frame of the tool of this name, N, N m; needs a force sensor."""
         return self._call("get_tcp_force_tool", (tool,))
 
-    def get_tcp_offset(self) -> Coroutine[Any, Any, list[float]]:
+    def get_tcp_offset(self) -> list[float]:
         """Offset of the present tool from the flange, m, rad."""
         return self._call("get_tcp_offset", ())
 
-    def get_tool_load(self) -> Coroutine[Any, Any, list[float]]:
+    def get_tool_load(self) -> list[float]:
         """Mass and centre of mass of the present tool, kg, m."""
         return self._call("get_tool_load", ())
 
-    def get_wobj(self) -> Coroutine[Any, Any, list[float]]:
+    def get_wobj(self) -> list[float]:
         """The present work object in the base frame, m, rad."""
         return self._call("get_wobj", ())
 
-    def get_actual_joints_position(self) -> Coroutine[Any, Any, list[float]]:
+    def get_actual_joints_position(self) -> list[float]:
         """Measured joint positions, rad."""
         return self._call("get_actual_joints_position", ())
 
-    def get_target_joints_position(self) -> Coroutine[Any, Any, list[float]]:
+    def get_target_joints_position(self) -> list[float]:
         """Planned joint positions, rad."""
         return self._call("get_target_joints_position", ())
 
-    def get_actual_joints_speed(self) -> Coroutine[Any, Any, list[float]]:
+    def get_actual_joints_speed(self) -> list[float]:
         """Measured joint speeds, rad/s."""
         return self._call("get_actual_joints_speed", ())
 
-    def get_target_joints_speed(self) -> Coroutine[Any, Any, list[float]]:
+    def get_target_joints_speed(self) -> list[float]:
         """Planned joint speeds, rad/s."""
         return self._call("get_target_joints_speed", ())
 
-    def get_actual_joints_acceleration(self) -> Coroutine[Any, Any, list[float]]:
+    def get_actual_joints_acceleration(self) -> list[float]:
         """Measured joint accelerations, rad/s²."""
         return self._call("get_actual_joints_acceleration", ())
 
-    def get_target_joints_acceleration(self) -> Coroutine[Any, Any, list[float]]:
+    def get_target_joints_acceleration(self) -> list[float]:
         """Planned joint accelerations, rad/s²."""
         return self._call("get_target_joints_acceleration", ())
 
-    def get_actual_joints_torque(self) -> Coroutine[Any, Any, list[float]]:
+    def get_actual_joints_torque(self) -> list[float]:
         """Measured joint torques, N m."""
         return self._call("get_actual_joints_torque", ())
 
-    def get_target_joints_torque(self) -> Coroutine[Any, Any, list[float]]:
+    def get_target_joints_torque(self) -> list[float]:
         """Planned joint torques, N m; the manual's text says rad/s²."""
         return self._call("get_target_joints_torque", ())
 
-    def get_flange_pose(self) -> Coroutine[Any, Any, list[float]]:
+    def get_flange_pose(self) -> list[float]:
         """Pose of the flange in the base frame, m, rad."""
         return self._call("get_flange_pose", ())
 
-    def get_flange_speed(self) -> Coroutine[Any, Any, list[float]]:
+    def get_flange_speed(self) -> list[float]:
         """Speed of the flange in the base frame, m/s, rad/s."""
         return self._call("get_flange_speed", ())
 
-    def get_flange_acceleration(self) -> Coroutine[Any, Any, list[float]]:
+    def get_flange_acceleration(self) -> list[float]:
         """Acceleration of the flange in the base frame, m/s², rad/s²."""
         return self._call("get_flange_acceleration", ())
 
-    def get_robot_state(self) -> Coroutine[Any, Any, list[int]]:
+    def get_robot_state(self) -> list[int]:
         """Four states: robot, program, safety controller, operation mode."""
         return self._call("get_robot_state", ())
 
-    def simulation(self, sim: bool, block: bool) -> Coroutine[Any, Any, int]:
+    def simulation(self, sim: bool, block: bool) -> int:
         """Switch between simulation and the real arm; the arm must stand."""
         return self._call("simulation", (sim, block))
 
-    def speed(self, val: float) -> Coroutine[Any, Any, int]:
+    def speed(self, val: float) -> int:
         """Set the global speed, 1 to 100 percent."""
         return self._call("speed", (val,))
 
-    def set_load_data(self, value: Sequence[float]) -> Coroutine[Any, Any, int]:
+    def set_load_data(self, value: Sequence[float]) -> int:
         """Set the mass kg and centre m of what the tool holds."""
         return self._call("set_load_data", (value,))
 
@@ -2661,35 +935,35 @@ class AsyncRpc:
         tool: str,
         wobj: str,
         interval: float,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Start to record a track: mode 0 each `interval` degrees, 1 each `interval` seconds."""
         return self._call("start_record_track", (name, mode, tool, wobj, interval))
 
-    def stop_record_track(self) -> Coroutine[Any, Any, int]:
+    def stop_record_track(self) -> int:
         """End the record of a track."""
         return self._call("stop_record_track", ())
 
-    def collision_detect(self, value: int) -> Coroutine[Any, Any, int]:
+    def collision_detect(self, value: int) -> int:
         """Set the level of collision detection, 0 off, 1 to 5."""
         return self._call("collision_detect", (value,))
 
-    def collision_detection_reset(self) -> Coroutine[Any, Any, int]:
+    def collision_detection_reset(self) -> int:
         """Clear the collision warning."""
         return self._call("collision_detection_reset", ())
 
-    def set_teach_pendant(self, enable: bool) -> Coroutine[Any, Any, int]:
+    def set_teach_pendant(self, enable: bool) -> int:
         """Turn the keys of the pendant on or off."""
         return self._call("set_teach_pendant", (enable,))
 
-    def set_teach_speed(self, v: int) -> Coroutine[Any, Any, int]:
+    def set_teach_speed(self, v: int) -> int:
         """Set the teaching speed, 1 to 100 percent."""
         return self._call("set_teach_speed", (v,))
 
-    def get_teach_speed(self) -> Coroutine[Any, Any, int]:
+    def get_teach_speed(self) -> int:
         """Teaching speed, percent."""
         return self._call("get_teach_speed", ())
 
-    def get_global_speed(self) -> Coroutine[Any, Any, int]:
+    def get_global_speed(self) -> int:
         """Global speed, percent."""
         return self._call("get_global_speed", ())
 
@@ -2700,115 +974,107 @@ class AsyncRpc:
         tool: Sequence[float],
         ref_pos: Sequence[float],
         check_points: Sequence[Sequence[float]],
-    ) -> Coroutine[Any, Any, ReachabilityParam]:
+    ) -> ReachabilityParam:
         """Whether poses m, rad can be reached with this base, work object and tool."""
         return self._call("reach_check", (base, wobj, tool, ref_pos, check_points))
 
-    def switch_mode(self, mode: int) -> Coroutine[Any, Any, int]:
+    def switch_mode(self, mode: int) -> int:
         """Switch to manual (0) or automatic (1) operation."""
         return self._call("switch_mode", (mode,))
 
-    def getRobotStatus(self) -> Coroutine[Any, Any, RobotStatus]:
+    def getRobotStatus(self) -> RobotStatus:
         """The arm's positions, speeds, currents, temperatures and errors at once."""
         return self._call("getRobotStatus", ())
 
-    def getRobotIOStatus(self) -> Coroutine[Any, Any, IOStatus]:
+    def getRobotIOStatus(self) -> IOStatus:
         """All inputs, outputs and registers at once."""
         return self._call("getRobotIOStatus", ())
 
-    def read_encoder_count(self) -> Coroutine[Any, Any, int]:
+    def read_encoder_count(self) -> int:
         """Count of the external incremental encoder."""
         return self._call("read_encoder_count", ())
 
-    def get_origin_DH(self) -> Coroutine[Any, Any, list[list[float]]]:
+    def get_origin_DH(self) -> list[list[float]]:
         """DH parameters of the model: a m, alpha rad, d m, theta rad per joint."""
         return self._call("get_origin_DH", ())
 
-    def get_calib_DH(self) -> Coroutine[Any, Any, list[list[float]]]:
+    def get_calib_DH(self) -> list[list[float]]:
         """DH parameters after calibration: a m, alpha rad, d m, theta rad per joint."""
         return self._call("get_calib_DH", ())
 
-    def get_robot_type(self) -> Coroutine[Any, Any, list[str]]:
+    def get_robot_type(self) -> list[str]:
         """Series, model, extension and serial number."""
         return self._call("get_robot_type", ())
 
-    def get_ext_torque(self) -> Coroutine[Any, Any, list[float]]:
+    def get_ext_torque(self) -> list[float]:
         """Observed external joint torques."""
         return self._call("get_ext_torque", ())
 
-    def set_system_value_bool(self, name: str, value: bool) -> Coroutine[Any, Any, int]:
+    def set_system_value_bool(self, name: str, value: bool) -> int:
         """Set a global variable of type bool."""
         return self._call("set_system_value_bool", (name, value))
 
-    def set_system_value_double(self, name: str, value: float) -> Coroutine[Any, Any, int]:
+    def set_system_value_double(self, name: str, value: float) -> int:
         """Set a global variable of type number."""
         return self._call("set_system_value_double", (name, value))
 
-    def set_system_value_str(self, name: str, value: str) -> Coroutine[Any, Any, int]:
+    def set_system_value_str(self, name: str, value: str) -> int:
         """Set a global variable of type string."""
         return self._call("set_system_value_str", (name, value))
 
-    def set_system_value_list(
-        self,
-        name: str,
-        value: Sequence[float],
-    ) -> Coroutine[Any, Any, int]:
+    def set_system_value_list(self, name: str, value: Sequence[float]) -> int:
         """Set a global variable of type list of numbers."""
         return self._call("set_system_value_list", (name, value))
 
-    def get_system_value_bool(self, name: str) -> Coroutine[Any, Any, bool]:
+    def get_system_value_bool(self, name: str) -> bool:
         """Read a global variable of type bool."""
         return self._call("get_system_value_bool", (name,))
 
-    def get_system_value_double(self, name: str) -> Coroutine[Any, Any, float]:
+    def get_system_value_double(self, name: str) -> float:
         """Read a global variable of type number."""
         return self._call("get_system_value_double", (name,))
 
-    def get_system_value_str(self, name: str) -> Coroutine[Any, Any, str]:
+    def get_system_value_str(self, name: str) -> str:
         """Read a global variable of type string."""
         return self._call("get_system_value_str", (name,))
 
-    def get_system_value_list(self, name: str) -> Coroutine[Any, Any, list[float]]:
+    def get_system_value_list(self, name: str) -> list[float]:
         """Read a global variable of type list of numbers."""
         return self._call("get_system_value_list", (name,))
 
-    def get_system_value_lists(self, name: str) -> Coroutine[Any, Any, list[list[float]]]:
+    def get_system_value_lists(self, name: str) -> list[list[float]]:
         """Read a global variable of type list of poses. Not in manual 3.8, in 4.3."""
         return self._call("get_system_value_lists", (name,))
 
-    def log_info(self, message: str) -> Coroutine[Any, Any, None]:
+    def log_info(self, message: str) -> None:
         """Write a line into the controller's log."""
         return self._call("log_info", (message,))
 
-    def log_error(self, message: str) -> Coroutine[Any, Any, None]:
+    def log_error(self, message: str) -> None:
         """Show an error on the pendant and pause all tasks."""
         return self._call("log_error", (message,))
 
-    def get_last_error(self) -> Coroutine[Any, Any, list[str]]:
+    def get_last_error(self) -> list[str]:
         """The latest errors."""
         return self._call("get_last_error", ())
 
-    def get_noneblock_taskstate(self, id: int) -> Coroutine[Any, Any, int]:
+    def get_noneblock_taskstate(self, id: int) -> int:
         """State of a task by its id."""
         return self._call("get_noneblock_taskstate", (id,))
 
-    def robotmoving(self) -> Coroutine[Any, Any, bool]:
+    def robotmoving(self) -> bool:
         """Whether the arm moves."""
         return self._call("robotmoving", ())
 
-    def modbus_read(self, signal_name: str) -> Coroutine[Any, Any, int]:
+    def modbus_read(self, signal_name: str) -> int:
         """Read a Modbus signal."""
         return self._call("modbus_read", (signal_name,))
 
-    def modbus_write(self, signal_name: str, value: int) -> Coroutine[Any, Any, int]:
+    def modbus_write(self, signal_name: str, value: int) -> int:
         """Write a Modbus signal: a register 0 to 65535, a coil 0 or 1."""
         return self._call("modbus_write", (signal_name, value))
 
-    def modbus_set_frequency(
-        self,
-        signal_name: str,
-        frequence: int,
-    ) -> Coroutine[Any, Any, None]:
+    def modbus_set_frequency(self, signal_name: str, frequence: int) -> None:
         """Set how often a Modbus signal is refreshed, 1 to 100 Hz."""
         return self._call("modbus_set_frequency", (signal_name, frequence))
 
@@ -2818,7 +1084,7 @@ class AsyncRpc:
         name: str,
         len: int,
         word_list: Sequence[int],
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Write `len` registers of a Modbus unit."""
         return self._call("modbus_write_multiple_regs", (slave_num, name, len, word_list))
 
@@ -2828,7 +1094,7 @@ class AsyncRpc:
         name: str,
         len: int,
         byte_list: Sequence[int],
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Write `len` coils of a Modbus unit."""
         return self._call("modbus_write_multiple_coils", (slave_num, name, len, byte_list))
 
@@ -2839,22 +1105,22 @@ class AsyncRpc:
         signal_address: int,
         signal_type: int,
         signal_name: str,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Add a Modbus signal. Not in the manual."""
         return self._call(
             "modbus_add_signal",
             (ip, slave_number, signal_address, signal_type, signal_name),
         )
 
-    def modbus_delete_signal(self, signal_name: str) -> Coroutine[Any, Any, int]:
+    def modbus_delete_signal(self, signal_name: str) -> int:
         """Delete a Modbus signal. Not in the manual."""
         return self._call("modbus_delete_signal", (signal_name,))
 
-    def fc_start(self) -> Coroutine[Any, Any, int]:
+    def fc_start(self) -> int:
         """Start force control; motions then give way to force."""
         return self._call("fc_start", ())
 
-    def fc_stop(self) -> Coroutine[Any, Any, int]:
+    def fc_stop(self) -> int:
         """End force control; the arm must stand."""
         return self._call("fc_stop", ())
 
@@ -2868,14 +1134,14 @@ class AsyncRpc:
         tool: str,
         wobj: str,
         value: int,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Set force control: directions, target N, N m, damping, greatest speed, dead band, frame."""
         return self._call(
             "fc_config",
             (direction, ref_ft, damp, max_vel, number_list, tool, wobj, value),
         )
 
-    def fc_move(self, block: bool) -> Coroutine[Any, Any, int]:
+    def fc_move(self, block: bool) -> int:
         """Move by force control alone."""
         return self._call("fc_move", (block,))
 
@@ -2887,19 +1153,15 @@ class AsyncRpc:
         wobj: str,
         type: int,
         force_property: int,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Watch the force, N, N m: the arm stops with an alarm when it is exceeded."""
         return self._call("fc_guard_act", (direction, ref_ft, tool, wobj, type, force_property))
 
-    def fc_guard_deact(self) -> Coroutine[Any, Any, int]:
+    def fc_guard_deact(self) -> int:
         """End the watch of fc_guard_act."""
         return self._call("fc_guard_deact", ())
 
-    def fc_force_set_value(
-        self,
-        direction: Sequence[bool],
-        ref_ft: Sequence[float],
-    ) -> Coroutine[Any, Any, int]:
+    def fc_force_set_value(self, direction: Sequence[bool], ref_ft: Sequence[float]) -> int:
         """Set the readings of the force sensor to these values, N, N m."""
         return self._call("fc_force_set_value", (direction, ref_ft))
 
@@ -2910,7 +1172,7 @@ class AsyncRpc:
         absolute: bool,
         duration: int,
         timeout: int,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """End the motion at a position m, rad held for `duration` ms; give up after `timeout` ms."""
         return self._call("fc_wait_pos", (middle, range, absolute, duration, timeout))
 
@@ -2921,7 +1183,7 @@ class AsyncRpc:
         absolute: bool,
         duration: int,
         timeout: int,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """End the motion at a speed m/s, rad/s held for `duration` ms; give up after `timeout` ms."""
         return self._call("fc_wait_vel", (middle, range, absolute, duration, timeout))
 
@@ -2932,76 +1194,67 @@ class AsyncRpc:
         absolute: bool,
         duration: int,
         timeout: int,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """End the motion at a force N, N m held for `duration` ms; give up after `timeout` ms."""
         return self._call("fc_wait_ft", (middle, range, absolute, duration, timeout))
 
-    def fc_wait_logic(self, value: Sequence[int]) -> Coroutine[Any, Any, int]:
+    def fc_wait_logic(self, value: Sequence[int]) -> int:
         """Combine the conditions position, speed, force: 0 off, 1 and, 2 or. Resets them."""
         return self._call("fc_wait_logic", (value,))
 
-    def fc_get_ft(self) -> Coroutine[Any, Any, list[float]]:
+    def fc_get_ft(self) -> list[float]:
         """Readings of the force sensor, N, N m."""
         return self._call("fc_get_ft", ())
 
-    def fc_mode_is_active(self) -> Coroutine[Any, Any, bool]:
+    def fc_mode_is_active(self) -> bool:
         """Whether force control is on."""
         return self._call("fc_mode_is_active", ())
 
-    def enable_speed_optimization(self) -> Coroutine[Any, Any, int]:
+    def enable_speed_optimization(self) -> int:
         """Let the controller choose speeds up to the safety limits, in automatic operation."""
         return self._call("enable_speed_optimization", ())
 
-    def disable_speed_optimization(self) -> Coroutine[Any, Any, int]:
+    def disable_speed_optimization(self) -> int:
         """End enable_speed_optimization."""
         return self._call("disable_speed_optimization", ())
 
-    def enable_acc_optimization(self) -> Coroutine[Any, Any, int]:
+    def enable_acc_optimization(self) -> int:
         """Let the controller choose accelerations by the arm's dynamics."""
         return self._call("enable_acc_optimization", ())
 
-    def disable_acc_optimization(self) -> Coroutine[Any, Any, int]:
+    def disable_acc_optimization(self) -> int:
         """End enable_acc_optimization."""
         return self._call("disable_acc_optimization", ())
 
-    def enable_singularity_control(self) -> Coroutine[Any, Any, int]:
+    def enable_singularity_control(self) -> int:
         """Pass singularities by joint motion, off the path; vibration control must be off."""
         return self._call("enable_singularity_control", ())
 
-    def disable_singularity_control(self) -> Coroutine[Any, Any, int]:
+    def disable_singularity_control(self) -> int:
         """End enable_singularity_control."""
         return self._call("disable_singularity_control", ())
 
-    def enable_vibration_control(self) -> Coroutine[Any, Any, int]:
+    def enable_vibration_control(self) -> int:
         """Damp vibration at start and stop; each motion takes 0.2 to 0.4 s longer."""
         return self._call("enable_vibration_control", ())
 
-    def disable_vibration_control(self) -> Coroutine[Any, Any, int]:
+    def disable_vibration_control(self) -> int:
         """End enable_vibration_control, until it is enabled again."""
         return self._call("disable_vibration_control", ())
 
-    def trackEnqueue(
-        self,
-        track: Sequence[Sequence[float]],
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
+    def trackEnqueue(self, track: Sequence[Sequence[float]], block: bool) -> int:
         """Put points, joints rad or poses m, rad, into the pool of 1000. -1 if it is full."""
         return self._call("trackEnqueue", (track, block))
 
-    def trackClearQueue(self) -> Coroutine[Any, Any, int]:
+    def trackClearQueue(self) -> int:
         """Empty the pool."""
         return self._call("trackClearQueue", ())
 
-    def getQueueSize(self) -> Coroutine[Any, Any, int]:
+    def getQueueSize(self) -> int:
         """How many points of the pool are still to come."""
         return self._call("getQueueSize", ())
 
-    def trackJointMotion(
-        self,
-        speed: float,
-        acc: float,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
+    def trackJointMotion(self, speed: float, acc: float, block: bool) -> int:
         """Follow the pool's points as joints; speed rad/s, acc rad/s²."""
         return self._call("trackJointMotion", (speed, acc, block))
 
@@ -3013,11 +1266,11 @@ class AsyncRpc:
         tool: str,
         wobj: str,
         radius: float,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Follow the pool's points as poses; speed m/s, acc m/s², radius m."""
         return self._call("trackCartMotion", (speed, acc, block, tool, wobj, radius))
 
-    def trackEnqueueOp(self, track: Sequence[PointOp], block: bool) -> Coroutine[Any, Any, int]:
+    def trackEnqueueOp(self, track: Sequence[PointOp], block: bool) -> int:
         """Put points with triggers into the pool of 1000. -1 if it is full."""
         return self._call("trackEnqueueOp", (track, block))
 
@@ -3033,26 +1286,26 @@ class AsyncRpc:
         time: Sequence[int],
         path_dwell: bool,
         op_list: Sequence[Op],
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Set the weave that is laid over motions: shape, plane, fq Hz, amp m, dwell ms."""
         return self._call(
             "combine_motion_config",
             (type, ref_plane, fq, amp, el_offset, az_offset, up_height, time, path_dwell, op_list),
         )
 
-    def enable_combine_motion(self) -> Coroutine[Any, Any, int]:
+    def enable_combine_motion(self) -> int:
         """Lay the weave over the following motions; the arm must stand."""
         return self._call("enable_combine_motion", ())
 
-    def disable_combine_motion(self) -> Coroutine[Any, Any, int]:
+    def disable_combine_motion(self) -> int:
         """End the weave; the arm must stand."""
         return self._call("disable_combine_motion", ())
 
-    def enable_eaxis_scheme(self, scheme_name: str) -> Coroutine[Any, Any, int]:
+    def enable_eaxis_scheme(self, scheme_name: str) -> int:
         """Activate a scheme of external axes."""
         return self._call("enable_eaxis_scheme", (scheme_name,))
 
-    def disable_eaxis_scheme(self, scheme_name: str) -> Coroutine[Any, Any, int]:
+    def disable_eaxis_scheme(self, scheme_name: str) -> int:
         """Deactivate a scheme of external axes."""
         return self._call("disable_eaxis_scheme", (scheme_name,))
 
@@ -3063,17 +1316,11 @@ class AsyncRpc:
         v: float,
         block: bool,
         op: Op,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Move external axes to `epose` rad or m; v rad/s or m/s."""
         return self._call("move_eaxis", (scheme_name, epose, v, block, op))
 
-    def move_jog_eaxis(
-        self,
-        name: str,
-        direction: int,
-        vel: float,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
+    def move_jog_eaxis(self, name: str, direction: int, vel: float, block: bool) -> int:
         """Jog an external axis, direction -1 or 1, at `vel` percent."""
         return self._call("move_jog_eaxis", (name, direction, vel, block))
 
@@ -3089,7 +1336,7 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """movej2 together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
         return self._call(
             "movej2_eaxis",
@@ -3111,7 +1358,7 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """movej_pose2 together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
         return self._call(
             "movej2_pose_eaxis",
@@ -3133,7 +1380,7 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """movel together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
         return self._call(
             "movel_eaxis",
@@ -3157,7 +1404,7 @@ class AsyncRpc:
         op: Op,
         def_acc: bool,
         mode: int,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """movec together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
         return self._call(
             "movec_eaxis",
@@ -3197,7 +1444,7 @@ class AsyncRpc:
         block: bool,
         op: Op,
         def_acc: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """move_circle together with external axes. Not in the manual."""
         return self._call(
             "move_circle_eaxis",
@@ -3220,33 +1467,23 @@ class AsyncRpc:
             ),
         )
 
-    def get_eaxis_info(self) -> Coroutine[Any, Any, list[EAxissInfo]]:
+    def get_eaxis_info(self) -> list[EAxissInfo]:
         """Schemes of external axes: state and position. Not in manual 3.8, in 4.3."""
         return self._call("get_eaxis_info", ())
 
-    def set_eaxis_param(
-        self,
-        num: int,
-        param: EAxisParam,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
+    def set_eaxis_param(self, num: int, param: EAxisParam, block: bool) -> int:
         """Set the parameters of external axis `num`. Not in the manual."""
         return self._call("set_eaxis_param", (num, param, block))
 
-    def set_eaxiss_scheme_param(
-        self,
-        num: int,
-        param: EAxisSchemeParam,
-        block: bool,
-    ) -> Coroutine[Any, Any, int]:
+    def set_eaxiss_scheme_param(self, num: int, param: EAxisSchemeParam, block: bool) -> int:
         """Set the parameters of scheme `num`. Not in the manual."""
         return self._call("set_eaxiss_scheme_param", (num, param, block))
 
-    def add_eaxis_scheme(self, num: int, block: bool) -> Coroutine[Any, Any, int]:
+    def add_eaxis_scheme(self, num: int, block: bool) -> int:
         """Add a scheme of external axes. Not in the manual."""
         return self._call("add_eaxis_scheme", (num, block))
 
-    def delete_eaxis_scheme(self, num: int, block: bool) -> Coroutine[Any, Any, int]:
+    def delete_eaxis_scheme(self, num: int, block: bool) -> int:
         """Delete a scheme of external axes. Not in the manual."""
         return self._call("delete_eaxis_scheme", (num, block))
 
@@ -3255,11 +1492,11 @@ class AsyncRpc:
         mode: int,
         fileter_bandwidth: float,
         com_lost_time: float,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Follow the realtime queue; filter Hz, stop without data for com_lost_time s."""
         return self._call("start_realtime_mode", (mode, fileter_bandwidth, com_lost_time))
 
-    def end_realtime_mode(self) -> Coroutine[Any, Any, int]:
+    def end_realtime_mode(self) -> int:
         """End realtime control."""
         return self._call("end_realtime_mode", ())
 
@@ -3267,27 +1504,27 @@ class AsyncRpc:
         self,
         realtime_data: Sequence[RealTimeControlData],
         block: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Put commands into the realtime queue."""
         return self._call("realtime_data_enqueue", (realtime_data, block))
 
-    def clear_realtime_data_queue(self) -> Coroutine[Any, Any, int]:
+    def clear_realtime_data_queue(self) -> int:
         """Empty the realtime queue."""
         return self._call("clear_realtime_data_queue", ())
 
-    def get_realtime_data_queue_size(self) -> Coroutine[Any, Any, int]:
+    def get_realtime_data_queue_size(self) -> int:
         """How many commands wait in the realtime queue."""
         return self._call("get_realtime_data_queue_size", ())
 
-    def get_robot_version(self) -> Coroutine[Any, Any, str]:
+    def get_robot_version(self) -> str:
         """Version of the controller's software."""
         return self._call("get_robot_version", ())
 
-    def change_recipe(self) -> Coroutine[Any, Any, None]:
+    def change_recipe(self) -> None:
         """Change the recipe. Not in the manual."""
         return self._call("change_recipe", ())
 
-    def set_pendant_type(self, type: int) -> Coroutine[Any, Any, int]:
+    def set_pendant_type(self, type: int) -> int:
         """Set the kind of pendant. Not in the manual."""
         return self._call("set_pendant_type", (type,))
 
@@ -3298,11 +1535,11 @@ class AsyncRpc:
         value: int,
         qfmt: int,
         block: bool,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Set a parameter of an axis' servo drive. Not in the manual."""
         return self._call("set_servo_config", (axis_num, id, value, qfmt, block))
 
-    def apply_servo_config(self, axis_num: int, block: bool) -> Coroutine[Any, Any, int]:
+    def apply_servo_config(self, axis_num: int, block: bool) -> int:
         """Apply the parameters of an axis' servo drive. Not in the manual."""
         return self._call("apply_servo_config", (axis_num, block))
 
@@ -3313,978 +1550,325 @@ class AsyncRpc:
         name: str,
         value: float,
         qfmt: float,
-    ) -> Coroutine[Any, Any, int]:
+    ) -> int:
         """Set a parameter in an axis' servo file. Not in the manual."""
         return self._call("set_servo_file_params", (axis_num, id, name, value, qfmt))
 
-    def get_axis_motor_kt(self) -> Coroutine[Any, Any, list[float]]:
+    def get_axis_motor_kt(self) -> list[float]:
         """Torque constants of the motors. Not in the manual."""
         return self._call("get_axis_motor_kt", ())
 
-    def get_axis_motor_rated_current(self) -> Coroutine[Any, Any, list[float]]:
+    def get_axis_motor_rated_current(self) -> list[float]:
         """Rated currents of the motors. Not in the manual."""
         return self._call("get_axis_motor_rated_current", ())
 
-    def get_axis_ratio(self) -> Coroutine[Any, Any, list[int]]:
+    def get_axis_ratio(self) -> list[int]:
         """Gear ratios of the axes. Not in the manual."""
         return self._call("get_axis_ratio", ())
 
-    def get_motor_pole_pair_number(self) -> Coroutine[Any, Any, list[int]]:
+    def get_motor_pole_pair_number(self) -> list[int]:
         """Pole pairs of the motors. Not in the manual."""
         return self._call("get_motor_pole_pair_number", ())
 
-    def get_motor_stator_slots(self) -> Coroutine[Any, Any, list[int]]:
+    def get_motor_stator_slots(self) -> list[int]:
         """Stator slots of the motors. Not in the manual."""
         return self._call("get_motor_stator_slots", ())
 
-    def get_pos_bias(self) -> Coroutine[Any, Any, list[float]]:
+    def get_pos_bias(self) -> list[float]:
         """Position biases of the axes. Not in the manual."""
         return self._call("get_pos_bias", ())
 
-    def get_dynamic_calibration_params(self) -> Coroutine[Any, Any, list[list[float]]]:
+    def get_dynamic_calibration_params(self) -> list[list[float]]:
         """Parameters of the dynamic calibration. Not in the manual."""
         return self._call("get_dynamic_calibration_params", ())
 
-    def set_dynamic_calibration_params(
-        self,
-        params: Sequence[Sequence[float]],
-    ) -> Coroutine[Any, Any, int]:
+    def set_dynamic_calibration_params(self, params: Sequence[Sequence[float]]) -> int:
         """Set the parameters of the dynamic calibration. Not in the manual."""
         return self._call("set_dynamic_calibration_params", (params,))
 
-    def set_dynamic_calibration_info(self, passwd: str, info: str) -> Coroutine[Any, Any, int]:
+    def set_dynamic_calibration_info(self, passwd: str, info: str) -> int:
         """Set the notes of the dynamic calibration. Not in the manual."""
         return self._call("set_dynamic_calibration_info", (passwd, info))
 
-    def save_dynamic_calibration_params(self, passwd: str) -> Coroutine[Any, Any, int]:
+    def save_dynamic_calibration_params(self, passwd: str) -> int:
         """Save the dynamic calibration. Not in the manual."""
         return self._call("save_dynamic_calibration_params", (passwd,))
 
-    def set_kinematic_calibration_params(
-        self,
-        params: Sequence[Sequence[float]],
-    ) -> Coroutine[Any, Any, int]:
+    def set_kinematic_calibration_params(self, params: Sequence[Sequence[float]]) -> int:
         """Set the parameters of the kinematic calibration. Not in the manual."""
         return self._call("set_kinematic_calibration_params", (params,))
 
-    def set_kinematic_calibration_info(
-        self,
-        passwd: str,
-        info: str,
-    ) -> Coroutine[Any, Any, int]:
+    def set_kinematic_calibration_info(self, passwd: str, info: str) -> int:
         """Set the notes of the kinematic calibration. Not in the manual."""
         return self._call("set_kinematic_calibration_info", (passwd, info))
 
-    def save_kinematic_calibration_params(self, passwd: str) -> Coroutine[Any, Any, int]:
+    def save_kinematic_calibration_params(self, passwd: str) -> int:
         """Save the kinematic calibration. Not in the manual."""
         return self._call("save_kinematic_calibration_params", (passwd,))
 
-    def get_vibration_calibration_params(self) -> Coroutine[Any, Any, list[list[float]]]:
+    def get_vibration_calibration_params(self) -> list[list[float]]:
         """Parameters of the vibration calibration. Not in the manual."""
         return self._call("get_vibration_calibration_params", ())
 
-    def set_vibration_calibration_info(
-        self,
-        passwd: str,
-        info: str,
-    ) -> Coroutine[Any, Any, int]:
+    def set_vibration_calibration_info(self, passwd: str, info: str) -> int:
         """Set the notes of the vibration calibration. Not in the manual."""
         return self._call("set_vibration_calibration_info", (passwd, info))
 
-    def upload_robot_param_to_toolboard(self, passwd: str) -> Coroutine[Any, Any, int]:
+    def upload_robot_param_to_toolboard(self, passwd: str) -> int:
         """Write the robot's parameters to the tool board. Not in the manual."""
         return self._call("upload_robot_param_to_toolboard", (passwd,))
 
 
-class Handler(Protocol):
-    """What a server answers: one method per function."""
-
-    def rpc_heartbeat(self, time: int) -> None: ...
-
-    def power_on(self, block: bool) -> int: ...
-
-    def power_off(self, block: bool) -> int: ...
-
-    def enable(self, block: bool) -> int: ...
-
-    def disable(self, block: bool) -> int: ...
-
-    def shutdown(self, block: bool) -> int: ...
-
-    def restart(self, block: bool) -> int: ...
-
-    def stop(self, block: bool) -> int: ...
-
-    def pause(self, block: bool) -> int: ...
-
-    def resume(self, block: bool) -> int: ...
-
-    def abort(self, block: bool) -> int: ...
-
-    def run_program(self, name: str, block: bool) -> int: ...
-
-    def get_current_project(self) -> str: ...
-
-    def get_files_list(self, path: str) -> dict[str, int]: ...
-
-    def movej2(
-        self,
-        joints_list: list[float],
-        v: float,
-        a: float,
-        r: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def movej_pose2(
-        self,
-        p: list[float],
-        v: float,
-        a: float,
-        r: float,
-        q_near: list[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def movel(
-        self,
-        p: list[float],
-        v: float,
-        a: float,
-        r: float,
-        q_near: list[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def movec(
-        self,
-        p1: list[float],
-        p2: list[float],
-        v: float,
-        a: float,
-        r: float,
-        mode: int,
-        q_near: list[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def move_circle(
-        self,
-        p1: list[float],
-        p2: list[float],
-        v: float,
-        a: float,
-        r: float,
-        mode: int,
-        q_near: list[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def tcp_move(
-        self,
-        pose_offset: list[float],
-        v: float,
-        a: float,
-        r: float,
-        tool: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def tcp_move_2p(
-        self,
-        p1: list[float],
-        p2: list[float],
-        v: float,
-        a: float,
-        r: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def wobj_move(
-        self,
-        pose_offset: list[float],
-        v: float,
-        a: float,
-        r: float,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def wobj_move_2p(
-        self,
-        p1: list[float],
-        p2: list[float],
-        v: float,
-        a: float,
-        r: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def speedj(self, joints_list: list[float], a: float, time: int, block: bool) -> int: ...
-
-    def speedl(self, pose_list: list[float], a: float, time: int, block: bool) -> int: ...
-
-    def speed_stop(self, block: bool) -> int: ...
-
-    def teach_mode(self, block: bool) -> int: ...
-
-    def end_teach_mode(self, block: bool) -> int: ...
-
-    def set_hand_teach_parameter(
-        self,
-        space: int,
-        joint_scale: list[int],
-        cart_scale: list[int],
-        coord_type: int,
-        direction: list[bool],
-    ) -> int: ...
-
-    def replay(self, name: str, value: int, mode: int) -> int: ...
-
-    def spline(
-        self,
-        pose_list: list[list[float]],
-        v: float,
-        a: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        r: float,
-        def_acc: bool,
-    ) -> int: ...
-
-    def spline_op(
-        self,
-        pose_list: list[PointOp],
-        v: float,
-        a: float,
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        r: float,
-        def_acc: bool,
-    ) -> int: ...
-
-    def servoj(
-        self,
-        joints_list: list[float],
-        v: float,
-        a: float,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> int: ...
-
-    def servoj_pose(
-        self,
-        pose_list: list[float],
-        v: float,
-        a: float,
-        q_near: list[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> int: ...
-
-    def servo_tcp(
-        self,
-        pose_offset: list[float],
-        v: float,
-        a: float,
-        tool: str,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> int: ...
-
-    def servol(
-        self,
-        pose_list: list[float],
-        v: float,
-        a: float,
-        q_near: list[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        kp: float,
-        kd: float,
-        smooth_vel: float,
-        smooth_acc: float,
-    ) -> int: ...
-
-    def move_spiral(
-        self,
-        p1: list[float],
-        p2: list[float],
-        rev: float,
-        len: float,
-        r: float,
-        mode: int,
-        v: float,
-        a: float,
-        q_near: list[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def move_jog(self, param: MoveJogTaskParam, block: bool) -> int: ...
-
-    def stop_manual_move(self, block: bool) -> int: ...
-
-    def set_blend_ahead(self, per: int, num: int) -> int: ...
-
-    def movej(
-        self,
-        joints_list: list[float],
-        v: float,
-        a: float,
-        r: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def movej_pose(
-        self,
-        p: list[float],
-        v: float,
-        a: float,
-        r: float,
-        q_near: list[float],
-        tool: str,
-        wobj: str,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def set_baudrate_485(self, value: int, block: bool) -> int: ...
-
-    def read_raw_data_485(self, len: int) -> list[int]: ...
-
-    def read_raw_data_485_h(self, head: list[int], len: int) -> list[int]: ...
-
-    def read_raw_data_485_ht(self, head: list[int], tail: list[int]) -> list[int]: ...
-
-    def write_raw_data_485(self, data: list[int]) -> bool: ...
-
-    def write_raw_data_485_h(self, data: list[int], head: list[int]) -> bool: ...
-
-    def write_raw_data_485_ht(self, data: list[int], head: list[int], tail: list[int]) -> bool: ...
-
-    def read_data_485(self) -> list[int]: ...
-
-    def write_data_485(self, data: list[int]) -> bool: ...
-
-    def tool_read_raw_data_485(self, len: int) -> list[int]: ...
-
-    def tool_read_raw_data_485_h(self, head: list[int], len: int) -> list[int]: ...
-
-    def tool_read_raw_data_485_ht(self, head: list[int], tail: list[int]) -> list[int]: ...
-
-    def tool_write_raw_data_485(self, data: list[int]) -> bool: ...
-
-    def tool_write_raw_data_485_h(self, data: list[int], head: list[int]) -> bool: ...
-
-    def tool_write_raw_data_485_ht(
-        self,
-        data: list[int],
-        head: list[int],
-        tail: list[int],
-    ) -> bool: ...
-
-    def tool_read_data_485(self) -> list[int]: ...
-
-    def tool_write_data_485(self, data: list[int]) -> bool: ...
-
-    def set_baudrate_can(self, value: int, block: bool) -> int: ...
-
-    def read_raw_data_can(self) -> list[int]: ...
-
-    def write_raw_data_can(self, id: int, data: list[int]) -> bool: ...
-
-    def read_data_can(self) -> list[int]: ...
-
-    def write_data_can(self, id: int, data: list[int]) -> bool: ...
-
-    def set_digital_output_mode(self, num: int, type: int, freq: int, duty_cycle: int) -> int: ...
-
-    def set_standard_digital_out(self, num: int, value: bool, block: bool) -> int: ...
-
-    def get_standard_digital_out(self, num: int) -> bool: ...
-
-    def get_standard_digital_in(self, num: int) -> bool: ...
-
-    def set_tool_digital_out(self, num: int, value: bool, block: bool) -> int: ...
-
-    def get_tool_digital_out(self, num: int) -> bool: ...
-
-    def get_tool_digital_in(self, num: int) -> bool: ...
-
-    def get_config_digital_in(self, num: int) -> bool: ...
-
-    def get_function_digital_in(self, num: int) -> bool: ...
-
-    def get_function_digital_out(self, num: int) -> bool: ...
-
-    def get_standard_analog_voltage_in(self, num: int) -> float: ...
-
-    def set_standard_analog_voltage_out(self, num: int, value: float, block: bool) -> int: ...
-
-    def get_tool_analog_voltage_in(self, num: int) -> float: ...
-
-    def get_standard_analog_current_in(self, num: int) -> float: ...
-
-    def set_standard_analog_current_out(self, num: int, value: float, block: bool) -> int: ...
-
-    def set_analog_output_mode(self, num: int, mode: int, block: bool) -> int: ...
-
-    def write_bool_reg(self, num: int, value: bool) -> int: ...
-
-    def write_word_reg(self, num: int, value: int) -> int: ...
-
-    def write_float_reg(self, num: int, value: float) -> int: ...
-
-    def read_bool_reg(self, num: int) -> bool: ...
-
-    def read_word_reg(self, num: int) -> int: ...
-
-    def read_float_reg(self, num: int) -> float: ...
-
-    def get_function_reg_in(self, num: int) -> bool: ...
-
-    def get_function_reg_out(self, num: int) -> bool: ...
-
-    def set_wobj_offset(self, wobj: list[float], active: bool) -> int: ...
-
-    def set_wobj(self, name: str, wobj: list[float]) -> int: ...
-
-    def set_tool_data(
-        self,
-        name: str,
-        tool_offset: list[float],
-        payload: list[float],
-        inertia_tensor: list[float],
-    ) -> int: ...
-
-    def cal_ikine(
-        self,
-        p: list[float],
-        q_near: list[float],
-        tool: list[float],
-        wobj: list[float],
-    ) -> list[float]: ...
-
-    def cal_fkine(
-        self,
-        joints_position: list[float],
-        tool: list[float],
-        wobj: list[float],
-    ) -> list[float]: ...
-
-    def get_tcp_pose(self) -> list[float]: ...
-
-    def get_tcp_pose_coord(self, tool: str, wobj: str) -> list[float]: ...
-
-    def get_tcp_speed(self) -> list[float]: ...
-
-    def get_tcp_acceleration(self) -> list[float]: ...
-
-    def get_tcp_force(self) -> list[float]: ...
-
-    def get_tcp_force_tool(self, tool: str) -> list[float]: ...
-
-    def get_tcp_offset(self) -> list[float]: ...
-
-    def get_tool_load(self) -> list[float]: ...
-
-    def get_wobj(self) -> list[float]: ...
-
-    def get_actual_joints_position(self) -> list[float]: ...
-
-    def get_target_joints_position(self) -> list[float]: ...
-
-    def get_actual_joints_speed(self) -> list[float]: ...
-
-    def get_target_joints_speed(self) -> list[float]: ...
-
-    def get_actual_joints_acceleration(self) -> list[float]: ...
-
-    def get_target_joints_acceleration(self) -> list[float]: ...
-
-    def get_actual_joints_torque(self) -> list[float]: ...
-
-    def get_target_joints_torque(self) -> list[float]: ...
-
-    def get_flange_pose(self) -> list[float]: ...
-
-    def get_flange_speed(self) -> list[float]: ...
-
-    def get_flange_acceleration(self) -> list[float]: ...
-
-    def get_robot_state(self) -> list[int]: ...
-
-    def simulation(self, sim: bool, block: bool) -> int: ...
-
-    def speed(self, val: float) -> int: ...
-
-    def set_load_data(self, value: list[float]) -> int: ...
-
-    def start_record_track(
-        self,
-        name: str,
-        mode: int,
-        tool: str,
-        wobj: str,
-        interval: float,
-    ) -> int: ...
-
-    def stop_record_track(self) -> int: ...
-
-    def collision_detect(self, value: int) -> int: ...
-
-    def collision_detection_reset(self) -> int: ...
-
-    def set_teach_pendant(self, enable: bool) -> int: ...
-
-    def set_teach_speed(self, v: int) -> int: ...
-
-    def get_teach_speed(self) -> int: ...
-
-    def get_global_speed(self) -> int: ...
-
-    def reach_check(
-        self,
-        base: list[float],
-        wobj: list[float],
-        tool: list[float],
-        ref_pos: list[float],
-        check_points: list[list[float]],
-    ) -> ReachabilityParam: ...
-
-    def switch_mode(self, mode: int) -> int: ...
-
-    def getRobotStatus(self) -> RobotStatus: ...
-
-    def getRobotIOStatus(self) -> IOStatus: ...
-
-    def read_encoder_count(self) -> int: ...
-
-    def get_origin_DH(self) -> list[list[float]]: ...
-
-    def get_calib_DH(self) -> list[list[float]]: ...
-
-    def get_robot_type(self) -> list[str]: ...
-
-    def get_ext_torque(self) -> list[float]: ...
-
-    def set_system_value_bool(self, name: str, value: bool) -> int: ...
-
-    def set_system_value_double(self, name: str, value: float) -> int: ...
-
-    def set_system_value_str(self, name: str, value: str) -> int: ...
-
-    def set_system_value_list(self, name: str, value: list[float]) -> int: ...
-
-    def get_system_value_bool(self, name: str) -> bool: ...
-
-    def get_system_value_double(self, name: str) -> float: ...
-
-    def get_system_value_str(self, name: str) -> str: ...
-
-    def get_system_value_list(self, name: str) -> list[float]: ...
-
-    def get_system_value_lists(self, name: str) -> list[list[float]]: ...
-
-    def log_info(self, message: str) -> None: ...
-
-    def log_error(self, message: str) -> None: ...
-
-    def get_last_error(self) -> list[str]: ...
-
-    def get_noneblock_taskstate(self, id: int) -> int: ...
-
-    def robotmoving(self) -> bool: ...
-
-    def modbus_read(self, signal_name: str) -> int: ...
-
-    def modbus_write(self, signal_name: str, value: int) -> int: ...
-
-    def modbus_set_frequency(self, signal_name: str, frequence: int) -> None: ...
-
-    def modbus_write_multiple_regs(
-        self,
-        slave_num: int,
-        name: str,
-        len: int,
-        word_list: list[int],
-    ) -> int: ...
-
-    def modbus_write_multiple_coils(
-        self,
-        slave_num: int,
-        name: str,
-        len: int,
-        byte_list: list[int],
-    ) -> int: ...
-
-    def modbus_add_signal(
-        self,
-        ip: str,
-        slave_number: int,
-        signal_address: int,
-        signal_type: int,
-        signal_name: str,
-    ) -> int: ...
-
-    def modbus_delete_signal(self, signal_name: str) -> int: ...
-
-    def fc_start(self) -> int: ...
-
-    def fc_stop(self) -> int: ...
-
-    def fc_config(
-        self,
-        direction: list[bool],
-        ref_ft: list[float],
-        damp: list[float],
-        max_vel: list[float],
-        number_list: list[float],
-        tool: str,
-        wobj: str,
-        value: int,
-    ) -> int: ...
-
-    def fc_move(self, block: bool) -> int: ...
-
-    def fc_guard_act(
-        self,
-        direction: list[bool],
-        ref_ft: list[float],
-        tool: str,
-        wobj: str,
-        type: int,
-        force_property: int,
-    ) -> int: ...
-
-    def fc_guard_deact(self) -> int: ...
-
-    def fc_force_set_value(self, direction: list[bool], ref_ft: list[float]) -> int: ...
-
-    def fc_wait_pos(
-        self,
-        middle: list[float],
-        range: list[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int: ...
-
-    def fc_wait_vel(
-        self,
-        middle: list[float],
-        range: list[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int: ...
-
-    def fc_wait_ft(
-        self,
-        middle: list[float],
-        range: list[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int: ...
-
-    def fc_wait_logic(self, value: list[int]) -> int: ...
-
-    def fc_get_ft(self) -> list[float]: ...
-
-    def fc_mode_is_active(self) -> bool: ...
-
-    def enable_speed_optimization(self) -> int: ...
-
-    def disable_speed_optimization(self) -> int: ...
-
-    def enable_acc_optimization(self) -> int: ...
-
-    def disable_acc_optimization(self) -> int: ...
-
-    def enable_singularity_control(self) -> int: ...
-
-    def disable_singularity_control(self) -> int: ...
-
-    def enable_vibration_control(self) -> int: ...
-
-    def disable_vibration_control(self) -> int: ...
-
-    def trackEnqueue(self, track: list[list[float]], block: bool) -> int: ...
-
-    def trackClearQueue(self) -> int: ...
-
-    def getQueueSize(self) -> int: ...
-
-    def trackJointMotion(self, speed: float, acc: float, block: bool) -> int: ...
-
-    def trackCartMotion(
-        self,
-        speed: float,
-        acc: float,
-        block: bool,
-        tool: str,
-        wobj: str,
-        radius: float,
-    ) -> int: ...
-
-    def trackEnqueueOp(self, track: list[PointOp], block: bool) -> int: ...
-
-    def combine_motion_config(
-        self,
-        type: int,
-        ref_plane: int,
-        fq: float,
-        amp: float,
-        el_offset: float,
-        az_offset: float,
-        up_height: float,
-        time: list[int],
-        path_dwell: bool,
-        op_list: list[Op],
-    ) -> int: ...
-
-    def enable_combine_motion(self) -> int: ...
-
-    def disable_combine_motion(self) -> int: ...
-
-    def enable_eaxis_scheme(self, scheme_name: str) -> int: ...
-
-    def disable_eaxis_scheme(self, scheme_name: str) -> int: ...
-
-    def move_eaxis(
-        self,
-        scheme_name: str,
-        epose: list[float],
-        v: float,
-        block: bool,
-        op: Op,
-    ) -> int: ...
-
-    def move_jog_eaxis(self, name: str, direction: int, vel: float, block: bool) -> int: ...
-
-    def movej2_eaxis(
-        self,
-        joints_list: list[float],
-        v: float,
-        a: float,
-        rad: float,
-        scheme_name: str,
-        epose: list[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def movej2_pose_eaxis(
-        self,
-        p: list[float],
-        v: float,
-        a: float,
-        rad: float,
-        qnear: list[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: list[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def movel_eaxis(
-        self,
-        p: list[float],
-        v: float,
-        a: float,
-        rad: float,
-        qnear: list[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: list[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def movec_eaxis(
-        self,
-        p1: list[float],
-        p2: list[float],
-        v: float,
-        a: float,
-        rad: float,
-        qnear: list[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: list[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-        mode: int,
-    ) -> int: ...
-
-    def move_circle_eaxis(
-        self,
-        p1: list[float],
-        p2: list[float],
-        v: float,
-        a: float,
-        rad: float,
-        mode: int,
-        qnear: list[float],
-        tool: str,
-        wobj: str,
-        scheme_name: str,
-        epose: list[float],
-        eaxis_v: float,
-        block: bool,
-        op: Op,
-        def_acc: bool,
-    ) -> int: ...
-
-    def get_eaxis_info(self) -> list[EAxissInfo]: ...
-
-    def set_eaxis_param(self, num: int, param: EAxisParam, block: bool) -> int: ...
-
-    def set_eaxiss_scheme_param(self, num: int, param: EAxisSchemeParam, block: bool) -> int: ...
-
-    def add_eaxis_scheme(self, num: int, block: bool) -> int: ...
-
-    def delete_eaxis_scheme(self, num: int, block: bool) -> int: ...
-
-    def start_realtime_mode(
-        self,
-        mode: int,
-        fileter_bandwidth: float,
-        com_lost_time: float,
-    ) -> int: ...
-
-    def end_realtime_mode(self) -> int: ...
-
-    def realtime_data_enqueue(
-        self,
-        realtime_data: list[RealTimeControlData],
-        block: bool,
-    ) -> int: ...
-
-    def clear_realtime_data_queue(self) -> int: ...
-
-    def get_realtime_data_queue_size(self) -> int: ...
-
-    def get_robot_version(self) -> str: ...
-
-    def change_recipe(self) -> None: ...
-
-    def set_pendant_type(self, type: int) -> int: ...
-
-    def set_servo_config(
-        self,
-        axis_num: int,
-        id: int,
-        value: int,
-        qfmt: int,
-        block: bool,
-    ) -> int: ...
-
-    def apply_servo_config(self, axis_num: int, block: bool) -> int: ...
-
-    def set_servo_file_params(
-        self,
-        axis_num: int,
-        id: int,
-        name: str,
-        value: float,
-        qfmt: float,
-    ) -> int: ...
-
-    def get_axis_motor_kt(self) -> list[float]: ...
-
-    def get_axis_motor_rated_current(self) -> list[float]: ...
-
-    def get_axis_ratio(self) -> list[int]: ...
-
-    def get_motor_pole_pair_number(self) -> list[int]: ...
-
-    def get_motor_stator_slots(self) -> list[int]: ...
-
-    def get_pos_bias(self) -> list[float]: ...
-
-    def get_dynamic_calibration_params(self) -> list[list[float]]: ...
-
-    def set_dynamic_calibration_params(self, params: list[list[float]]) -> int: ...
-
-    def set_dynamic_calibration_info(self, passwd: str, info: str) -> int: ...
-
-    def save_dynamic_calibration_params(self, passwd: str) -> int: ...
-
-    def set_kinematic_calibration_params(self, params: list[list[float]]) -> int: ...
-
-    def set_kinematic_calibration_info(self, passwd: str, info: str) -> int: ...
-
-    def save_kinematic_calibration_params(self, passwd: str) -> int: ...
-
-    def get_vibration_calibration_params(self) -> list[list[float]]: ...
-
-    def set_vibration_calibration_info(self, passwd: str, info: str) -> int: ...
-
-    def upload_robot_param_to_toolboard(self, passwd: str) -> int: ...
+class RpcClient(Functions):
+    """Every function of the wire, for callers that own a thread; `call` sends one."""
+
+    __slots__ = ("_send",)
+
+    def __init__(self, call: Callable[[str, tuple[Any, ...]], Any]) -> None:
+        self._send = call
+
+    def _call(self, name: str, args: tuple[Any, ...]) -> Any:
+        return self._send(name, args)
+
+
+def awaited(
+    function: Callable[Concatenate[Functions, P], R],
+) -> Callable[Concatenate[AsyncRpc, P], Coroutine[Any, Any, R]]:
+    """The same function: it returns what `_call` returns, which is a coroutine in `AsyncRpc`."""
+    return cast("Callable[Concatenate[AsyncRpc, P], Coroutine[Any, Any, R]]", function)
+
+
+class AsyncRpc:
+    """Every function of the wire, awaited; `call` is a coroutine function."""
+
+    __slots__ = ("_call",)
+
+    def __init__(self, call: Callable[[str, tuple[Any, ...]], Coroutine[Any, Any, Any]]) -> None:
+        self._call = call
+
+    rpc_heartbeat: Final = awaited(Functions.rpc_heartbeat)
+    power_on: Final = awaited(Functions.power_on)
+    power_off: Final = awaited(Functions.power_off)
+    enable: Final = awaited(Functions.enable)
+    disable: Final = awaited(Functions.disable)
+    shutdown: Final = awaited(Functions.shutdown)
+    restart: Final = awaited(Functions.restart)
+    stop: Final = awaited(Functions.stop)
+    pause: Final = awaited(Functions.pause)
+    resume: Final = awaited(Functions.resume)
+    abort: Final = awaited(Functions.abort)
+    run_program: Final = awaited(Functions.run_program)
+    get_current_project: Final = awaited(Functions.get_current_project)
+    get_files_list: Final = awaited(Functions.get_files_list)
+    movej2: Final = awaited(Functions.movej2)
+    movej_pose2: Final = awaited(Functions.movej_pose2)
+    movel: Final = awaited(Functions.movel)
+    movec: Final = awaited(Functions.movec)
+    move_circle: Final = awaited(Functions.move_circle)
+    tcp_move: Final = awaited(Functions.tcp_move)
+    tcp_move_2p: Final = awaited(Functions.tcp_move_2p)
+    wobj_move: Final = awaited(Functions.wobj_move)
+    wobj_move_2p: Final = awaited(Functions.wobj_move_2p)
+    speedj: Final = awaited(Functions.speedj)
+    speedl: Final = awaited(Functions.speedl)
+    speed_stop: Final = awaited(Functions.speed_stop)
+    teach_mode: Final = awaited(Functions.teach_mode)
+    end_teach_mode: Final = awaited(Functions.end_teach_mode)
+    set_hand_teach_parameter: Final = awaited(Functions.set_hand_teach_parameter)
+    replay: Final = awaited(Functions.replay)
+    spline: Final = awaited(Functions.spline)
+    spline_op: Final = awaited(Functions.spline_op)
+    servoj: Final = awaited(Functions.servoj)
+    servoj_pose: Final = awaited(Functions.servoj_pose)
+    servo_tcp: Final = awaited(Functions.servo_tcp)
+    servol: Final = awaited(Functions.servol)
+    move_spiral: Final = awaited(Functions.move_spiral)
+    move_jog: Final = awaited(Functions.move_jog)
+    stop_manual_move: Final = awaited(Functions.stop_manual_move)
+    set_blend_ahead: Final = awaited(Functions.set_blend_ahead)
+    movej: Final = awaited(Functions.movej)
+    movej_pose: Final = awaited(Functions.movej_pose)
+    set_baudrate_485: Final = awaited(Functions.set_baudrate_485)
+    read_raw_data_485: Final = awaited(Functions.read_raw_data_485)
+    read_raw_data_485_h: Final = awaited(Functions.read_raw_data_485_h)
+    read_raw_data_485_ht: Final = awaited(Functions.read_raw_data_485_ht)
+    write_raw_data_485: Final = awaited(Functions.write_raw_data_485)
+    write_raw_data_485_h: Final = awaited(Functions.write_raw_data_485_h)
+    write_raw_data_485_ht: Final = awaited(Functions.write_raw_data_485_ht)
+    read_data_485: Final = awaited(Functions.read_data_485)
+    write_data_485: Final = awaited(Functions.write_data_485)
+    tool_read_raw_data_485: Final = awaited(Functions.tool_read_raw_data_485)
+    tool_read_raw_data_485_h: Final = awaited(Functions.tool_read_raw_data_485_h)
+    tool_read_raw_data_485_ht: Final = awaited(Functions.tool_read_raw_data_485_ht)
+    tool_write_raw_data_485: Final = awaited(Functions.tool_write_raw_data_485)
+    tool_write_raw_data_485_h: Final = awaited(Functions.tool_write_raw_data_485_h)
+    tool_write_raw_data_485_ht: Final = awaited(Functions.tool_write_raw_data_485_ht)
+    tool_read_data_485: Final = awaited(Functions.tool_read_data_485)
+    tool_write_data_485: Final = awaited(Functions.tool_write_data_485)
+    set_baudrate_can: Final = awaited(Functions.set_baudrate_can)
+    read_raw_data_can: Final = awaited(Functions.read_raw_data_can)
+    write_raw_data_can: Final = awaited(Functions.write_raw_data_can)
+    read_data_can: Final = awaited(Functions.read_data_can)
+    write_data_can: Final = awaited(Functions.write_data_can)
+    set_digital_output_mode: Final = awaited(Functions.set_digital_output_mode)
+    set_standard_digital_out: Final = awaited(Functions.set_standard_digital_out)
+    get_standard_digital_out: Final = awaited(Functions.get_standard_digital_out)
+    get_standard_digital_in: Final = awaited(Functions.get_standard_digital_in)
+    set_tool_digital_out: Final = awaited(Functions.set_tool_digital_out)
+    get_tool_digital_out: Final = awaited(Functions.get_tool_digital_out)
+    get_tool_digital_in: Final = awaited(Functions.get_tool_digital_in)
+    get_config_digital_in: Final = awaited(Functions.get_config_digital_in)
+    get_function_digital_in: Final = awaited(Functions.get_function_digital_in)
+    get_function_digital_out: Final = awaited(Functions.get_function_digital_out)
+    get_standard_analog_voltage_in: Final = awaited(Functions.get_standard_analog_voltage_in)
+    set_standard_analog_voltage_out: Final = awaited(Functions.set_standard_analog_voltage_out)
+    get_tool_analog_voltage_in: Final = awaited(Functions.get_tool_analog_voltage_in)
+    get_standard_analog_current_in: Final = awaited(Functions.get_standard_analog_current_in)
+    set_standard_analog_current_out: Final = awaited(Functions.set_standard_analog_current_out)
+    set_analog_output_mode: Final = awaited(Functions.set_analog_output_mode)
+    write_bool_reg: Final = awaited(Functions.write_bool_reg)
+    write_word_reg: Final = awaited(Functions.write_word_reg)
+    write_float_reg: Final = awaited(Functions.write_float_reg)
+    read_bool_reg: Final = awaited(Functions.read_bool_reg)
+    read_word_reg: Final = awaited(Functions.read_word_reg)
+    read_float_reg: Final = awaited(Functions.read_float_reg)
+    get_function_reg_in: Final = awaited(Functions.get_function_reg_in)
+    get_function_reg_out: Final = awaited(Functions.get_function_reg_out)
+    set_wobj_offset: Final = awaited(Functions.set_wobj_offset)
+    set_wobj: Final = awaited(Functions.set_wobj)
+    set_tool_data: Final = awaited(Functions.set_tool_data)
+    cal_ikine: Final = awaited(Functions.cal_ikine)
+    cal_fkine: Final = awaited(Functions.cal_fkine)
+    get_tcp_pose: Final = awaited(Functions.get_tcp_pose)
+    get_tcp_pose_coord: Final = awaited(Functions.get_tcp_pose_coord)
+    get_tcp_speed: Final = awaited(Functions.get_tcp_speed)
+    get_tcp_acceleration: Final = awaited(Functions.get_tcp_acceleration)
+    get_tcp_force: Final = awaited(Functions.get_tcp_force)
+    get_tcp_force_tool: Final = awaited(Functions.get_tcp_force_tool)
+    get_tcp_offset: Final = awaited(Functions.get_tcp_offset)
+    get_tool_load: Final = awaited(Functions.get_tool_load)
+    get_wobj: Final = awaited(Functions.get_wobj)
+    get_actual_joints_position: Final = awaited(Functions.get_actual_joints_position)
+    get_target_joints_position: Final = awaited(Functions.get_target_joints_position)
+    get_actual_joints_speed: Final = awaited(Functions.get_actual_joints_speed)
+    get_target_joints_speed: Final = awaited(Functions.get_target_joints_speed)
+    get_actual_joints_acceleration: Final = awaited(Functions.get_actual_joints_acceleration)
+    get_target_joints_acceleration: Final = awaited(Functions.get_target_joints_acceleration)
+    get_actual_joints_torque: Final = awaited(Functions.get_actual_joints_torque)
+    get_target_joints_torque: Final = awaited(Functions.get_target_joints_torque)
+    get_flange_pose: Final = awaited(Functions.get_flange_pose)
+    get_flange_speed: Final = awaited(Functions.get_flange_speed)
+    get_flange_acceleration: Final = awaited(Functions.get_flange_acceleration)
+    get_robot_state: Final = awaited(Functions.get_robot_state)
+    simulation: Final = awaited(Functions.simulation)
+    speed: Final = awaited(Functions.speed)
+    set_load_data: Final = awaited(Functions.set_load_data)
+    start_record_track: Final = awaited(Functions.start_record_track)
+    stop_record_track: Final = awaited(Functions.stop_record_track)
+    collision_detect: Final = awaited(Functions.collision_detect)
+    collision_detection_reset: Final = awaited(Functions.collision_detection_reset)
+    set_teach_pendant: Final = awaited(Functions.set_teach_pendant)
+    set_teach_speed: Final = awaited(Functions.set_teach_speed)
+    get_teach_speed: Final = awaited(Functions.get_teach_speed)
+    get_global_speed: Final = awaited(Functions.get_global_speed)
+    reach_check: Final = awaited(Functions.reach_check)
+    switch_mode: Final = awaited(Functions.switch_mode)
+    getRobotStatus: Final = awaited(Functions.getRobotStatus)
+    getRobotIOStatus: Final = awaited(Functions.getRobotIOStatus)
+    read_encoder_count: Final = awaited(Functions.read_encoder_count)
+    get_origin_DH: Final = awaited(Functions.get_origin_DH)
+    get_calib_DH: Final = awaited(Functions.get_calib_DH)
+    get_robot_type: Final = awaited(Functions.get_robot_type)
+    get_ext_torque: Final = awaited(Functions.get_ext_torque)
+    set_system_value_bool: Final = awaited(Functions.set_system_value_bool)
+    set_system_value_double: Final = awaited(Functions.set_system_value_double)
+    set_system_value_str: Final = awaited(Functions.set_system_value_str)
+    set_system_value_list: Final = awaited(Functions.set_system_value_list)
+    get_system_value_bool: Final = awaited(Functions.get_system_value_bool)
+    get_system_value_double: Final = awaited(Functions.get_system_value_double)
+    get_system_value_str: Final = awaited(Functions.get_system_value_str)
+    get_system_value_list: Final = awaited(Functions.get_system_value_list)
+    get_system_value_lists: Final = awaited(Functions.get_system_value_lists)
+    log_info: Final = awaited(Functions.log_info)
+    log_error: Final = awaited(Functions.log_error)
+    get_last_error: Final = awaited(Functions.get_last_error)
+    get_noneblock_taskstate: Final = awaited(Functions.get_noneblock_taskstate)
+    robotmoving: Final = awaited(Functions.robotmoving)
+    modbus_read: Final = awaited(Functions.modbus_read)
+    modbus_write: Final = awaited(Functions.modbus_write)
+    modbus_set_frequency: Final = awaited(Functions.modbus_set_frequency)
+    modbus_write_multiple_regs: Final = awaited(Functions.modbus_write_multiple_regs)
+    modbus_write_multiple_coils: Final = awaited(Functions.modbus_write_multiple_coils)
+    modbus_add_signal: Final = awaited(Functions.modbus_add_signal)
+    modbus_delete_signal: Final = awaited(Functions.modbus_delete_signal)
+    fc_start: Final = awaited(Functions.fc_start)
+    fc_stop: Final = awaited(Functions.fc_stop)
+    fc_config: Final = awaited(Functions.fc_config)
+    fc_move: Final = awaited(Functions.fc_move)
+    fc_guard_act: Final = awaited(Functions.fc_guard_act)
+    fc_guard_deact: Final = awaited(Functions.fc_guard_deact)
+    fc_force_set_value: Final = awaited(Functions.fc_force_set_value)
+    fc_wait_pos: Final = awaited(Functions.fc_wait_pos)
+    fc_wait_vel: Final = awaited(Functions.fc_wait_vel)
+    fc_wait_ft: Final = awaited(Functions.fc_wait_ft)
+    fc_wait_logic: Final = awaited(Functions.fc_wait_logic)
+    fc_get_ft: Final = awaited(Functions.fc_get_ft)
+    fc_mode_is_active: Final = awaited(Functions.fc_mode_is_active)
+    enable_speed_optimization: Final = awaited(Functions.enable_speed_optimization)
+    disable_speed_optimization: Final = awaited(Functions.disable_speed_optimization)
+    enable_acc_optimization: Final = awaited(Functions.enable_acc_optimization)
+    disable_acc_optimization: Final = awaited(Functions.disable_acc_optimization)
+    enable_singularity_control: Final = awaited(Functions.enable_singularity_control)
+    disable_singularity_control: Final = awaited(Functions.disable_singularity_control)
+    enable_vibration_control: Final = awaited(Functions.enable_vibration_control)
+    disable_vibration_control: Final = awaited(Functions.disable_vibration_control)
+    trackEnqueue: Final = awaited(Functions.trackEnqueue)
+    trackClearQueue: Final = awaited(Functions.trackClearQueue)
+    getQueueSize: Final = awaited(Functions.getQueueSize)
+    trackJointMotion: Final = awaited(Functions.trackJointMotion)
+    trackCartMotion: Final = awaited(Functions.trackCartMotion)
+    trackEnqueueOp: Final = awaited(Functions.trackEnqueueOp)
+    combine_motion_config: Final = awaited(Functions.combine_motion_config)
+    enable_combine_motion: Final = awaited(Functions.enable_combine_motion)
+    disable_combine_motion: Final = awaited(Functions.disable_combine_motion)
+    enable_eaxis_scheme: Final = awaited(Functions.enable_eaxis_scheme)
+    disable_eaxis_scheme: Final = awaited(Functions.disable_eaxis_scheme)
+    move_eaxis: Final = awaited(Functions.move_eaxis)
+    move_jog_eaxis: Final = awaited(Functions.move_jog_eaxis)
+    movej2_eaxis: Final = awaited(Functions.movej2_eaxis)
+    movej2_pose_eaxis: Final = awaited(Functions.movej2_pose_eaxis)
+    movel_eaxis: Final = awaited(Functions.movel_eaxis)
+    movec_eaxis: Final = awaited(Functions.movec_eaxis)
+    move_circle_eaxis: Final = awaited(Functions.move_circle_eaxis)
+    get_eaxis_info: Final = awaited(Functions.get_eaxis_info)
+    set_eaxis_param: Final = awaited(Functions.set_eaxis_param)
+    set_eaxiss_scheme_param: Final = awaited(Functions.set_eaxiss_scheme_param)
+    add_eaxis_scheme: Final = awaited(Functions.add_eaxis_scheme)
+    delete_eaxis_scheme: Final = awaited(Functions.delete_eaxis_scheme)
+    start_realtime_mode: Final = awaited(Functions.start_realtime_mode)
+    end_realtime_mode: Final = awaited(Functions.end_realtime_mode)
+    realtime_data_enqueue: Final = awaited(Functions.realtime_data_enqueue)
+    clear_realtime_data_queue: Final = awaited(Functions.clear_realtime_data_queue)
+    get_realtime_data_queue_size: Final = awaited(Functions.get_realtime_data_queue_size)
+    get_robot_version: Final = awaited(Functions.get_robot_version)
+    change_recipe: Final = awaited(Functions.change_recipe)
+    set_pendant_type: Final = awaited(Functions.set_pendant_type)
+    set_servo_config: Final = awaited(Functions.set_servo_config)
+    apply_servo_config: Final = awaited(Functions.apply_servo_config)
+    set_servo_file_params: Final = awaited(Functions.set_servo_file_params)
+    get_axis_motor_kt: Final = awaited(Functions.get_axis_motor_kt)
+    get_axis_motor_rated_current: Final = awaited(Functions.get_axis_motor_rated_current)
+    get_axis_ratio: Final = awaited(Functions.get_axis_ratio)
+    get_motor_pole_pair_number: Final = awaited(Functions.get_motor_pole_pair_number)
+    get_motor_stator_slots: Final = awaited(Functions.get_motor_stator_slots)
+    get_pos_bias: Final = awaited(Functions.get_pos_bias)
+    get_dynamic_calibration_params: Final = awaited(Functions.get_dynamic_calibration_params)
+    set_dynamic_calibration_params: Final = awaited(Functions.set_dynamic_calibration_params)
+    set_dynamic_calibration_info: Final = awaited(Functions.set_dynamic_calibration_info)
+    save_dynamic_calibration_params: Final = awaited(Functions.save_dynamic_calibration_params)
+    set_kinematic_calibration_params: Final = awaited(Functions.set_kinematic_calibration_params)
+    set_kinematic_calibration_info: Final = awaited(Functions.set_kinematic_calibration_info)
+    save_kinematic_calibration_params: Final = awaited(Functions.save_kinematic_calibration_params)
+    get_vibration_calibration_params: Final = awaited(Functions.get_vibration_calibration_params)
+    set_vibration_calibration_info: Final = awaited(Functions.set_vibration_calibration_info)
+    upload_robot_param_to_toolboard: Final = awaited(Functions.upload_robot_param_to_toolboard)

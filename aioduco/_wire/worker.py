@@ -9,24 +9,25 @@ import time
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, Final
 
+from aioduco._wire.forks import fork_hooks
 from aioduco._wire.handoff import Call
+from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState, Progress
-from aioduco._wire.semantics import Kind, kind
 from aioduco.errors import CallTimeout, ConnectError, ConnectionLost, NotSent, OutcomeUnknown
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco._wire.connection import Connection
+    from aioduco._wire.connection_factory import ConnectionFactory
     from aioduco._wire.idl import Function
-    from aioduco._wire.source import Source
 
 
 #: seconds that a thread may take to notice that its call was abandoned
 _LEAVING_TIME: Final = 1.0
 
 
-class Dropped(enum.Enum):
+class AbandonOutcome(enum.Enum):
     """What became of a call that was abandoned."""
 
     OVER = "it was over before"
@@ -37,7 +38,7 @@ class Dropped(enum.Enum):
 class Worker:
     """A thread with a connection of its own.
 
-    Guarantees: one call at a time, given by whoever holds the claim. The connection is opened,
+    Guarantees: one call at a time, given by the holder of the claim. The connection is opened,
     used and closed on this thread; a call that is abandoned never sends anything afterwards.
     The thread is a daemon, since a program that forgets to close a lane, or whose name server
     hangs, must still come to its end; `dismiss` tells the lane when it ends.
@@ -47,7 +48,7 @@ class Worker:
         source: where its connections come from.
     """
 
-    def __init__(self, name: str, source: Source) -> None:
+    def __init__(self, name: str, source: ConnectionFactory) -> None:
         self.name = name
         self._source = source
         self._inbox: SimpleQueue[Call | Callable[[], None]] = SimpleQueue()
@@ -66,6 +67,7 @@ class Worker:
         #: set when the lane is done with this worker
         self.retired = False
         self._retired_at = math.inf
+        fork_hooks.add(self)
 
     @property
     def connection(self) -> Connection | None:
@@ -79,7 +81,7 @@ class Worker:
 
     @property
     def stuck(self) -> bool:
-        """Whether the thread was told to end a while ago, and still runs."""
+        """Whether the thread should have ended a while ago, and still runs."""
         return self.alive and time.monotonic() > self._retired_at + _LEAVING_TIME
 
     @property
@@ -91,15 +93,27 @@ class Worker:
         state = "retired" if self.retired else "busy" if self.busy else "idle"
         return f"<Worker {self.name} {state}, {self._connection!r}>"
 
+    def forked(self) -> None:
+        """This is a forked child, without the thread, which may have held the lock."""
+        self._lock = threading.RLock()
+
+    def start(self) -> None:
+        """Start the thread, unless it runs.
+
+        Raises:
+            RuntimeError: the system has no more threads.
+        """
+        if not self._started:
+            self._thread.start()
+            self._started = True
+
     def claim(self) -> bool:
         """Take the worker for one call, if it is free; never waits."""
         return not self.retired and self._claim.acquire(blocking=False)
 
     def submit(self, call: Call) -> None:
         """Hand a call to the thread; the claim must be held, and is released by the thread."""
-        if not self._started:
-            self._thread.start()
-            self._started = True
+        self.start()
         call.worker = self
         self._current = call
         if call.urgent and (connection := self._connection) is not None:
@@ -109,7 +123,7 @@ class Worker:
             call.handed_over = connection.send_ahead(call.function, call.arguments, call.deadline)
         self._inbox.put(call)
 
-    def abandon(self, call: Call | None, reason: str) -> Dropped:
+    def abandon(self, call: Call | None, reason: str) -> AbandonOutcome:
         """Have the thread drop a call, from any thread; at once if it waits for bytes.
 
         Args:
@@ -120,29 +134,29 @@ class Worker:
         with self._lock:
             current = self._current
             if current is None or (call is not None and current is not call):
-                return Dropped.OVER
+                return AbandonOutcome.OVER
             current.abandoned = True
             # The thread publishes a connection before it looks at `abandoned`, and marks the call
             # as handed over before it uses the connection; here it is the other way round.
             # Whichever comes second sees the other, so a call without the mark is never sent.
             if self._connection is not None:
                 self._connection.abandon(reason)
-            return Dropped.UNKNOWN if current.handed_over else Dropped.UNSENT
+            return AbandonOutcome.UNKNOWN if current.handed_over else AbandonOutcome.UNSENT
 
-    def dismiss(self, said: Callable[[], None] = lambda: None) -> None:
+    def dismiss(self, on_end: Callable[[], None] = lambda: None) -> None:
         """Have the thread close its connection and end, as soon as it is free.
 
         Args:
-            said: called on the thread when it is about to end; at once if it never began, or
+            on_end: called on the thread when it is about to end; at once if it never began, or
                 has ended before.
         """
         self.retired = True
         self._retired_at = time.monotonic()
         with self._lock:
             if self._started and not self._left:
-                self._inbox.put(said)
+                self._inbox.put(on_end)
                 return
-        said()
+        on_end()
 
     def join(self, timeout: float) -> bool:
         """Wait for the thread's end; whether it ended."""
@@ -160,7 +174,7 @@ class Worker:
             try:
                 item.value = self._carry_out(item)
             except BaseException as exc:
-                # belongs to whoever waits for the call
+                # raised where the call is awaited
                 item.error = exc
             self._let_go(item)
             del item
@@ -168,26 +182,26 @@ class Worker:
     def _let_go(self, call: Call) -> None:
         with self._lock:
             self._current = None
-        # free before the waiter is told, so that it can have this worker again at once
+        # free before the waiter is woken, so that it can have this worker again at once
         self._claim.release()
         call.notify()
 
-    def _leave(self, said: Callable[[], None]) -> None:
+    def _leave(self, on_end: Callable[[], None]) -> None:
         self._close()
-        farewells = [said]
-        # Taken for good, so that no more calls can come. If somebody else has it, a call of his
-        # is on its way, and gets an answer too.
+        callbacks = [on_end]
+        # Taken for good, so that no more calls can come. If another thread holds the claim, its
+        # call is on the way, and gets an answer too.
         while not self._claim.acquire(blocking=False):
-            self._decline(self._inbox.get(), farewells)
+            self._decline(self._inbox.get(), callbacks)
         with self._lock:
             while not self._inbox.empty():
-                self._decline(self._inbox.get(), farewells)
+                self._decline(self._inbox.get(), callbacks)
             self._left = True
-        for farewell in farewells:
-            farewell()
+        for callback in callbacks:
+            callback()
 
     def _decline(
-        self, item: Call | Callable[[], None], farewells: list[Callable[[], None]]
+        self, item: Call | Callable[[], None], callbacks: list[Callable[[], None]]
     ) -> None:
         if isinstance(item, Call):
             item.error = (
@@ -197,7 +211,7 @@ class Worker:
             )
             self._let_go(item)
         else:
-            farewells.append(item)
+            callbacks.append(item)
 
     def _carry_out(self, call: Call) -> Any:
         connection = self._connection
@@ -262,20 +276,20 @@ def may_send_again(function: Function, progress: Progress) -> bool:
     if progress is Progress.NOTHING_SENT:
         return True
     if progress is Progress.SENT:
-        return kind(function.name).repeatable
+        return call_kind(function.name).repeatable
     # an answer that broke off was an answer, but a stop is to be sure
-    return kind(function.name) is Kind.STOP
+    return call_kind(function.name) is CallKind.STOP
 
 
-def hung(name: str, dropped: Dropped) -> ConnectionLost:
-    """What the caller of a call is told whose thread does not come back.
+def hung(name: str, dropped: AbandonOutcome) -> ConnectionLost:
+    """The error for the caller of a call whose thread does not come back.
 
     Args:
         name: the function that was called.
         dropped: what became of the call.
     """
-    if dropped is Dropped.UNSENT:
+    if dropped is AbandonOutcome.UNSENT:
         return NotSent(f"{name} was not sent: no connection could be made in time")
-    if kind(name) is Kind.READ:
+    if call_kind(name) is CallKind.READ:
         return CallTimeout(f"{name}: its thread did not come back in time")
     return OutcomeUnknown(name, "its thread did not come back in time")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api import ranges
 from aioduco.api.points import listed
 from aioduco.api.section import Section, done
+from aioduco.models import ranges
 from aioduco.models.op import wire_op
 
 if TYPE_CHECKING:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api import ranges
 from aioduco.api.section import Section
 from aioduco.errors import ControllerError, Refused, RobotStateError, TaskError, TaskUnknown
+from aioduco.models import ranges
 from aioduco.models.state import vector
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class Force(Section):
 
         Manual section 1.3.10.
         """
-        modes = self._supervisor.keeper.modes.standing
+        modes = self._supervisor.stop_coordinator.modes.standing
         was_on = "fc_stop" in modes
         modes.add("fc_stop")  # before it is sent: its answer may be lost
         try:
@@ -75,7 +75,7 @@ class Force(Section):
         """
         await self._must_stand("fc_stop")
         await self._settle(lambda rpc: rpc.fc_stop(), _LIMIT)
-        self._supervisor.keeper.modes.standing.discard("fc_stop")
+        self._supervisor.stop_coordinator.modes.standing.discard("fc_stop")
 
     async def fc_config(
         self,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api import ranges
 from aioduco.api.section import Section, done, settled
 from aioduco.errors import StaleState
+from aioduco.models import ranges
 from aioduco.models.load import Load
-from aioduco.supervision.samples import pose
+from aioduco.models.samples import pose
 
 if TYPE_CHECKING:
     from aioduco.models.pose import Pose, PoseLike

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from aioduco.api import ranges
 from aioduco.api.section import Section
 from aioduco.errors import ControllerError, Unreachable
+from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose
+from aioduco.models.samples import pose as pose_of
 from aioduco.models.state import vector
-from aioduco.supervision.samples import pose as pose_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

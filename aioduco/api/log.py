@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from aioduco.api import ranges
 from aioduco.api.section import Section
+from aioduco.models import ranges
 
 __all__ = ["Log"]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api import ranges
 from aioduco.api.section import Section, done, settled
 from aioduco.errors import ParameterError
+from aioduco.models import ranges
 
 if TYPE_CHECKING:
     from aioduco.models.rules import Whole, WholesLike

@@ -4,34 +4,42 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api import ranges
 from aioduco.api.points import listed
 from aioduco.api.section import Section, done
 from aioduco.errors import ParameterError
+from aioduco.models import ranges
 from aioduco.models.realtime import RealtimePoint
+from aioduco.streaming.realtime import RealtimeStreams
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from aioduco.models.realtime import RealtimeMode
+    from aioduco.streaming.endpoint import StreamEndpoint
+    from aioduco.supervision.supervisor import Supervisor
 
 __all__ = ["Realtime"]
 
 _ENDING = "end_realtime_mode"
 
 
-class Realtime(Section):
+class Realtime(Section, RealtimeStreams):
     """Realtime control (实时控制, manual 1.3.15): the arm follows a queue, point by point.
+
+    `stream` keeps the queue filled, at its rate, from a process of its own; that is what
+    programs use. The functions of the wire are there as well:
 
     The order that the manual asks for: empty the queue, put in the first points, the very first
     where the arm is, start the mode, and put in more before the queue runs dry. The controller
     takes a point each cycle, so that a program that calls function by function cannot keep up
-    for long: the realtime stream does all of this at the queue's rate.
+    for long.
 
     As long as the mode is on, leaving the robot stops the arm and ends the mode; so does a stop.
     """
 
-    __slots__ = ()
+    def __init__(self, supervisor: Supervisor, endpoint: StreamEndpoint) -> None:
+        Section.__init__(self, supervisor)
+        RealtimeStreams.__init__(self, endpoint)
 
     async def start_realtime_mode(
         self,

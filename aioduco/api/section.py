@@ -11,8 +11,8 @@ A motion checks its arguments and returns a value; `False` stands for `block`:
 
     return self._motion(lambda rpc: rpc.movej2(q, v_, a_, r_, False, op_, def_acc_), r_)
 
-The lambda is called at once, with a client that only notes the call: so the call is checked by
-the type checker, and nothing is sent before the motion is started.
+The lambda is called at once, with a client that only records the call. So the type checker checks
+the call, and nothing is sent before the motion is started.
 """
 
 from __future__ import annotations
@@ -20,25 +20,23 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Coroutine
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
-import anyio
-
 from aioduco._wire.rpc import AsyncRpc
-from aioduco.api import ranges
 from aioduco.errors import (
     ControllerError,
     Refused,
     RobotStateError,
     TaskError,
 )
+from aioduco.models import ranges
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.supervision.command import Command, HeldMotion, MotionCommand
-from aioduco.supervision.held import Held
-from aioduco.supervision.lifecycle import TaskLifecycle
+from aioduco.supervision.concurrency import every
 from aioduco.supervision.task import task_error
+from aioduco.supervision.task_state import ContinuousMotion, TaskLifecycle
 
 if TYPE_CHECKING:
-    from aioduco.supervision.course import Course
     from aioduco.supervision.supervisor import Supervisor
+    from aioduco.supervision.task_state import JointEta
 
 __all__ = ["Section", "accepted", "done", "settled", "succeeded"]
 
@@ -57,9 +55,9 @@ class Section:
     def __init__(self, supervisor: Supervisor) -> None:
         self._supervisor = supervisor
         #: the functions of the wire with the robot's call_timeout
-        self._rpc = supervisor.patient.rpc
+        self._rpc = supervisor.retrying.rpc
         #: the same without a deadline, for functions that wait inside the controller
-        self._unlimited = supervisor.patient.within(None)
+        self._unlimited = supervisor.retrying.within(None)
 
     def __repr__(self) -> str:
         where = f"{self._supervisor.host}:{self._supervisor.port}"
@@ -75,7 +73,7 @@ class Section:
         r: float = 0.0,
         *,
         superseded: bool = False,
-        course: Course | None = None,
+        eta: JointEta | None = None,
     ) -> MotionCommand:
         """A motion as a value.
 
@@ -83,11 +81,11 @@ class Section:
             call: makes the call of the wire, with block false.
             r: blend radius [m].
             superseded: whether the next motion may take over from it before its end.
-            course: where it leads, if that is known in joint angles.
+            eta: where it leads, if that is known in joint angles.
         """
         name, args = noted(call)
-        command = Command(name, args, blends=superseded or r > 0.0, course=course)
-        return MotionCommand(self._supervisor.launcher, command)
+        command = Command(name, args, blends=superseded or r > 0.0, eta=eta)
+        return MotionCommand(self._supervisor.dispatcher, command)
 
     def _held(
         self,
@@ -108,9 +106,11 @@ class Section:
             until_told: whether it goes on even if the arm stands.
         """
         name, args = noted(call)
-        held = Held(ending, None if time is None else float(time), timed_here, until_told)
-        command = Command(name, args, blends=not until_told, held=held)
-        return HeldMotion(self._supervisor.launcher, command)
+        continuous = ContinuousMotion(
+            ending, None if time is None else float(time), timed_here, until_told
+        )
+        command = Command(name, args, blends=not until_told, continuous=continuous)
+        return HeldMotion(self._supervisor.dispatcher, command)
 
     async def _end(self, ending: str, step: Callable[[], Awaitable[None]] | None = None) -> None:
         """End what goes on.
@@ -120,7 +120,7 @@ class Section:
             step: calls it; None if it answers with the id of a task.
         """
         self._supervisor.check_open(ending)
-        await self._supervisor.keeper.end(ending, step)
+        await self._supervisor.stop_coordinator.end(ending, step)
 
     async def _conduct(self, call: Call) -> None:
         """Carry out a motion whose function has no `block`, and see its end.
@@ -132,15 +132,15 @@ class Section:
         supervisor = self._supervisor
         supervisor.check_open(name)
         command = Command(name, args)
-        answer = await supervisor.launcher.conduct(command, supervisor.calls, None)
+        answer = await supervisor.dispatcher.conduct(command, supervisor.calls, None)
         if answer > max(TaskState):
             # No end state of a task: its id, then. It is followed as if it had been asked for.
-            await supervisor.launcher.adopt(command, answer)
+            await supervisor.dispatcher.adopt(command, answer)
         else:
             done(name, answer)
 
     async def _enter(self, call: Call, ending: str, args: tuple[bool, ...]) -> None:
-        """Enter a mode in which the arm follows or gives way, with no task that tells of it.
+        """Enter a mode in which the arm follows or gives way, for which the controller has no task.
 
         Args:
             call: makes the call of the wire.
@@ -150,12 +150,12 @@ class Section:
         name, call_args = noted(call)
         supervisor = self._supervisor
         supervisor.check_open(name)
-        modes = supervisor.keeper.modes
+        modes = supervisor.stop_coordinator.modes
         was_on = modes.enter(ending, args)  # before it is sent: from now on a stop ends it, too
         try:
             command = Command(name, call_args)
             timeout = supervisor.settings.call_timeout
-            done(name, await supervisor.launcher.conduct(command, supervisor.calls, timeout))
+            done(name, await supervisor.dispatcher.conduct(command, supervisor.calls, timeout))
         except (TaskError, Refused, ControllerError, RobotStateError):
             if not was_on:
                 modes.over(ending)
@@ -171,7 +171,7 @@ class Section:
         limit = ranges.TIMEOUT("timeout", timeout)
         name, args = noted(call)
         self._supervisor.check_open(name)
-        await self._supervisor.launcher.perform(name, args, limit)
+        await self._supervisor.dispatcher.perform(name, args, limit)
 
     async def _settle(self, call: Call, timeout: float) -> None:
         """Carry out a function that has no `block`, moves nothing, and answers with a task's id.
@@ -185,8 +185,8 @@ class Section:
         supervisor.check_open(name)
         answer = await call(self._rpc)
         if answer > max(TaskState):
-            task = supervisor.launcher.adopt(Command(name, args, motion=False), answer)
-            await supervisor.keeper.completed(task, timeout)
+            task = supervisor.dispatcher.adopt(Command(name, args, motion=False), answer)
+            await supervisor.stop_coordinator.follower.completed(task, timeout)
         else:
             done(name, answer)
 
@@ -202,13 +202,13 @@ class Section:
             RobotStateError: something moves it.
         """
         self._supervisor.check_open(function)
-        now = anyio.current_time()
-        end = now + _SETTLING
-        while not self._supervisor.keeper.moving and now < end:
+        ticker = every(_ASK_AGAIN)
+        until = ticker.due + _SETTLING
+        async for due in ticker:
+            if self._supervisor.stop_coordinator.moving or due >= until:
+                break
             if not await self._rpc.robotmoving():
                 return
-            now += _ASK_AGAIN
-            await anyio.sleep_until(now)
         raise RobotStateError(
             f"{function} was not sent: the arm moves, and would move in an unforeseen way; "
             "wait until all motions have ended, or stop it"
@@ -250,7 +250,7 @@ def done(function: str, answer: int) -> None:
 
 
 def accepted(function: str, answer: int) -> int:
-    """Check the id of a task that nobody follows, and return it.
+    """Check the id of a task that is not followed, and return it.
 
     Args:
         function: the function of the wire.
@@ -267,8 +267,8 @@ def accepted(function: str, answer: int) -> int:
 def settled(function: str, answer: int) -> None:
     """Check the answer of a function of which the manual says that it returns nothing.
 
-    The wire returns a number all the same. A failure is told by a negative one, or by the end
-    state of a task that failed; any other says no more than that the call was taken.
+    The wire returns a number all the same. A negative one is a failure, and so is the end
+    state of a task that failed; any other number means only that the call was accepted.
 
     Args:
         function: the function of the wire.

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api import ranges
 from aioduco.api.section import Section
+from aioduco.models import ranges
 from aioduco.models.enums import TaskState
+from aioduco.models.samples import joints, pose
 from aioduco.models.state import vector
-from aioduco.supervision.samples import joints, pose
 
 if TYPE_CHECKING:
     from aioduco.models.pose import Joints, Pose

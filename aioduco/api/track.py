@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from aioduco.api import ranges
 from aioduco.api.points import points_with_outputs
 from aioduco.api.section import Section, done
 from aioduco.errors import DucoError, OutcomeUnknown, RobotStateError, TrackPoolFull
+from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose
+from aioduco.streaming.track import TrackStreams
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable, Sequence
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
     from aioduco.models.op import PointOp
     from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.supervision.command import MotionCommand
     from aioduco.supervision.supervisor import Supervisor
 
@@ -26,8 +28,11 @@ _Kind: TypeAlias = type[Joints] | type[Pose]
 _RULES = {Joints: ranges.TRACK_JOINTS, Pose: ranges.TRACK_POSES, None: ranges.TRACK_POINTS}
 
 
-class Track(Section):
+class Track(Section, TrackStreams):
     """The track pool (轨迹池, manual 1.3.12): up to 1000 points, first in, first out.
+
+    `stream` keeps the pool filled while the arm follows it. The functions of the wire are there
+    as well:
 
         await robot.track.trackClearQueue()
         await robot.track.trackEnqueue([Joints(*q) for q in path])
@@ -37,15 +42,13 @@ class Track(Section):
     that follows them. This program remembers which of the two it put into the pool, and refuses
     a motion that would take one for the other.
 
-    To keep the pool filled while the arm follows it, use a stream. The manual asks for at least
-    10 points: when there is none left, the arm slows down and stands. Points that come after
-    that may set it moving again.
+    The manual asks for at least 10 points: when there is none left, the arm slows down and
+    stands. Points that come after that may set it moving again.
     """
 
-    __slots__ = ("_followed", "_kind")
-
-    def __init__(self, supervisor: Supervisor) -> None:
-        super().__init__(supervisor)
+    def __init__(self, supervisor: Supervisor, endpoint: StreamEndpoint) -> None:
+        Section.__init__(self, supervisor)
+        TrackStreams.__init__(self, endpoint)
         #: what this program put into the pool since it last saw it empty; None if that is open
         self._kind: _Kind | None = None
         #: whether this program had the arm follow the pool: it may go on with points that come
@@ -188,7 +191,8 @@ class Track(Section):
             )
         if self._followed:
             # The arm may follow them by itself, with no task that tells of it.
-            self._supervisor.keeper.loose = True
+            self._supervisor.stop_coordinator.claim.make(function)
+            self._supervisor.stop_coordinator.unfollowed_motion = True
         self._kind = kind or held
         try:
             _taken(function, await enqueue(points, True))

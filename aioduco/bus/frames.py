@@ -1,6 +1,6 @@
 """Frames of Modbus RTU: bytes in, bytes out, without I/O or clock.
 
-A request knows which bytes answer it. `Request.answer` is given what has come so far, and says
+A request knows which bytes answer it. `Request.answer` is given what has come so far, and returns
 that more is needed, what the answer is, or what is wrong with it. Modbus over serial line,
 version 1.02; Modbus application protocol, version 1.1b3.
 """
@@ -17,7 +17,7 @@ from aioduco.errors import ModbusGarbled, ModbusRefused
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["Function", "Request", "crc16", "framed", "read", "write", "write_one"]
+__all__ = ["FunctionCode", "Request", "crc16", "framed", "read", "write", "write_one"]
 
 #: unit, function, exception's code, checksum
 _SHORTEST = 5
@@ -36,7 +36,7 @@ _MEANINGS = {
 _UNLISTED = "whose meaning is the device's own"
 
 
-class Function(IntEnum):
+class FunctionCode(IntEnum):
     """Functions of Modbus that are used here."""
 
     READ_HOLDING = 0x03
@@ -72,7 +72,7 @@ class Request:
     """
 
     unit: int
-    function: Function
+    function: FunctionCode
     body: bytes
     count: int = 0
 
@@ -132,18 +132,18 @@ class Request:
         )
 
 
-def read(unit: int, address: int, count: int, function: Function) -> Request:
+def read(unit: int, address: int, count: int, function: FunctionCode) -> Request:
     """Ask for registers that follow each other: 1 to 125."""
     return Request(unit, function, struct.pack(">HH", address, count), count)
 
 
 def write_one(unit: int, address: int, value: int) -> Request:
     """Ask to write a register."""
-    return Request(unit, Function.WRITE_ONE, struct.pack(">HH", address, value))
+    return Request(unit, FunctionCode.WRITE_ONE, struct.pack(">HH", address, value))
 
 
 def write(unit: int, address: int, values: Sequence[int]) -> Request:
     """Ask to write registers that follow each other: 1 to 123."""
     count = len(values)
     head = struct.pack(">HHB", address, count, 2 * count)
-    return Request(unit, Function.WRITE, head + struct.pack(f">{count}H", *values))
+    return Request(unit, FunctionCode.WRITE, head + struct.pack(f">{count}H", *values))

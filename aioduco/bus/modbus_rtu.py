@@ -17,7 +17,8 @@ import anyio
 
 from aioduco.bus import frames
 from aioduco.errors import ModbusGarbled, ModbusTimeout, ParameterError
-from aioduco.models.rules import Integer, Number, Signed
+from aioduco.models import ranges
+from aioduco.models.rules import Integer, Signed
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -34,7 +35,6 @@ _WORD = Integer(0, 0xFFFF, source=_SOURCE)
 _WORDS = Signed(16, "words", source=_SOURCE)
 _READ_COUNT = Integer(1, 125, "registers", source=_SOURCE)
 _MOST_WRITTEN = 123
-_SECONDS = Number(0.0, unit="s", open_low=True, source="this package")
 
 #: bytes asked for at once while the buffer is emptied; the longest frame has 256
 _GULP = 256
@@ -88,8 +88,8 @@ class ModbusRtu:
     ) -> None:
         self._port = port
         self._unit = _UNIT("unit", unit)
-        self._timeout = _SECONDS("timeout", timeout)
-        self._poll = _SECONDS("poll", poll)
+        self._timeout = ranges.TIMEOUT("timeout", timeout)
+        self._poll = ranges.TIMEOUT("poll", poll)
         self._turn = anyio.Lock()
 
     def __repr__(self) -> str:
@@ -120,7 +120,7 @@ class ModbusRtu:
             ModbusError: it was not answered as it should: one of the subclasses.
             BusError: the controller could not write to the bus.
         """
-        return await self._read(address, count, frames.Function.READ_HOLDING)
+        return await self._read(address, count, frames.FunctionCode.READ_HOLDING)
 
     async def read_inputs(self, address: Whole, count: Whole = 1) -> tuple[int, ...]:
         """Read input registers that follow each other (function 0x04).
@@ -137,10 +137,10 @@ class ModbusRtu:
             ModbusError: it was not answered as it should: one of the subclasses.
             BusError: the controller could not write to the bus.
         """
-        return await self._read(address, count, frames.Function.READ_INPUT)
+        return await self._read(address, count, frames.FunctionCode.READ_INPUT)
 
     async def _read(
-        self, address: Whole, count: Whole, function: frames.Function
+        self, address: Whole, count: Whole, function: frames.FunctionCode
     ) -> tuple[int, ...]:
         first, many = _WORD("address", address), _READ_COUNT("count", count)
         return await self._exchange(frames.read(self._unit, first, many, function))
@@ -200,7 +200,7 @@ class ModbusRtu:
         until = due + self._timeout
         got = b""
         while True:
-            # Never more than is missing: what comes after the answer is for nobody.
+            # Never more than is missing: bytes after the answer belong to no call.
             got += await self._port.read(request.missing(got))
             answer = request.answer(got)
             if answer is not None:

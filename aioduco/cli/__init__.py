@@ -11,7 +11,7 @@ def main() -> None:
         from aioduco.cli.app import app  # noqa: PLC0415 - what it needs is an extra
     except ModuleNotFoundError as error:
         if error.name in {"typer", "rich"}:
-            needs = f"the command aioduco needs {error.name}: pip install 'aioduco[sim,cli]'"
+            needs = f"the command aioduco needs {error.name}: pip install 'aioduco[cli]'"
             raise SystemExit(needs) from None
         raise
     app()

@@ -15,15 +15,23 @@ if TYPE_CHECKING:
 
 __all__ = ["arm", "need"]
 
-_BRINGS = {"sim": ("mujoco", "ruckig"), "cli": ("matplotlib",), "pictures": ("PIL",)}
+_BRINGS = {"sim": ("mujoco",), "plot": ("matplotlib", "PIL")}
 
 
 def need(*extras: str) -> None:
-    """End with a message that says what to install, if something of the extras is missing."""
-    wanted = [name for extra in extras for name in _BRINGS[extra]]
-    missing = [name for name in wanted if importlib.util.find_spec(name) is None]
-    if missing:
-        typer.echo(f"this needs {' and '.join(missing)}: pip install 'aioduco[sim,cli]'", err=True)
+    """End with a message that says what to install, if something of the extras is missing.
+
+    Args:
+        extras: names of extras: "sim", "plot".
+    """
+    missing = {
+        extra: [name for name in _BRINGS[extra] if importlib.util.find_spec(name) is None]
+        for extra in extras
+    }
+    names = [name for absent in missing.values() for name in absent]
+    if names:
+        install = ",".join(["cli", *(extra for extra, absent in missing.items() if absent)])
+        typer.echo(f"this needs {' and '.join(names)}: pip install 'aioduco[{install}]'", err=True)
         raise typer.Exit(1)
 
 

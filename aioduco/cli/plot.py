@@ -20,7 +20,7 @@ def plot(
     ] = None,
 ) -> None:
     """Draw how late a stream was, and where its time went, as a PNG."""
-    extras.need("cli")
+    extras.need("plot")
     from aioduco.streaming.report import plot as draw  # noqa: PLC0415 - needs matplotlib
 
     target = picture or figures.with_suffix(".png")

@@ -16,7 +16,7 @@ from aioduco.errors import RenderError
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from aioduco.sim.mounting import MountingLike
+    from aioduco.sim.scene import MountingLike
 
 __all__ = ["sim"]
 
@@ -62,7 +62,7 @@ def sim(
     view: Annotated[bool, typer.Option("--view", help="Show it in MuJoCo's window.")] = False,
 ) -> None:
     """Run a simulated controller until Ctrl-C, or until a client shuts it down."""
-    extras.need("sim", *(("pictures",) if render else ()))
+    extras.need("sim", *(("plot",) if render else ()))
     extras.arm(model)
     if render is not None and render.suffix not in picture.KINDS:
         raise typer.BadParameter(f"its name must end in {' or '.join(picture.KINDS)}")
@@ -92,7 +92,7 @@ def sim(
             raise typer.Exit(1) from None
         with contextlib.closing(simulator):
             try:
-                watch = watching.Watch(simulator, render, view=view)
+                watch = watching.SimulatorWatch(simulator, render, view=view)
             except RenderError as error:
                 typer.echo(str(error), err=True)
                 raise typer.Exit(1) from None

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from aioduco.sim import Simulator
-    from aioduco.sim.film import Film, Frame
-    from aioduco.sim.viewer import Viewer
+    from aioduco.sim.view.film import Film, Frame
+    from aioduco.sim.view.viewer import Viewer
 
-__all__ = ["Watch"]
+__all__ = ["SimulatorWatch"]
 
 _LOOK = 0.05  # simulated time between two looks for a film [s]
 _SHOW = 1 / 30  # time between two pictures in a window [s]
@@ -28,7 +28,7 @@ _LEAST = 0.01  # between two looks in any case [s]
 _WIDTH, _HEIGHT = 480, 360
 
 
-class Watch:
+class SimulatorWatch:
     """Looks at a simulator, as it was asked to.
 
     Args:
@@ -52,7 +52,7 @@ class Watch:
         if self._path is None and self._window is None:
             select.select([end], [], [])
             return
-        from aioduco.sim.film import Film  # noqa: PLC0415 - needs the extra
+        from aioduco.sim.view.film import Film  # noqa: PLC0415 - needs the extra
 
         film = Film(limit=200)
         with self._window or contextlib.nullcontext():

@@ -9,14 +9,13 @@
         robot.movej2([0, 0, 1.57, 0, -1.57, 0], 1.0, 1.0, 0.0, True)
         robot.close()
 
-It sends what it is told and returns what comes: no ranges are checked, no motion is followed, no
-heartbeat is sent, nothing is stopped when the program is interrupted. For all that there are
-`aioduco.connect` and `aioduco.sync.connect`.
+It sends the arguments as they are and returns the answer: no ranges are checked, no motion is
+followed, no heartbeat is sent, and nothing is stopped when the program is interrupted. For all that
+there are `aioduco.connect` and `aioduco.sync.connect`.
 """
 
 from __future__ import annotations
 
-import logging
 import threading
 import warnings
 from typing import TYPE_CHECKING, Any
@@ -37,8 +36,9 @@ from aioduco._wire.rpc import (
     RealTimeControlData,
     RobotStatus,
 )
-from aioduco.compat._generated import Functions
+from aioduco.compat._generated import ManualFunctions
 from aioduco.errors import ConnectError, ConnectionLost
+from aioduco.reporting import BackgroundLogger
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -68,7 +68,10 @@ __all__ = [
     "RobotStatusList",
 ]
 
-_log = logging.getLogger(__name__)
+_log = BackgroundLogger(__name__)
+
+#: numbers that are read, and may be -1: a lost connection raises
+_MAY_BE_MINUS_ONE = frozenset({"modbus_read", "read_encoder_count"})
 
 # The structs under the manual's names (section 1.2).
 OP = Op
@@ -81,7 +84,7 @@ EAxisInfo = EAxissInfo
 RealTimeData = RealTimeControlData
 
 
-class DucoCobot(Functions):
+class DucoCobot(ManualFunctions):
     """A connection to a controller, with a method for each function of the manual.
 
     Each object is one connection, used by the thread that opened it, for one call at a time
@@ -212,15 +215,13 @@ class DucoCobot(Functions):
         self.last_error = None
         return answer
 
-    def _value(self, name: str, args: tuple[Any, ...]) -> Any:
-        return self._send(name, args)
-
-    def _number(self, name: str, args: tuple[Any, ...]) -> int:
+    def _call(self, name: str, args: tuple[Any, ...]) -> Any:
         try:
-            answer: int = self._send(name, args)
+            return self._send(name, args)
         except ConnectionLost as exc:
+            if not idl.functions()[name].number or name in _MAY_BE_MINUS_ONE:
+                raise
             return self._minus_one(name, exc)
-        return answer
 
     def _minus_one(self, name: str, error: DucoError) -> int:
         self.last_error = error

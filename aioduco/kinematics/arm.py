@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from aioduco.errors import ParameterError, Unreachable
-from aioduco.kinematics import eaik, forward, inverse
+from aioduco.kinematics import forward, inverse, single
 from aioduco.models.pose import JointsLike, Pose, PoseLike
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ __all__ = ["POSITION_LIMIT", "Arm", "Singularity"]
 POSITION_LIMIT = 2 * math.pi
 """Joints reach ±2π [rad] (manual section 1.3.5). The vendor's URDFs say ±π."""
 
-_EXACT = 1e-12  # residual of a solution [m, rad]
+_EXACT = 4e-13  # largest difference of an element of two poses that are 1e-12 m, rad apart
 _KEEP = 1e-9  # residual above which a branch counts as having no solution, after refinement
 
 
@@ -120,8 +120,9 @@ class Arm:
     def ikine_all(self, flange: PoseLike | Array) -> Array:
         """Give every configuration that reaches a pose (逆解), up to eight.
 
-        At a wrist singularity joint 6 may be any angle; here it is zero. `ikine` takes it from
-        the configuration to be near to.
+        Where two solutions meet, at a singularity, both are given, and are equal. At a wrist
+        singularity joint 6 may be any angle; here it is zero, or as near to zero as leaves the
+        arm in reach. `ikine` takes it from the configuration to be near to.
 
         Args:
             flange: the pose in the base frame: a `Pose`, six numbers, or a matrix of shape (4, 4).
@@ -129,8 +130,12 @@ class Arm:
         Returns:
             Joint angles in [-π, π] [rad], ordered by shoulder, elbow and wrist. Shape (n, 6),
             with n = 0 when the pose is out of reach.
+
+        Raises:
+            ParameterError: `flange` is not of the shapes above, or not finite.
         """
-        return inverse.wrap(self._solve(_matrix(flange), 0.0))
+        found = self._solve(_matrix(flange), 0.0)
+        return inverse.wrap(np.array(found).reshape(-1, 6))
 
     def ikine(
         self, flange: PoseLike | Array, q_near: JointsLike, *, max_jump: float | None = None
@@ -138,6 +143,9 @@ class Arm:
         """Give the configuration that reaches a pose and is nearest to another one.
 
         Whole turns are added where the limits allow it, so that a joint at 6 rad stays near 6 rad.
+        The configuration reaches the pose to 1e-12 m and rad; where the arm is stretched or
+        folded, or within 1e-9 of a wrist singularity, to 1e-9. At a wrist singularity joint 6 may
+        be any angle: it is that of `q_near`, or as near to it as leaves the arm in reach.
 
         Args:
             flange: the pose in the base frame: a `Pose`, six numbers, or a matrix of shape (4, 4).
@@ -150,39 +158,43 @@ class Arm:
         Raises:
             Unreachable: no configuration reaches the pose, or none within the joint limits, or
                 none within `max_jump`.
+            ParameterError: `flange` or `q_near` is not of the shapes above, or not finite.
         """
-        target, near = _matrix(flange), _joints(q_near)
-        found = self._solve(target, float(near[5]))
-        if not len(found):
+        target = _matrix(flange)
+        near = _joints(q_near).tolist()
+        if len(near) != 6 or not all(map(math.isfinite, near)):
+            raise ParameterError("q_near", near, "six finite numbers [rad]")
+        found = self._solve(target, near[5])
+        if not found:
+            pose = Pose.from_matrix(target)
             missing = inverse.shortfall(self.geometry, target)
             by = f", by at least {missing:.4f} m" if missing > 0 else " in this orientation"
-            raise Unreachable(f"{Pose.from_matrix(target)} is out of the reach of {self.name}{by}")
-        near_turns = inverse.wrap_near(found, near, np.array(self.lower), np.array(self.upper))
-        inside = near_turns[~np.isnan(near_turns).any(axis=1)]
-        if not len(inside):
+            raise Unreachable(f"{pose} is out of the reach of {self.name}{by}")
+        turned = (single.nearest_turns(q, near, self.lower, self.upper) for q in found)
+        inside = [q for q in turned if q is not None]
+        if not inside:
             raise Unreachable(
                 f"{self.name} reaches {Pose.from_matrix(target)} only outside its joint limits"
             )
-        best: Array = inside[np.argmin(((inside - near) ** 2).sum(axis=1))]
-        jump = np.abs(best - near)
-        if max_jump is not None and jump.max() > max_jump:
-            raise Unreachable(
-                f"the nearest configuration for {Pose.from_matrix(target)} turns joint "
-                f"{jump.argmax() + 1} by {jump.max():.4f} rad, more than {max_jump:.4f} rad"
-            )
-        return best
+        best = min(inside, key=lambda q: math.dist(q, near))
+        if max_jump is not None:
+            jumps = [abs(a - b) for a, b in zip(best, near, strict=True)]
+            if max(jumps) > max_jump:
+                raise Unreachable(
+                    f"the nearest configuration for {Pose.from_matrix(target)} turns joint "
+                    f"{jumps.index(max(jumps)) + 1} by {max(jumps):.4f} rad, "
+                    f"more than {max_jump:.4f} rad"
+                )
+        return np.array(best)
 
-    def _solve(self, target: Array, q6: float) -> Array:
-        found = eaik.solutions(self.geometry, target)
-        if found is None:
-            found = inverse.closed_form(self.geometry, target, q6)
-            found = found[~np.isnan(found).any(axis=1)]
-        error = np.abs(inverse.residual(self.geometry, found, target)).max(axis=-1, initial=0.0)
-        if (error > _EXACT).any():
-            found = inverse.refine(self.geometry, found, target)
-            error = np.abs(inverse.residual(self.geometry, found, target)).max(axis=-1)
-        kept: Array = found[error < _KEEP]
-        return kept
+    def _solve(self, target: Array, q6: float) -> list[single.Configuration]:
+        rows = target.tolist()
+        found = single.solutions(self.geometry, rows, q6)
+        if all(single.miss(self.geometry, q, rows) < _EXACT for q in found):
+            return found
+        refined = inverse.refine(self.geometry, np.array(found), target)
+        error = np.abs(inverse.residual(self.geometry, refined, target)).max(axis=-1)
+        return [tuple(q) for q in refined[error < _KEEP].tolist()]
 
 
 def _joints(q: JointsLike) -> Array:
@@ -194,5 +206,7 @@ def _joints(q: JointsLike) -> Array:
 
 def _matrix(flange: PoseLike | Array) -> Array:
     if isinstance(flange, np.ndarray) and flange.shape == (4, 4):
+        if not np.isfinite(flange).all():
+            raise ParameterError("flange", flange.tolist(), "of finite numbers")
         return flange.astype(np.float64, copy=False)
     return Pose.of(flange).matrix

@@ -1,4 +1,4 @@
-"""Inverse kinematics in closed form, for one pose or many at once.
+"""Inverse kinematics in closed form, for many poses at once; `single` is the same for one.
 
 Joints 2, 3 and 4 of every DUCO arm are parallel. The arm from joint 2 to joint 5 therefore moves
 in a plane that turns with joint 1 at a distance d2 from its axis. Let `across` be the normal of
@@ -24,7 +24,7 @@ from aioduco.models.rotation import Array, rotvec_from_matrix
 if TYPE_CHECKING:
     from aioduco.kinematics.geometry import Geometry
 
-__all__ = ["BRANCHES", "closed_form", "refine", "residual", "shortfall", "wrap", "wrap_near"]
+__all__ = ["BRANCHES", "REACH", "WRIST", "closed_form", "refine", "residual", "shortfall", "wrap"]
 
 BRANCHES = 8
 """Solutions of a pose, since shoulder, elbow and wrist have two each.
@@ -32,9 +32,11 @@ BRANCHES = 8
 A solution's place is 4·shoulder + 2·elbow + wrist.
 """
 
-_WRIST = 1e-9  # sine of joint 5 below which joint 6 cannot be read from the pose
-_EDGE = 1e-10  # how far outside its limit a joint may be by rounding [turns]
-_REACH = 1e-9  # how far outside its range a cosine may be by rounding
+WRIST = 1e-9
+"""Sine of joint 5 below which any joint 6 is a solution, to that many radians."""
+
+REACH = 1e-9
+"""How far outside its range a sine or cosine may be by rounding."""
 
 
 def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> Array:
@@ -66,14 +68,19 @@ def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> A
     across = c1[..., None] * r[..., 1, :] - s1[..., None] * r[..., 0, :]
     ahead = c1[..., None] * r[..., 0, :] + s1[..., None] * r[..., 1, :]
     sine = np.hypot(across[..., 0], across[..., 1])
-    singular = sine < _WRIST
+    singular = (sine < WRIST)[..., None]
     # [..., shoulder, wrist]
     sign = np.array([1.0, -1.0])
-    q5 = sign * np.arctan2(sine, across[..., 2])[..., None]
     q6_read = np.arctan2(-sign * across[..., 1, None], sign * across[..., 0, None])
     q6_taken = np.broadcast_to(np.asarray(q6, dtype=float), flange.shape[:-2])[..., None, None]
-    q6s = np.where(singular[..., None], q6_taken, q6_read)
-    c6, s6, c5, s5 = np.cos(q6s), np.sin(q6s), np.cos(q5), np.sin(q5)
+    q6s = np.where(singular, q6_taken, q6_read)
+    c6, s6 = np.cos(q6s), np.sin(q6s)
+    # With joint 6 taken, as near as joint 5 comes to the flange's axis.
+    sine5 = np.where(
+        singular, c6 * across[..., 0, None] - s6 * across[..., 1, None], sign * sine[..., None]
+    )
+    q5 = np.arctan2(sine5, across[..., 2, None])
+    c5, s5 = np.cos(q5), np.sin(q5)
 
     def fourth(axes: Array) -> Array:
         # Component of joint 5's axis: the flange's y axis turned back by joint 6.
@@ -94,7 +101,7 @@ def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> A
     w = np.broadcast_to((wrist[..., 2] - g.d1)[..., None, None], q234.shape)
     if singular.any():
         # There joint 6 and the sum of joints 2 to 4 turn about one axis, either way round.
-        turned = np.where(singular[..., None], _into_reach(g, u, w, q234) - q234, 0.0)
+        turned = np.where(singular, _into_reach(g, u, w, q234) - q234, 0.0)
         q6s, q234 = q6s - c5 * turned, q234 + turned
     u, w = u - g.d5 * np.sin(q234), w - g.d5 * np.cos(q234)
     with np.errstate(invalid="ignore"):
@@ -138,7 +145,7 @@ def _into_reach(g: Geometry, u: Array, w: Array, q234: Array) -> Array:
 
 
 def _arc(function: np.ufunc, ratio: Array) -> Array:
-    clipped = np.where(np.abs(ratio) <= 1 + _REACH, np.clip(ratio, -1.0, 1.0), np.nan)
+    clipped = np.where(np.abs(ratio) <= 1 + REACH, np.clip(ratio, -1.0, 1.0), np.nan)
     angle: Array = function(clipped)
     return angle
 
@@ -208,23 +215,3 @@ def wrap(q: Array) -> Array:
     """Give the same angles in [-π, π] [rad], without a loss of digits inside that range."""
     turned: Array = q - 2 * np.pi * np.floor((q + np.pi) / (2 * np.pi))
     return np.clip(turned, -np.pi, np.pi)
-
-
-def wrap_near(q: Array, near: Array, lower: Array, upper: Array) -> Array:
-    """Add whole turns so that each joint is as close to `near` as its limits allow.
-
-    Args:
-        q: joint angles [rad]. Shape (..., 6).
-        near: joint angles to be close to [rad]. Shape (..., 6).
-        lower: lower limits [rad]. Shape (6,).
-        upper: upper limits [rad]. Shape (6,).
-
-    Returns:
-        Joint angles [rad], NaN for a joint that no number of turns brings inside. Shape (..., 6).
-    """
-    turn = 2 * np.pi
-    fewest = np.ceil((lower - q) / turn - _EDGE)
-    most = np.floor((upper - q) / turn + _EDGE)
-    wrapped = q + turn * np.clip(np.round((near - q) / turn), fewest, most)
-    # A joint that stands at its limit is not moved by a whole turn because of rounding.
-    return np.where(fewest > most, np.nan, np.clip(wrapped, lower, upper))

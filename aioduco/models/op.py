@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from aioduco.models.rules import Real, Whole
 
 __all__ = [
-    "Event",
+    "ControllerEvent",
     "Op",
     "Output",
     "PointOp",
@@ -67,7 +67,7 @@ class Output:
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
+class ControllerEvent:
     """An event of the controller's event function, as a trigger's target.
 
     Attributes:
@@ -80,7 +80,7 @@ class Event:
         return f"event {self.name!r}"
 
 
-Target: TypeAlias = Output | Event
+Target: TypeAlias = Output | ControllerEvent
 
 
 def _target(kind: str, first: int, count: int, num: Whole) -> Output:
@@ -113,9 +113,9 @@ def tool_output(num: Whole) -> Output:
     return _target("tool output", 401, 2, num)
 
 
-def event(name: str) -> Event:
+def event(name: str) -> ControllerEvent:
     """Name an event, which must be defined on the controller beforehand."""
-    return Event(_NAME("name", name))
+    return ControllerEvent(_NAME("name", name))
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +142,7 @@ def _trigger(
     distance: Real | None,
     rules: tuple[Number, Number],
 ) -> Trigger:
-    if not isinstance(target, (Output, Event)):
+    if not isinstance(target, (Output, ControllerEvent)):
         raise ParameterError("target", target, "an output or an event: output(3), event('name')")
     if isinstance(target, Output) and target.index > _MAX_INDEX:
         raise ParameterError(
@@ -278,7 +278,7 @@ class Op:
                     "by time: in a motion of the joints a distance is without effect",
                 )
             setattr(made, f"time_or_dist_{number}", 2 if distance else 1)
-            if isinstance(trigger.target, Event):
+            if isinstance(trigger.target, ControllerEvent):
                 setattr(made, f"trig_event_{number}", trigger.target.name)
             else:
                 setattr(made, f"trig_io_{number}", trigger.target.index)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from aioduco.errors import MissingExtra
+
 if TYPE_CHECKING:
     from aioduco.sim.process import SimulatorProcess
     from aioduco.sim.simulator import Simulator
@@ -21,8 +23,6 @@ def __getattr__(name: str) -> Any:
     try:
         return getattr(importlib.import_module(_HOMES[name]), name)
     except ModuleNotFoundError as exc:
-        if exc.name is not None and exc.name.split(".")[0] in ("mujoco", "ruckig"):
-            raise ModuleNotFoundError(
-                f"the simulator needs {exc.name}: pip install 'aioduco[sim]'", name=exc.name
-            ) from exc
+        if exc.name is not None and exc.name.split(".")[0] == "mujoco":
+            raise MissingExtra("the simulator", exc.name, "sim") from exc
         raise

@@ -10,7 +10,7 @@ from typing import NamedTuple
 _SLACK = 0.1
 
 
-class Pace:
+class CycleSchedule:
     """Schedule of cycles of simulated time, without a clock in it: `now` is an argument.
 
     Cycle n is due at start + n · cycle / speed, so that lateness of one never adds to the next.

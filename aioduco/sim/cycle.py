@@ -1,24 +1,27 @@
-"""What goes into the controller and comes out of it, cycle by cycle."""
+"""What passes between the controller and the physics, cycle by cycle.
+
+The controller takes a `SensedState` and returns a `DriveCommand`. `Plant` is what the runtime needs
+of the physics.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import numpy as np
     from numpy.typing import NDArray
 
-    from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
-    from aioduco.sim.force.sensor import Sensor
-    from aioduco.sim.frames import Tool, WorkObject
-    from aioduco.sim.planner.mover import SetPoint
+    from aioduco.sim.planner.path import JointSetPoint
 
     Vector = NDArray[np.float64]
 
-__all__ = ["Drive", "Sensed", "View"]
+__all__ = ["DriveCommand", "Plant", "SensedState"]
 
 
-class Sensed(NamedTuple):
+class SensedState(NamedTuple):
     """What the controller knows of the arm in one cycle.
 
     Attributes:
@@ -39,43 +42,75 @@ class Sensed(NamedTuple):
     external: Vector
 
 
-class Drive(NamedTuple):
+class DriveCommand(NamedTuple):
     """What the drives get: a set-point, or the brakes."""
 
-    setpoint: SetPoint
+    setpoint: JointSetPoint
     brake: bool
 
 
-class View(NamedTuple):
-    """The controller's state at one instant, for readers without a lock.
+class Plant(Protocol):
+    """The physics, as far as the runtime needs them. Each array is a new one."""
 
-    Attributes:
-        robot, program, safety, mode: as get_robot_state tells them.
-        moving: whether the arm moves, as robotmoving tells it: what swings out does not.
-        emergency_stop: whether the emergency stop is pressed.
-        collision_axis: joint that detected a collision, 1 to 6, or 0.
-        error: 1 while a safety stop holds, else 0.
-        errors: the error list.
-        speed: global speed [%].
-        tool: the tool in use.
-        wobj: the work object in use.
-        force_control: whether force control is on.
-        sensor: how the signal of the force sensor is read.
-        standing: whether the arm has stood for a while.
-    """
+    @property
+    def positions(self) -> Vector:
+        """Positions of everything that moves, the joints first."""
+        ...
 
-    robot: RobotState
-    program: ProgramState
-    safety: SafetyState
-    mode: OperationMode
-    moving: bool
-    emergency_stop: bool
-    collision_axis: int
-    error: int
-    errors: tuple[str, ...]
-    speed: int
-    tool: Tool
-    wobj: WorkObject
-    force_control: bool
-    sensor: Sensor
-    standing: bool
+    @property
+    def q(self) -> Vector:
+        """Joints [rad]. Shape (6,)."""
+        ...
+
+    @property
+    def qd(self) -> Vector:
+        """Joint speeds [rad/s]. Shape (6,)."""
+        ...
+
+    @property
+    def qdd(self) -> Vector:
+        """Joint accelerations [rad/s²]. Shape (6,)."""
+        ...
+
+    @property
+    def torque(self) -> Vector:
+        """Joint torques [N m]. Shape (6,)."""
+        ...
+
+    def step(self, setpoint: JointSetPoint) -> None:
+        """Go on by one cycle."""
+
+    @property
+    def wrench(self) -> Vector:
+        """What acts on the flange, in its frame [N, N m]. Shape (6,)."""
+        ...
+
+    @property
+    def target_torque(self) -> Vector:
+        """Torques that the set-point's motion needs [N m]. Shape (6,)."""
+        ...
+
+    @property
+    def external_torque(self) -> Vector:
+        """Torques that the motion needed beyond those of the drives [N m]. Shape (6,)."""
+        ...
+
+    @property
+    def still(self) -> bool:
+        """Whether nothing else in the scene moves."""
+        ...
+
+    def load(self, mass: float, centre: Sequence[float]) -> None:
+        """Mount a load at the flange, and tell the drives about it [kg, m]."""
+
+    def carry(self, mass: float, centre: Sequence[float]) -> None:
+        """Mount a load at the flange, of which the drives know nothing [kg, m]."""
+
+    def tell(self, mass: float, centre: Sequence[float]) -> None:
+        """Tell the drives about a load [kg, m]."""
+
+    def brake(self, on: bool) -> None:
+        """Put the brakes on, or release them."""
+
+    def push(self, wrench: Sequence[float]) -> None:
+        """Push at the flange from now on [N, N m], in the base frame."""

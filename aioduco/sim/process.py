@@ -1,4 +1,4 @@
-"""A simulator in a process of its own, which never outlives the one that started it."""
+"""A simulator in a process of its own, which ends with the process that started it."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ _START, _END = 60.0, 20.0
 class SimulatorProcess:
     """`python -m aioduco.sim` with its standard input held open.
 
-    The process ends when its standard input closes, which the system does for us whatever happens
-    to this process, a kill included.
+    The process ends when its standard input closes. The system closes it when this process ends, a
+    kill included.
 
     Args:
         options: arguments of `Simulator`.
@@ -41,7 +41,7 @@ class SimulatorProcess:
 
     def __init__(self, options: dict[str, Any]) -> None:
         self._options = options
-        # A file, not a pipe that nobody reads: a full pipe would stop the process.
+        # A file, not a pipe: a pipe that is not read fills up and stops the process.
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
         self.host: str = ""
         self.port: int = 0

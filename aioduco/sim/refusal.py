@@ -1,4 +1,4 @@
-"""How a call does not end as hoped: refused by its task's end or by an error, or not ended yet."""
+"""How a handler refuses a call, or says that its task has not ended."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Rejected(Exception):
 
 
 class Pending(Exception):
-    """A call of a program that the controller runs waits for a task, which a cycle must not."""
+    """The task of a call that a program makes has not ended; the cycle must not wait for it."""
 
     def __init__(self, id_: int) -> None:
         super().__init__(f"task {id_} has not ended")

@@ -18,11 +18,11 @@ import time
 from typing import TYPE_CHECKING, NamedTuple
 
 from aioduco.models.enums import RobotState
-from aioduco.sim.clock import LoopStatistics, LoopTimes, Pace, checked_speed
-from aioduco.sim.controller import Controller, Drive, Sensed, View
-from aioduco.sim.planner.mover import SetPoint
+from aioduco.sim.clock import CycleSchedule, LoopStatistics, LoopTimes, checked_speed
+from aioduco.sim.cycle import DriveCommand, SensedState
+from aioduco.sim.physics.temperature import Temperatures
+from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.refusal import Pending, Refusal
-from aioduco.sim.warmth import Warmth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.models.enums import TaskState
-    from aioduco.sim.external_axes import ExternalAxes
-    from aioduco.sim.optimization import Optimization
-    from aioduco.sim.plant import Plant
-    from aioduco.sim.weaving import Weaving
+    from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
+    from aioduco.sim.controller.motion_settings import OptimizationSwitches, WeaveSelection
+    from aioduco.sim.controller.state_machine import Controller, ControllerState
+    from aioduco.sim.cycle import Plant
 
     Vector = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ _NO_PUSH: tuple[float, ...] = (0.0,) * 6
 _STRONG: tuple[float, ...] = (math.inf,) * 6
 
 
-class Snapshot(NamedTuple):
+class SimulationSnapshot(NamedTuple):
     """Arm and controller after one cycle.
 
     Attributes:
@@ -73,8 +73,8 @@ class Snapshot(NamedTuple):
     qd: Vector
     qdd: Vector
     torque: Vector
-    setpoint: SetPoint
-    view: View
+    setpoint: JointSetPoint
+    view: ControllerState
     wrench: Vector
     target_torque: Vector
     external_torque: Vector
@@ -83,7 +83,7 @@ class Snapshot(NamedTuple):
     board_temperature: Vector
 
 
-class Runtime:
+class SimulationRuntime:
     """Runs a controller and its arm in a thread of its own.
 
     Args:
@@ -109,7 +109,7 @@ class Runtime:
         self._controller = controller
         self._plant = plant
         self.cycle = cycle
-        self._pace = Pace(cycle, speed)
+        self._pace = CycleSchedule(cycle, speed)
         self._speed = speed
         self._times = LoopTimes()
         self._on_network = on_network
@@ -122,7 +122,7 @@ class Runtime:
         self._failure: BaseException | None = None
         self._thread = threading.Thread(target=self._run, name="sim-loop", daemon=True)
         self._network: bool | None = True
-        self._warmth = Warmth(effort)
+        self._warmth = Temperatures(effort)
         self._warm_at = 0.0
         self._count = 0
         self._quiet = 0
@@ -135,8 +135,8 @@ class Runtime:
         self._carry: tuple[float, Sequence[float]] | None = None
         self._carried: tuple[float, Sequence[float]] | None = None
         q = plant.q
-        self._drive = Drive(SetPoint.at_rest(q), brake=True)
-        self._snapshot = Snapshot(
+        self._drive = DriveCommand(JointSetPoint.at_rest(q), brake=True)
+        self._snapshot = SimulationSnapshot(
             0.0,
             q,
             plant.qd,
@@ -155,7 +155,7 @@ class Runtime:
     # -- for handlers and tests, from any thread -----------------------------------------------
 
     @property
-    def snapshot(self) -> Snapshot:
+    def snapshot(self) -> SimulationSnapshot:
         """The latest snapshot.
 
         Raises:
@@ -166,17 +166,17 @@ class Runtime:
         return self._snapshot
 
     @property
-    def optimization(self) -> Optimization:
+    def optimization(self) -> OptimizationSwitches:
         """What of 1.3.11 is switched on; for handlers within a command."""
         return self._controller.optimization
 
     @property
-    def external_axes(self) -> ExternalAxes:
+    def external_axes(self) -> SimulatedExternalAxes:
         """The external axes; for handlers within a command, and for readers of their states."""
         return self._controller.external_axes
 
     @property
-    def weaving(self) -> Weaving:
+    def weaving(self) -> WeaveSelection:
         """What is laid over the paths; for handlers within a command."""
         return self._controller.weaving
 
@@ -257,7 +257,7 @@ class Runtime:
     def _within(self) -> bool:
         return threading.current_thread() is self._thread
 
-    def _newer(self, seen: Snapshot) -> bool:
+    def _newer(self, seen: SimulationSnapshot) -> bool:
         return self._snapshot is not seen or self._closing
 
     def push(self, wrench: Sequence[float]) -> None:
@@ -370,10 +370,10 @@ class Runtime:
             self._warmth.tick(at - self._warm_at, torque, powered=powered)
             self._warm_at = at
         with self._lock:
-            sensed = Sensed(at, time.monotonic(), q, qd, wrench, plant.external_torque)
+            sensed = SensedState(at, time.monotonic(), q, qd, wrench, plant.external_torque)
             self._drive = self._controller.tick(sensed)
             view = self._controller.view()
-            self._snapshot = Snapshot(
+            self._snapshot = SimulationSnapshot(
                 at,
                 q,
                 qd,

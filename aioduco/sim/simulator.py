@@ -15,24 +15,22 @@ import numpy as np
 from aioduco.kinematics import arm as arm_of
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim.cabinet import Cabinet
+from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
+from aioduco.sim.cabinet.values import SystemValues
 from aioduco.sim.clock import checked_speed
-from aioduco.sim.collision import Observer
-from aioduco.sim.controller import Controller
-from aioduco.sim.external_axes import ExternalAxes
+from aioduco.sim.controller.monitoring import CollisionDetector
+from aioduco.sim.controller.state_machine import Controller
 from aioduco.sim.force.control import ForceControl
-from aioduco.sim.handlers import handlers
-from aioduco.sim.handlers.base import Context
-from aioduco.sim.mounting import gravity, mounting_of
-from aioduco.sim.operating import Operating
+from aioduco.sim.handlers import Handlers
+from aioduco.sim.handlers.base import HandlerContext
+from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
-from aioduco.sim.render import Studio
-from aioduco.sim.runtime import Runtime
-from aioduco.sim.scene.xml import mjcf_of
+from aioduco.sim.runtime import SimulationRuntime
+from aioduco.sim.scene import gravity, mjcf_of, mounting_of
 from aioduco.sim.server import Server
-from aioduco.sim.showing import Showing
-from aioduco.sim.status_port import StatusPort, frame_of
-from aioduco.sim.values import SystemValues
-from aioduco.sim.world import World
+from aioduco.sim.server.status_server import StatusServer, frame_of
+from aioduco.sim.view.camera import Camera, towards
+from aioduco.sim.view.render import PictureProcess
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -43,16 +41,17 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
+    from aioduco.models.enums import OperationMode
     from aioduco.models.pose import JointsLike
+    from aioduco.sim.cabinet.script import Script
+    from aioduco.sim.cabinet.signals import Signals
+    from aioduco.sim.cabinet.values import Value
     from aioduco.sim.clock import LoopStatistics
-    from aioduco.sim.controller import View
-    from aioduco.sim.mounting import MountingLike
+    from aioduco.sim.controller.state_machine import ControllerState
+    from aioduco.sim.controller.tasks import ControllerTask
     from aioduco.sim.process import SimulatorProcess
-    from aioduco.sim.scene.xml import SceneLike
-    from aioduco.sim.script import Script
-    from aioduco.sim.signals import Signals
-    from aioduco.sim.tasks import Task
-    from aioduco.sim.values import Value
+    from aioduco.sim.scene import MountingLike, SceneLike
+    from aioduco.sim.view.viewer import Viewer
 
 #: time of one controller cycle [s]
 CYCLE = 0.001
@@ -60,7 +59,7 @@ CYCLE = 0.001
 READY = (0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0)
 
 
-class Simulator(Operating, Showing):
+class Simulator:
     """A simulated controller with its arm, on a TCP port of this computer.
 
     It runs in threads of this process, between entering and leaving it:
@@ -89,7 +88,7 @@ class Simulator(Operating, Showing):
             [s]: up to 2 has been seen of a real controller, none unless told.
         mounting: where the base is in the world: "floor", "wall", "ceiling", or a pose [m, rad].
         external_axes: schemes of external axes by name, which a controller's pendant would define:
-            of each, one to three `aioduco.sim.external_axes.Axis`, or their numbers.
+            of each, one to three `aioduco.sim.cabinet.Axis`, or their numbers.
         values: system values by name, which a controller's pendant would define.
         programs: by name, for run_program: a list of calls of the wire, or a generator function
             that yields them; or a folder whose files "<name>.json" hold such lists.
@@ -136,16 +135,16 @@ class Simulator(Operating, Showing):
         self.cabinet: Cabinet = Cabinet(SystemValues(values))
         self.cabinet.tooled = tool is not None
         self.cabinet.project.add(programs or {})
-        self.external_axes: ExternalAxes = ExternalAxes(external_axes)
+        self.external_axes: SimulatedExternalAxes = SimulatedExternalAxes(external_axes)
         self._address = (host, port)
         self._status_address = status_port
-        self._status: StatusPort | None = None
+        self._status: StatusServer | None = None
         self._halted = threading.Event()
         self._on_shutdown = on_shutdown
         self._server: Server | None = None
-        self._runtime: Runtime | None = None
+        self._runtime: SimulationRuntime | None = None
         self._controller: Controller | None = None
-        self._studio: Studio | None = None
+        self._studio: PictureProcess | None = None
 
     def __repr__(self) -> str:
         state = f"on {self.host}:{self.port}" if self._server is not None else "not running"
@@ -183,8 +182,8 @@ class Simulator(Operating, Showing):
         controller = Controller(mover, self._start, force)
         controller.program_lag = self._program_lag
         controller.external_axes = self.external_axes
-        controller.collisions = Observer(np.array(self.arm.effort))
-        runtime = Runtime(
+        controller.collisions = CollisionDetector(np.array(self.arm.effort))
+        runtime = SimulationRuntime(
             controller,
             world,
             cycle=CYCLE,
@@ -193,7 +192,7 @@ class Simulator(Operating, Showing):
             on_network=self._network,
         )
         series, _, model = self.arm.name.upper().partition("_")
-        context = Context(
+        context = HandlerContext(
             self.arm,
             runtime,
             controller.signals,
@@ -203,11 +202,11 @@ class Simulator(Operating, Showing):
             f"SIM{self.seed:08d}",
             self.cabinet,
         )
-        answering = handlers(context)
+        answering = Handlers(context)
         server = Server(answering, host=self._address[0], port=self._address[1])
         server.start()
         if self._status_address is not None:
-            status = StatusPort(
+            status = StatusServer(
                 partial(frame_of, answering), host=self.host, port=self._status_address
             )
             try:
@@ -217,7 +216,7 @@ class Simulator(Operating, Showing):
                 raise
             self._status = status
         self._server, self._runtime, self._controller = server, runtime, controller
-        self._studio = Studio(world.model)
+        self._studio = PictureProcess(world.model)
         # An interpreter that ends under a running simulation would free what is being stepped.
         atexit.register(self.close)
         runtime.start()
@@ -332,7 +331,7 @@ class Simulator(Operating, Showing):
         return not self.view.standing
 
     @property
-    def view(self) -> View:
+    def view(self) -> ControllerState:
         """The controller's states, error list, tool and work object at this instant."""
         return self._running().snapshot.view
 
@@ -342,7 +341,7 @@ class Simulator(Operating, Showing):
         return self._halted.is_set()
 
     @property
-    def tasks(self) -> tuple[Task, ...]:
+    def tasks(self) -> tuple[ControllerTask, ...]:
         """The tasks that have not ended, oldest first."""
         return self._machine().tasks.unfinished()
 
@@ -383,9 +382,136 @@ class Simulator(Operating, Showing):
         """Cut every connection, as a pulled cable would; how many there were."""
         return 0 if self._server is None else self._server.drop()
 
+    # -- what a person at the machine does ------------------------------------------------------
+
+    def set_digital_input(self, num: int, value: bool) -> None:
+        """Set a general input of the cabinet, 1 to 16."""
+        with self._running().command() as controller:
+            controller.signals.standard_in[num] = value
+
+    def set_tool_digital_input(self, num: int, value: bool) -> None:
+        """Set an input of the tool, 1 or 2."""
+        with self._running().command() as controller:
+            controller.signals.tool_in[num] = value
+
+    def switch_mode(self, mode: OperationMode) -> None:
+        """Turn the mode switch of the cabinet; what runs is paused, as by `switch_mode`.
+
+        With `cabinet.mode_switch` programs cannot switch the mode.
+
+        Args:
+            mode: manual, automatic or remote.
+        """
+        with self._running().command() as controller:
+            controller.switch_mode(mode)
+
+    def emergency_stop(self) -> None:
+        """Press the emergency stop."""
+        with self._running().command() as controller:
+            controller.press_emergency_stop()
+
+    def release_emergency_stop(self) -> None:
+        """Release the emergency stop; power off, power on and enable lead out of the stop."""
+        with self._running().command() as controller:
+            controller.release_emergency_stop()
+
+    def collide(self, joint: int) -> None:
+        """Let a joint, 1 to 6, detect a collision, unless a program has switched that off."""
+        if not 1 <= joint <= 6:
+            raise ValueError(f"joint is {joint}, but must be from 1 to 6")
+        with self._running().command() as controller:
+            if controller.collisions.level:
+                controller.collide(joint)
+
+    def push(self, wrench: Sequence[float]) -> None:
+        """Push at the flange from now on, as a person does who guides the arm by hand.
+
+        Args:
+            wrench: force [N], then torque [N m], in the base frame; six zeros to let go.
+        """
+        if len(wrench) != 6:
+            raise ValueError(f"wrench has {len(wrench)} numbers, but must have 6")
+        self._running().push(wrench)
+
+    def load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        """Hang a load on the flange, whatever the program says is there.
+
+        Until this is called, what hangs there is what the program tells by `set_tool_data` and
+        `set_load_data`. From then on the two are apart: a controller that was told wrongly takes
+        the difference for a force from outside, as a real one does.
+
+        Args:
+            mass: of the load, a point without inertia of its own [kg]; zero for none.
+            centre: its centre of mass in the frame of the flange [m].
+        """
+        if not (math.isfinite(mass) and mass >= 0.0) or len(centre) != 3:
+            raise ValueError(f"a load of {mass} kg at {centre} cannot be")
+        self._running().carry(mass, centre)
+
+    # -- how the arm is looked at ---------------------------------------------------------------
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """Positions of everything that moves, for `render`: the joints, the tool, the scene."""
+        return self._running().snapshot.positions.copy()
+
+    def render(
+        self,
+        *,
+        width: int = 640,
+        height: int = 480,
+        camera: Camera | str | None = None,
+        positions: NDArray[np.float64] | None = None,
+    ) -> NDArray[np.uint8]:
+        """Draw a picture of the arm and what is around it, without a display.
+
+        It is drawn by a process of its own, which starts with the first picture: the simulation
+        goes on meanwhile.
+
+        Args:
+            width: of the picture, at most 1920 [pixels].
+            height: of the picture, at most 1080 [pixels].
+            camera: from where it is seen: a `Camera`, or the name of one in the scene; None for
+                one that sees the whole arm.
+            positions: what is to be drawn, as `positions` gave it at another instant; None for now.
+
+        Returns:
+            Red, green, blue. Shape (height, width, 3).
+
+        Raises:
+            ParameterError: The picture is too large, or there is no such camera.
+            RenderError: This computer has no OpenGL that draws off screen.
+        """
+        shown = self.positions if positions is None else positions
+        assert self._studio is not None
+        seen = towards(self.arm, self.mounting) if camera is None else camera
+        return self._studio.picture(shown, width, height, seen)
+
+    def window(self) -> Viewer:
+        """Open MuJoCo's window on the arm, where there is a display.
+
+        The window shows how things are each time that its method `show` is called:
+
+            with sim.window() as window:
+                while window.running:
+                    window.show()
+                    time.sleep(1 / 30)
+
+        Returns:
+            The window.
+
+        Raises:
+            RenderError: There is no display.
+        """
+        from aioduco.sim.view.viewer import Viewer  # noqa: PLC0415 - for those who have a display
+
+        self._running()
+        assert self._studio is not None
+        return Viewer(self._studio.model, lambda: self.positions, towards(self.arm, self.mounting))
+
     # -- inside --------------------------------------------------------------------------------
 
-    def _running(self) -> Runtime:
+    def _running(self) -> SimulationRuntime:
         if self._runtime is None:
             raise RuntimeError("this simulator is not running: enter it by `with` or `async with`")
         return self._runtime

@@ -10,19 +10,19 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco.api import ranges
-from aioduco.streaming.config import Sent
-from aioduco.streaming.endpoint import Endpoint
-from aioduco.streaming.limits import Limits
+from aioduco.models import ranges
+from aioduco.streaming.endpoint import StreamEndpoint
+from aioduco.streaming.options import Feeding, LaneOptions
 from aioduco.streaming.report import times_table
-from aioduco.streaming.settings import Feeding, LaneOptions
+from aioduco.streaming.shared.config import Sent
+from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from aioduco.streaming.report import StreamStatistics
-    from aioduco.streaming.statistics import Percentiles
+    from aioduco.streaming.shared.histogram import Percentiles
 
 __all__ = ["RATES", "Examination", "examine"]
 
@@ -38,7 +38,7 @@ class Examination:
     """What was measured. Nothing was moved.
 
     Attributes:
-        plain: a lane's figures under the system's usual schedule.
+        plain: a worker's figures under the system's usual schedule.
         urgent: the same under SCHED_FIFO; None where the system does not allow it.
         processors: processors that this process may use.
         governor: how the system sets the processor's clock; empty where it does not tell.
@@ -113,9 +113,9 @@ class Examination:
 
 
 async def examine(host: str, port: int = 7003, *, seconds: float = _SECONDS) -> Examination:
-    """Measure how late a lane is here, and how soon the controller answers it.
+    """Measure how late a worker is here, and how soon the controller answers it.
 
-    It asks for the robot's state a thousand times a second, from a lane's process of its own:
+    It asks for the robot's state a thousand times a second, from a worker's process of its own:
     what a stream costs, without moving anything.
 
     Args:
@@ -129,7 +129,7 @@ async def examine(host: str, port: int = 7003, *, seconds: float = _SECONDS) -> 
     Raises:
         StreamLost: there is no controller, or it does not answer.
     """
-    endpoint = Endpoint(host, port)
+    endpoint = StreamEndpoint(host, port)
     plain = await _measure(endpoint, LaneOptions(watch=0), seconds)
     urgent = await _measure(endpoint, LaneOptions(watch=0, priority=50), seconds)
     allowed = None if "priority" in urgent.unmet else urgent
@@ -145,12 +145,14 @@ async def examine(host: str, port: int = 7003, *, seconds: float = _SECONDS) -> 
 
 def holdable(figures: StreamStatistics) -> float:
     """The greatest of `RATES` at which 999 ticks of 1000 fit into their period; 0: none."""
-    # A tick that was skipped counts in the lateness, so a lane that stood still is not flattered.
+    # A tick that was skipped counts in the lateness, so a worker that stood still is not flattered.
     needed = figures.lateness.p999 + figures.work.p999
     return next((rate for rate in RATES if needed <= 1 / rate), 0.0)
 
 
-async def _measure(endpoint: Endpoint, options: LaneOptions, seconds: float) -> StreamStatistics:
+async def _measure(
+    endpoint: StreamEndpoint, options: LaneOptions, seconds: float
+) -> StreamStatistics:
     sent = Sent(name="probe", in_joints=True, limits=Limits((1.0,) * 6, (1.0,) * 6), drive=None)
     stream = Stream(endpoint, Feeding(rate=RATES[0]), options, sent, ranges.JOINTS)
     async with stream:

@@ -12,7 +12,7 @@ from aioduco.errors import (
     StreamStarved,
     StreamStopped,
 )
-from aioduco.streaming.source import Reason
+from aioduco.streaming.shared.state import Reason
 
 __all__ = ["failure"]
 

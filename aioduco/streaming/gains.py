@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from aioduco.api import ranges
+from aioduco.models import ranges
 
 __all__ = ["ServoGains"]
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from aioduco.api import ranges
 from aioduco.errors import ParameterError
+from aioduco.models import ranges
 from aioduco.streaming.sampling import Spline
 
 if TYPE_CHECKING:

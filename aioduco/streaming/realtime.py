@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from aioduco.api import ranges
 from aioduco.errors import ParameterError
+from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode
 from aioduco.models.rules import Integer
-from aioduco.streaming.config import Meaning, Queue, Sent
-from aioduco.streaming.limits import JERK, Limits
-from aioduco.streaming.settings import Feeding, per_group
+from aioduco.streaming.options import Feeding, per_group
+from aioduco.streaming.shared.config import Meaning, QueueDrive, Sent
+from aioduco.streaming.shared.space import JERK, Limits
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from typing import Unpack
 
     from aioduco.models.rules import VectorLike
-    from aioduco.streaming.endpoint import Endpoint
-    from aioduco.streaming.settings import FeedingOptions, LaneOptions
+    from aioduco.streaming.endpoint import StreamEndpoint
+    from aioduco.streaming.options import FeedingOptions, LaneOptions
 
 __all__ = ["CYCLE", "RealtimeStreams"]
 
@@ -58,14 +58,14 @@ class RealtimeStreams:
         async with robot.realtime.stream("joint_position", v=1.0, a=5.0) as stream:
             await stream.play(trajectory, times)
 
-    The lane keeps the controller's queue at a depth: it is what the network and this machine
+    The worker keeps the controller's queue at a depth: it is what the network and this machine
     may be late without the arm noticing, and it is the latency of the stream.
 
     Args:
         endpoint: the controller.
     """
 
-    def __init__(self, endpoint: Endpoint) -> None:
+    def __init__(self, endpoint: StreamEndpoint) -> None:
         self._endpoint = endpoint
 
     def stream(
@@ -100,7 +100,7 @@ class RealtimeStreams:
             com_lost_time: time with an empty queue after which the controller faults [s].
             max_step: largest step between two set-points [rad], or [m, rad].
             reach: how far the arm may be from the first set-point [rad], or [m, rad].
-            options: how the lane runs; None: in a process of its own.
+            options: how the worker runs; None: in a process of its own.
             feeding: how the program feeds it: `source_rate`, set-points per second [Hz], 1000 of
                 them if left out; `latest`, `upsample`, `ahead` as for `robot.servo`; `hold`, time
                 without a set-point after which the stream ends [s], 0.5 for positions and 0.1 for
@@ -142,7 +142,7 @@ class RealtimeStreams:
             name=f"realtime {chosen.name.lower()}",
             in_joints=in_joints,
             limits=_limits(v, a, jerk, groups),
-            drive=Queue(field=field, mode=arguments, depth=depth, period=period),
+            drive=QueueDrive(field=field, mode=arguments, depth=depth, period=period),
             meaning=meaning,
             read=read,
             ending="end_realtime_mode",

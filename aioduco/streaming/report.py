@@ -7,16 +7,17 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from aioduco.streaming.shared import HISTOGRAMS, Status, Unmet
-from aioduco.streaming.statistics import Percentiles
+from aioduco.errors import MissingExtra
+from aioduco.streaming.shared.block import HISTOGRAMS, StatusWord, Unmet
+from aioduco.streaming.shared.histogram import Percentiles
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rich.table import Table
 
-    from aioduco.streaming.host import Host
-    from aioduco.streaming.source import Reason, State
+    from aioduco.streaming.shared.state import Reason, StreamState
+    from aioduco.streaming.worker_process import WorkerHandle
 
 __all__ = ["StreamStatistics", "plot", "times_table"]
 
@@ -38,28 +39,28 @@ class StreamStatistics(NamedTuple):
     Attributes:
         state: state of the stream.
         reason: why it ended, or ends.
-        ticks: ticks of the lane.
+        ticks: ticks of the worker.
         sent: set-points sent to the controller.
-        missed: ticks that were skipped, since the lane or the controller was not ready in time.
+        missed: ticks that were skipped, since the worker or the controller was not ready in time.
         starved: ticks in which the arm moved, and no set-point was there though one was due.
         limited: ticks in which the limits kept the arm from its target.
         overwritten: set-points that newer ones replaced before they were taken.
         drained: times at which the controller's queue was found empty.
-        queued: set-points of the program that wait in the lane's ring.
+        queued: set-points of the program that wait in the worker's ring.
         depth: points in the controller's queue when last looked at.
-        memory: size of the lane's process at its end [bytes]; 0 before, and for a thread.
+        memory: size of the worker's process at its end [bytes]; 0 before, and for a thread.
         unmet: what was asked of the system and not allowed.
         lateness: how late ticks began, those that were skipped included [s].
         interval: time between two ticks [s].
         round_trip: time from a set-point sent to its answer [s].
         work: time of all work in a tick [s].
-        age: time from a set-point sent by the program to taken by the lane [s].
+        age: time from a set-point sent by the program to taken by the worker [s].
         queue: points in the controller's queue each time that it was looked at.
         buckets: the histograms behind these percentiles: by name the lowest value, the next
             bucket's, and the count; nanoseconds or points.
     """
 
-    state: State
+    state: StreamState
     reason: Reason
     ticks: int
     sent: int
@@ -81,8 +82,8 @@ class StreamStatistics(NamedTuple):
     buckets: dict[str, list[tuple[int, int, int]]]
 
     @classmethod
-    def of(cls, host: Host) -> StreamStatistics:
-        """Read them from the memory that the lane writes."""
+    def of(cls, host: WorkerHandle) -> StreamStatistics:
+        """Read them from the memory that the worker writes."""
         block = host.block
         words = block.status
         times = {
@@ -92,17 +93,17 @@ class StreamStatistics(NamedTuple):
         return cls(
             state=host.state,
             reason=host.reason,
-            ticks=words[Status.TICKS],
-            sent=words[Status.SENT],
-            missed=words[Status.MISSED],
-            starved=words[Status.STARVED],
-            limited=words[Status.LIMITED],
-            overwritten=words[Status.OVERWRITTEN],
-            drained=words[Status.DRAINED],
+            ticks=words[StatusWord.TICKS],
+            sent=words[StatusWord.SENT],
+            missed=words[StatusWord.MISSED],
+            starved=words[StatusWord.STARVED],
+            limited=words[StatusWord.LIMITED],
+            overwritten=words[StatusWord.OVERWRITTEN],
+            drained=words[StatusWord.DRAINED],
             queued=block.ring.level,
-            depth=words[Status.DEPTH],
-            memory=words[Status.MEMORY] * 1024 if host.pid is not None else 0,
-            unmet=tuple(str(flag.name).lower() for flag in Unmet(words[Status.UNMET])),
+            depth=words[StatusWord.DEPTH],
+            memory=words[StatusWord.MEMORY] * 1024 if host.pid is not None else 0,
+            unmet=tuple(str(flag.name).lower() for flag in Unmet(words[StatusWord.UNMET])),
             lateness=times["lateness"],
             interval=times["interval"],
             round_trip=times["round_trip"],
@@ -176,8 +177,14 @@ def plot(statistics: StreamStatistics | dict[str, Any], path: str | Path) -> Non
     Args:
         statistics: the statistics, or what `StreamStatistics.save` wrote, read back.
         path: where to write the figure.
+
+    Raises:
+        MissingExtra: matplotlib is not installed.
     """
-    from matplotlib.figure import Figure  # noqa: PLC0415 - only for those who plot
+    try:
+        from matplotlib.figure import Figure  # noqa: PLC0415 - only for those who plot
+    except ModuleNotFoundError as exc:
+        raise MissingExtra("a plot", "matplotlib", "plot") from exc
 
     found = statistics if isinstance(statistics, dict) else statistics.as_dict()
     shown = [name for name in HISTOGRAMS if found["buckets"].get(name)]

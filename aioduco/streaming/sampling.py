@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.errors import ParameterError
-from aioduco.streaming.space import PoseSpace
+from aioduco.streaming.shared.space import PoseSpace
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from aioduco.streaming.space import Space
+    from aioduco.streaming.shared.space import Space
 
 __all__ = ["Spline", "sampled"]
 

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from aioduco.api import ranges
 from aioduco.errors import ParameterError
-from aioduco.streaming.config import Calls, Sent
+from aioduco.models import ranges
 from aioduco.streaming.gains import ServoGains
-from aioduco.streaming.limits import JERK, Limits
-from aioduco.streaming.settings import Feeding, per_group
-from aioduco.streaming.space import POSE_SPACE
+from aioduco.streaming.options import Feeding, per_group
+from aioduco.streaming.shared.config import Calls, Sent
+from aioduco.streaming.shared.space import JERK, POSE_SPACE, Limits
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
     from typing import Unpack
 
     from aioduco.models.rules import VectorLike
-    from aioduco.streaming.endpoint import Endpoint
-    from aioduco.streaming.settings import LaneOptions, PacedOptions
+    from aioduco.streaming.endpoint import StreamEndpoint
+    from aioduco.streaming.options import LaneOptions, PacedOptions
 
 __all__ = ["OffsetStream", "Servo"]
 
@@ -48,7 +47,7 @@ class OffsetStream(Stream):
         await super().send(self._placed(tuple(self._check("point", point))))
 
     async def play(self, trajectory: Any, times: Any = None) -> None:
-        """Send a list of offsets, and wait until the lane has taken them.
+        """Send a list of offsets, and wait until the worker has taken them.
 
         Args:
             trajectory: the offsets. Shape (n, 6).
@@ -88,7 +87,7 @@ class Servo:
         endpoint: the controller.
     """
 
-    def __init__(self, endpoint: Endpoint) -> None:
+    def __init__(self, endpoint: StreamEndpoint) -> None:
         self._endpoint = endpoint
 
     def __repr__(self) -> str:
@@ -115,7 +114,7 @@ class Servo:
             max_step: largest step of a joint between two targets [rad].
             reach: how far each joint may be from the first target [rad].
             gains: how closely the controller follows; None: as the manual advises.
-            options: how the lane runs; None: in a process of its own.
+            options: how the worker runs; None: in a process of its own.
             feeding: how the program feeds it, see above.
 
         Returns:
@@ -174,7 +173,7 @@ class Servo:
             max_step: largest step between two targets [m, rad].
             reach: how far the tool may be from the first target [m, rad].
             gains: how closely the controller follows; None: as the manual advises.
-            options: how the lane runs; None: in a process of its own.
+            options: how the worker runs; None: in a process of its own.
             feeding: how the program feeds it, see above.
 
         Returns:
@@ -232,7 +231,7 @@ class Servo:
             max_step: largest step between two targets [m, rad].
             reach: how far the tool may be from the first target [m, rad].
             gains: how closely the controller follows.
-            options: how the lane runs.
+            options: how the worker runs.
             feeding: how the program feeds it, see above.
 
         Returns:
@@ -273,7 +272,7 @@ class Servo:
         """Move by offsets in the tool's frame (servo_tcp, 工具增量伺服).
 
         The controller counts an offset from its last target, so offsets add up, and each is
-        carried out once: when no more of them come, the arm stands where they led to. The lane
+        carried out once: when no more of them come, the arm stands where they led to. The worker
         spreads them over the ticks that the limits ask for. With `latest`, offsets that are not
         sent yet add up.
 
@@ -287,7 +286,7 @@ class Servo:
             tool: name of the tool; empty: the one in use.
             max_step: largest offset, and largest turn of one [m, rad].
             gains: how closely the controller follows; None: as the manual advises.
-            options: how the lane runs; None: in a process of its own.
+            options: how the worker runs; None: in a process of its own.
             feeding: how the program feeds it, see above.
 
         Returns:

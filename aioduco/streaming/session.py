@@ -1,10 +1,10 @@
-"""One lane from its start to its end, as the robot and its supervision see it.
+"""One worker from its start to its end, as the robot and its supervision see it.
 
 Guarantees:
-- Leaving returns only when the lane can send nothing any more, and the arm has been seen to stand
+- Leaving returns only when the worker can send nothing any more, and the arm has been seen to stand
   or been told to stop. Cancelling the one who leaves, once or more, does not cut that short.
-- A lane that is gone without a word, or does not end in time, is followed by a stop of the robot
-  on another connection.
+- A worker that is gone without a word, or does not end in time, is followed by a stop of the robot
+  on another connection. So is a worker that this program cannot look after any more.
 """
 
 from __future__ import annotations
@@ -14,21 +14,26 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco._wire.handoff import OwnerLoop
+from aioduco._wire.resource_errors import resource_error
 from aioduco.errors import DucoError, LaneFailed, StreamClosed
 from aioduco.streaming.ends import failure
-from aioduco.streaming.host import Host
 from aioduco.streaming.report import StreamStatistics
-from aioduco.streaming.shared import Command
-from aioduco.streaming.source import Reason, State
-from aioduco.supervision.background import Background
-from aioduco.supervision.insist import insist
+from aioduco.streaming.shared.block import StreamCommand
+from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.worker.main import run_in_thread
+from aioduco.streaming.worker_process import WorkerHandle
+from aioduco.supervision.concurrency import BackgroundTasks, run_to_completion
 
 if TYPE_CHECKING:
-    from aioduco.streaming.config import LaneConfig
-    from aioduco.streaming.endpoint import Endpoint
+    from collections.abc import Awaitable, Callable
+
+    from aioduco.streaming.endpoint import StreamEndpoint
+    from aioduco.streaming.shared.config import WorkerConfig
 
 __all__ = ["Session"]
 
+_HALTED = 2.0  # seconds for a worker to end that was told to send nothing more
 _KILLED = 1.0  # seconds for a process that was killed to be gone
 _SIGNS = 10  # signs of life of the event loop per stall limit
 _SIGN_EVERY = 0.1  # seconds between two of them at most
@@ -39,20 +44,24 @@ class Session:
 
     Args:
         endpoint: where it leads to.
-        config: all that its lane is told.
+        config: all that its worker is told.
     """
 
-    def __init__(self, endpoint: Endpoint, config: LaneConfig) -> None:
+    def __init__(self, endpoint: StreamEndpoint, config: WorkerConfig) -> None:
         self._endpoint = endpoint
         self._options = config.options
         self._config = config
-        self._background = Background(self._crashed)
+        self._owner_loop = OwnerLoop("the stream", moves=False)
+        self._background = BackgroundTasks(self._crashed)
+        #: stops the robot when a part of the other has failed
+        self._rescue = BackgroundTasks(self._not_rescued)
+        self._fault = ""
         self._minded = anyio.Event()
         self._halted = False
         self._final: StreamStatistics | None = None
         self._commanded: tuple[float, ...] | None = None
         self._taken = 0
-        self.host: Host | None = None
+        self.host: WorkerHandle | None = None
 
     def __repr__(self) -> str:
         end = f" ({self.reason.name})" if self.reason else ""
@@ -72,20 +81,22 @@ class Session:
         return self._config.feeding.rate
 
     @property
-    def state(self) -> State:
+    def state(self) -> StreamState:
         """State of the stream."""
         if self._final is not None:
-            return State.ENDED
-        return State.WAITING if self.host is None else self.host.state
+            return StreamState.ENDED
+        return StreamState.WAITING if self.host is None else self.host.state
 
     @property
     def reason(self) -> Reason:
         """Why it ended, or ends."""
+        if self._fault:
+            return Reason.FAILED
         return Reason.NONE if self.host is None else self.host.reason
 
     @property
     def commanded(self) -> tuple[float, ...] | None:
-        """The last set-point that the lane sent; None before the first, and up to 10 ms old."""
+        """The last set-point that the worker sent; None before the first, and up to 10 ms old."""
         if self.host is not None and self._final is None:
             point = self.host.block.report.newest()
             self._commanded = self._commanded if point is None else point.values
@@ -93,7 +104,7 @@ class Session:
 
     @property
     def taken(self) -> int:
-        """How many of the program's set-points the lane has taken."""
+        """How many of the program's set-points the worker has taken."""
         if self.host is not None and self._final is None:
             self._taken = self.host.block.ring.read
         return self._taken
@@ -118,12 +129,13 @@ class Session:
         """
         if self.host is None:
             return
-        error = failure(self.name, self.host.reason, self.host.text, self.statistics())
+        text = self._fault or self.host.text
+        error = failure(self.name, self.reason, text, self.statistics())
         if error is not None:
             raise error
 
-    def alive(self) -> Host:
-        """The lane, if set-points can be sent to it.
+    def alive(self) -> WorkerHandle:
+        """The worker, if set-points can be sent to it.
 
         Raises:
             StreamClosed: it is not open, or was closed.
@@ -131,7 +143,8 @@ class Session:
         """
         if self.host is None:
             raise StreamClosed("the stream is not open: use it in `async with`")
-        if self.host.reason or self._final is not None:
+        self._owner_loop.require(self.name)
+        if self.host.reason or self._fault or self._final is not None:
             self.check_end()
             raise StreamClosed("the stream was closed, and takes no set-points any more")
         return self.host
@@ -139,15 +152,16 @@ class Session:
     # -- its life ------------------------------------------------------------------------------
 
     async def open(self) -> None:
-        """Start the lane and see it connected.
+        """Start the worker and see it connected.
 
         Raises:
             RobotStateError: another stream is open, or something moves the arm.
             StreamLost: there is no controller, or it does not answer.
-            LaneFailed: no lane could be started.
+            LaneFailed: no worker could be started.
         """
         if self.host is not None:
             raise StreamClosed("a stream is opened once: make another one")
+        self._owner_loop.require(self.name)
         if self._endpoint.admit is not None:
             await self._endpoint.admit(self.name)
         # Nothing may be awaited here, or a motion could be sent in between.
@@ -155,20 +169,24 @@ class Session:
         try:
             await self._start()
         except BaseException:
-            await insist(self._end)
+            await run_to_completion(self._end)
             raise
 
     async def _start(self) -> None:
-        host = Host(self._config)
-        host.touch()
-        host.start()
+        try:
+            host = WorkerHandle(self._config, run_in_thread)
+            host.touch()
+            host.start()
+        except (OSError, RuntimeError) as exc:
+            why = resource_error(exc) or exc
+            raise LaneFailed(f"no lane could be started: {why}. Nothing was sent") from exc
         self.host = host
-        self._background.start(self._mind(host), f"aioduco {self.name}")
+        self._background.start(self._mind(host), f"aioduco {self.name}", self._minded.set)
         self._background.start(self._live(host), f"aioduco {self.name} sign of life")
         await host.until_ready(self._options.connect_timeout)
         if self._halted:
-            # The robot was stopped before there was a lane to be told of it.
-            host.command(Command.HALT)
+            # The robot was stopped before there was a worker to be told of it.
+            host.command(StreamCommand.HALT)
             await host.until_gone()
         if host.gone:
             self.check_end()
@@ -176,27 +194,35 @@ class Session:
             raise LaneFailed("the stream's lane did not get ready in time; nothing was sent")
 
     async def close(self, *, at_once: bool) -> None:
-        """End the stream and see its lane go.
+        """End the stream and see its worker go.
 
         Args:
             at_once: bring the arm to rest now, instead of at the last set-point.
+
+        In a forked child this does nothing.
         """
+        if self._owner_loop.forked_off:
+            return
+        self._owner_loop.require(self.name)
         try:
             if not at_once and self.host is not None:
-                self.host.command(Command.CLOSE)
+                self.host.command(StreamCommand.CLOSE)
                 await self.host.until_gone()
         finally:
-            _, cancelled = await insist(self._end)
+            _, cancelled = await run_to_completion(self._end)
         if cancelled is not None:
             raise cancelled
 
     async def _end(self) -> None:
-        """Have the lane end, whatever it takes, and keep its figures. Safe to do twice."""
+        """Have the worker end, whatever it takes, and keep its figures. Safe to do twice."""
         host = self.host
         if host is not None and self._final is None:
             if not host.gone:
-                host.command(Command.ABORT)
+                host.command(StreamCommand.ABORT)
                 with anyio.move_on_after(self._patience):
+                    await host.until_gone()
+            if host.unanswered:
+                with anyio.move_on_after(self._config.unanswered_timeout):
                     await host.until_gone()
             if not host.gone:
                 host.kill()
@@ -207,25 +233,22 @@ class Session:
             if host.gone:
                 host.release()
         if host is not None and host.gone:
-            # A lane that died may be followed by a stop, which has a deadline of its own.
+            # A worker that died may be followed by a stop, which has a deadline of its own.
             await self._minded.wait()
+        with anyio.move_on_after(self._patience):
+            await self._rescue.ended()
+        await self._rescue.aclose()
         await self._background.aclose()
         self._endpoint.streams.remove(self)
 
-    async def _mind(self, host: Host) -> None:
-        """Hear from the lane to its end; stop the robot if it went without a word."""
-        try:
-            await host.listen(self._patience + 20 * self._config.period)
-            if host.reason is Reason.LANE_DIED and self._endpoint.stop is not None:
-                # `stop` says itself, to its own caller, when it cannot be confirmed; here is
-                # nobody to tell but the one who meets the lane's death.
-                with contextlib.suppress(DucoError):
-                    await self._endpoint.stop(self._config.sent.ending)
-        finally:
-            self._minded.set()
+    async def _mind(self, host: WorkerHandle) -> None:
+        """Hear from the worker to its end; stop the robot if it went without a word."""
+        await host.listen(self._patience + 20 * self._config.period)
+        if host.reason is Reason.LANE_DIED and self._endpoint.stop is not None:
+            await self._stop_robot(self._endpoint.stop)
 
-    async def _live(self, host: Host) -> None:
-        """Show the lane that the event loop runs and the heartbeat beats."""
+    async def _live(self, host: WorkerHandle) -> None:
+        """Show the worker that the event loop runs and the heartbeat beats."""
         every = min(self._config.stall_limit / _SIGNS, _SIGN_EVERY)
         due = anyio.current_time()
         while not host.gone:
@@ -233,14 +256,37 @@ class Session:
             due = max(due + every, anyio.current_time())
             await anyio.sleep_until(due)
 
-    def _crashed(self, _error: BaseException) -> None:
-        """Nobody hears the lane any more; it sees that, and brings the arm to rest."""
+    def _crashed(self, error: BaseException) -> None:
+        """What looks after the worker failed: the worker ends, and the robot is stopped."""
+        if self._fault or self.host is None:
+            return  # it is being done
+        self._fault = f"what looks after it failed: {error!r}"
+        stop = self._endpoint.stop
+        if stop is None:
+            # Nobody but the worker can bring the arm to rest.
+            self.host.command(StreamCommand.ABORT)
+            patience = self._patience
+        else:
+            self.host.command(StreamCommand.HALT)
+            self._rescue.start(self._stop_robot(stop), f"aioduco stop of {self.name}")
+            patience = _HALTED
+        self._rescue.start(self.host.bury(patience), f"aioduco end of {self.name}")
+
+    async def _stop_robot(self, stop: Callable[[str], Awaitable[object]]) -> None:
+        # `stop` says itself, to its own caller, when it cannot be confirmed; here is nobody to
+        # tell but the one who meets the worker's death.
+        with contextlib.suppress(DucoError):
+            await stop(self._config.sent.ending)
+
+    def _not_rescued(self, error: BaseException) -> None:
+        """Even that failed: the end of the worker's process is all that is left."""
+        self._fault = f"{self._fault}, and then {error!r}"
         if self.host is not None:
             self.host.kill()
 
     @property
     def _patience(self) -> float:
-        """How long the lane may take to bring the arm to rest, and to say good-bye [s]."""
+        """How long the worker may take to bring the arm to rest, and to say good-bye [s]."""
         limits = self._config.sent.limits
         braking = max(v / a for v, a in zip(limits.velocity, limits.acceleration, strict=True))
         return 8.0 + 2 * braking + 4 * self._options.timeout
@@ -249,21 +295,26 @@ class Session:
 
     @property
     def quiet(self) -> bool:
-        """Whether the lane can send nothing any more; from any thread."""
+        """Whether the worker can send nothing any more; from any thread."""
         return self.host is None or self.host.silent
+
+    @property
+    def unanswered(self) -> bool:
+        """Whether the worker stops the arm until its last set-point cannot move it any more."""
+        return self.host is not None and self._final is None and self.host.unanswered
 
     def halt(self) -> None:
         """Send nothing more; from any thread or signal handler, at once."""
         self._halted = True
         if self.host is not None:
-            self.host.command(Command.HALT)
+            self.host.command(StreamCommand.HALT)
 
     def kill(self) -> None:
-        """End a lane that does not end by itself; one in a thread cannot be ended so."""
+        """End a worker that does not end by itself; one in a thread cannot be ended so."""
         if self.host is not None:
             self.host.kill()
 
     async def ended(self) -> None:
-        """Wait until the stream has ended, for whatever reason, and its lane is gone."""
+        """Wait until the stream has ended, for whatever reason, and its worker is gone."""
         if self.host is not None and self._final is None:
             await self.host.until_gone()

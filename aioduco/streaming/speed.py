@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api import ranges
 from aioduco.errors import ParameterError
-from aioduco.streaming.config import Calls, Sent
-from aioduco.streaming.limits import Limits
-from aioduco.streaming.settings import Feeding, per_group
+from aioduco.models import ranges
+from aioduco.streaming.options import Feeding, per_group
+from aioduco.streaming.shared.config import Calls, Sent
+from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
-    from aioduco.streaming.endpoint import Endpoint
-    from aioduco.streaming.settings import LaneOptions
+    from aioduco.streaming.endpoint import StreamEndpoint
+    from aioduco.streaming.options import LaneOptions
 
 __all__ = ["Speed"]
 
@@ -33,7 +33,7 @@ class Speed:
         endpoint: the controller.
     """
 
-    def __init__(self, endpoint: Endpoint) -> None:
+    def __init__(self, endpoint: StreamEndpoint) -> None:
         self._endpoint = endpoint
 
     def __repr__(self) -> str:
@@ -59,7 +59,7 @@ class Speed:
             rate: calls per second [Hz].
             latest: only the newest speed counts, and `send` never waits.
             hold: time without a speed from the program after which the stream ends [s].
-            options: how the lane runs; None: in a process of its own.
+            options: how the worker runs; None: in a process of its own.
 
         Returns:
             The stream; its set-points are six joint speeds [rad/s].
@@ -100,14 +100,14 @@ class Speed:
 
         Args:
             a: largest acceleration of the tool, from 0.00001 [m/s²].
-            turn_a: largest change of the turning speed [rad/s²], kept by the lane.
+            turn_a: largest change of the turning speed [rad/s²], kept by the worker.
             v: largest speed, 0.00001 to 5 [m/s]; more is shortened.
             turn_v: largest turning speed, up to 3.93 [rad/s]; more is shortened.
             dead_man: time without a call after which the controller ends the motion [s].
             rate: calls per second [Hz].
             latest: only the newest speed counts, and `send` never waits.
             hold: time without a speed from the program after which the stream ends [s].
-            options: how the lane runs; None: in a process of its own.
+            options: how the worker runs; None: in a process of its own.
 
         Returns:
             The stream; its set-points are speeds (x, y, z [m/s], rx, ry, rz [rad/s]).

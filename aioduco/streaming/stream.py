@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, Self
 import anyio.lowlevel
 
 from aioduco.errors import ParameterError, SetPointTooFar
-from aioduco.streaming.config import LaneConfig
+from aioduco.streaming.options import checked
 from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
-from aioduco.streaming.settings import checked
+from aioduco.streaming.shared.config import WorkerConfig
 from aioduco.streaming.ticks import Tick, ticks
 
 if TYPE_CHECKING:
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from aioduco.models.rules import VectorLike
-    from aioduco.streaming.config import Sent
-    from aioduco.streaming.endpoint import Endpoint
-    from aioduco.streaming.host import Host
+    from aioduco.streaming.endpoint import StreamEndpoint
+    from aioduco.streaming.options import Feeding, LaneOptions
     from aioduco.streaming.report import StreamStatistics
-    from aioduco.streaming.settings import Feeding, LaneOptions
-    from aioduco.streaming.source import Reason, State
+    from aioduco.streaming.shared.config import Sent
+    from aioduco.streaming.shared.state import Reason, StreamState
+    from aioduco.streaming.worker_process import WorkerHandle
 
 __all__ = ["Stream", "Tick"]
 
@@ -34,21 +34,21 @@ _AT_ONCE = 256  # set-points written between two looks at the event loop
 class Stream:
     """A stream of set-points to the controller. Use it as an async context manager.
 
-    Entering starts the lane and connects it; the arm does not move before the first set-point.
+    Entering starts the worker and connects it; the arm does not move before the first set-point.
     Leaving follows what was sent to its end and leaves the arm at rest. Leaving by an error or
     a cancellation brings the arm to rest at once.
 
     Args:
         endpoint: where it leads to.
         feeding: how it is fed.
-        options: how its lane runs; None: the defaults.
+        options: how its worker runs; None: the defaults.
         sent: what it sends to the controller.
         check: checks a set-point and returns its six numbers.
     """
 
     def __init__(
         self,
-        endpoint: Endpoint,
+        endpoint: StreamEndpoint,
         feeding: Feeding,
         options: LaneOptions | None,
         sent: Sent,
@@ -58,11 +58,12 @@ class Stream:
         self._sent = sent
         self._space = sent.space
         self._check = check
-        config = LaneConfig(
+        config = WorkerConfig(
             host=endpoint.host,
             port=endpoint.port,
             guarded=endpoint.guarded,
             stall_limit=endpoint.stall_limit,
+            unanswered_timeout=endpoint.unanswered_timeout,
             options=checked(options),
             feeding=feeding,
             sent=sent,
@@ -79,7 +80,7 @@ class Stream:
         return self._feeding.rate
 
     @property
-    def state(self) -> State:
+    def state(self) -> StreamState:
         """State of the stream."""
         return self._session.state
 
@@ -90,22 +91,22 @@ class Stream:
 
     @property
     def commanded(self) -> tuple[float, ...] | None:
-        """The last set-point that the lane sent; None before the first, and up to 10 ms old."""
+        """The last set-point that the worker sent; None before the first, and up to 10 ms old."""
         return self._session.commanded
 
     @property
     def taken(self) -> int:
-        """How many of the program's set-points the lane has taken."""
+        """How many of the program's set-points the worker has taken."""
         return self._session.taken
 
     @property
     def pid(self) -> int | None:
-        """The lane's process; None for a thread, and before it is started."""
+        """The worker's process; None for a thread, and before it is started."""
         return None if self._session.host is None else self._session.host.pid
 
     @property
     def quiet(self) -> bool:
-        """Whether the lane can send nothing any more; from any thread."""
+        """Whether the worker can send nothing any more; from any thread."""
         return self._session.quiet
 
     def statistics(self) -> StreamStatistics:
@@ -122,13 +123,13 @@ class Stream:
     # -- its life ------------------------------------------------------------------------------
 
     async def __aenter__(self) -> Self:
-        """Start the lane and connect it.
+        """Start the worker and connect it.
 
         Raises:
             RobotStateError: another stream is open on this robot, or something moves its arm.
             HeartbeatLost: the robot's heartbeat does not beat.
             StreamLost: there is no controller, or it does not answer.
-            LaneFailed: no lane could be started.
+            LaneFailed: no worker could be started.
         """
         await self._session.open()
         return self
@@ -139,7 +140,7 @@ class Stream:
         exc: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """End the stream and see its lane go.
+        """End the stream and see its worker go.
 
         Raises:
             StreamError: the stream ended by something else than this, and no error is under way.
@@ -149,7 +150,7 @@ class Stream:
             self._session.check_end()
 
     async def ended(self) -> None:
-        """Wait until the stream has ended, for whatever reason, and its lane is gone."""
+        """Wait until the stream has ended, for whatever reason, and its worker is gone."""
         await self._session.ended()
 
     def halt(self) -> None:
@@ -164,7 +165,7 @@ class Stream:
     async def send(self, point: VectorLike) -> None:
         """Send one set-point.
 
-        The first one waits until the lane has compared it with where the arm is. Later ones
+        The first one waits until the worker has compared it with where the arm is. Later ones
         wait while enough are queued, or never, if the stream takes only the latest.
 
         Args:
@@ -192,7 +193,7 @@ class Stream:
             await self.send(point)
 
     async def play(self, trajectory: Any, times: Any = None) -> None:
-        """Send a whole array, and wait until the lane has taken it.
+        """Send a whole array, and wait until the worker has taken it.
 
         All of it is checked before any of it is sent. It is brought to the stream's rate by
         monotone cubic interpolation, and queued as far ahead as the ring is long, so that a
@@ -216,7 +217,7 @@ class Stream:
         await self._taken()
 
     async def _taken(self) -> None:
-        """Wait until the lane has taken all that was sent."""
+        """Wait until the worker has taken all that was sent."""
         await self._session.alive().until_level(0)
         self._session.alive()
 
@@ -271,8 +272,8 @@ class Stream:
         await self._begin(host)
         await anyio.lowlevel.checkpoint()
 
-    async def _begin(self, host: Host) -> None:
-        """Wait, once, until the lane has compared the first set-point with where the arm is."""
+    async def _begin(self, host: WorkerHandle) -> None:
+        """Wait, once, until the worker has compared the first set-point with where the arm is."""
         if not self._begun:
             await host.until_begun()
             self._session.alive()

@@ -5,21 +5,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Literal
 
 from aioduco._wire import rpc
-from aioduco.api import ranges
 from aioduco.errors import ParameterError
+from aioduco.models import ranges
 from aioduco.models.rules import Integer
-from aioduco.streaming.calls import element_tail
-from aioduco.streaming.config import Pool, Sent
-from aioduco.streaming.limits import Limits
-from aioduco.streaming.settings import Feeding, per_group
+from aioduco.streaming.options import Feeding, per_group
+from aioduco.streaming.shared.config import PoolDrive, Sent
+from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.stream import Stream
+from aioduco.streaming.worker.encoding import element_tail
 
 if TYPE_CHECKING:
     from aioduco.models.op import Op
     from aioduco.models.rules import VectorLike
-    from aioduco.streaming.endpoint import Endpoint
-    from aioduco.streaming.host import Host
-    from aioduco.streaming.settings import LaneOptions
+    from aioduco.streaming.endpoint import StreamEndpoint
+    from aioduco.streaming.options import LaneOptions
+    from aioduco.streaming.worker_process import WorkerHandle
 
 __all__ = ["TrackStream", "TrackStreams"]
 
@@ -28,7 +28,7 @@ LEAST = 10  # points to keep, for a motion without a halt (manual 1.3.12)
 _EXTRA = 512  # bytes for what is set at a point: 128 and three names of events
 _COUNT = Integer(LEAST, POOL, "points", source="1.3.12")
 _AHEAD = Integer(1, 16384, "points", source="this package")
-_RATE = 100.0  # points per second by which the lane's ring is sized; the arm's pace is its own
+_RATE = 100.0  # points per second by which the worker's ring is sized; the arm's pace is its own
 
 
 class TrackStream(Stream):
@@ -37,7 +37,7 @@ class TrackStream(Stream):
     async def send(self, point: VectorLike, op: Op | None = None) -> None:
         """Send one point of the path.
 
-        The first points wait in the lane until there are enough of them to begin.
+        The first points wait in the worker until there are enough of them to begin.
 
         Args:
             point: the point, in the stream's units. Shape (6,).
@@ -52,7 +52,7 @@ class TrackStream(Stream):
         await self._feed((values,), self._feeding.queued, self._tail(op))
 
     async def play(self, trajectory: Any, times: Any = None) -> None:
-        """Send a whole path, and wait until the lane has taken it.
+        """Send a whole path, and wait until the worker has taken it.
 
         Args:
             trajectory: the points. Shape (n, 6).
@@ -66,8 +66,8 @@ class TrackStream(Stream):
             raise ParameterError("times", times, "left out: the controller plans the times")
         await self._feed(await self._sampled(trajectory, None), self._feeding.capacity)
 
-    async def _begin(self, host: Host) -> None:
-        """The lane begins with the first points together, so no point waits for it alone."""
+    async def _begin(self, host: WorkerHandle) -> None:
+        """The worker begins with the first points together, so no point waits for it alone."""
 
     def _tail(self, op: Op | None) -> bytes:
         if not self._sent.extra:
@@ -88,14 +88,14 @@ class TrackStreams:
             for pose in path:
                 await stream.send(pose)
 
-    The lane keeps the pool between a low and a high mark. When the pool runs dry the controller
+    The worker keeps the pool between a low and a high mark. When the pool runs dry the controller
     comes to rest at the last point by itself, and goes on when there are new ones.
 
     Args:
         endpoint: the controller.
     """
 
-    def __init__(self, endpoint: Endpoint) -> None:
+    def __init__(self, endpoint: StreamEndpoint) -> None:
         self._endpoint = endpoint
 
     def stream(
@@ -133,11 +133,11 @@ class TrackStreams:
             high: fill it up to so many points, up to 1000.
             period: time between two looks at the pool [s].
             hold: time with an empty pool after which the stream ends [s].
-            ahead: points queued in the lane before `send` waits.
+            ahead: points queued in the worker before `send` waits.
             max_step: largest step between two points [rad], or [m, rad]; None: not checked.
             reach: how far the arm may be from the first point; None: 0.1 rad, or 0.05 m and
                 0.1 rad.
-            options: how the lane runs; None: in a process of its own.
+            options: how the worker runs; None: in a process of its own.
 
         Returns:
             The stream.
@@ -174,7 +174,7 @@ class TrackStreams:
             max_step=() if max_step is None else per_group("max_step", max_step, groups),
             reach=per_group("reach", near, groups),
         )
-        pool = Pool(
+        pool = PoolDrive(
             function="trackJointMotion" if joints else "trackCartMotion",
             arguments=arguments,
             low=low,

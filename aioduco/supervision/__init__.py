@@ -1,1 +1,1 @@
-"""What watches over the arm: tasks, their poller, heartbeat, stop, bring-up, the way out."""
+"""The supervision of a robot: its tasks, stop, heartbeat, state, bring-up and exit ladder."""

@@ -9,11 +9,10 @@ import time
 from enum import Enum, auto
 from typing import TYPE_CHECKING
 
-import anyio
-
 from aioduco.errors import DucoError, PersonNeeded, RobotStateError, StaleState, TaskError
 from aioduco.models.enums import ProgramState, RobotState, SafetyState
-from aioduco.supervision.times import SECONDS
+from aioduco.models.ranges import TIMEOUT as SECONDS
+from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
     from aioduco.models.state import RobotStates
@@ -43,7 +42,7 @@ _HANDS: dict[SafetyState, str] = {
 }
 
 
-class Step(Enum):
+class BringUpStep(Enum):
     """What is to be done next."""
 
     DONE = auto()
@@ -56,7 +55,7 @@ class Step(Enum):
 
 
 class BringUp:
-    """Decides the next step from what is seen.
+    """Decides the next step from the states that were read.
 
     After a safety stop the arm is powered off and on, once. A step is asked for once; until the
     states follow, it is waited for.
@@ -67,11 +66,11 @@ class BringUp:
     """
 
     def __init__(self, *, end_programs: bool = False, call: str = "bring_up") -> None:
-        self._asked: set[Step] = set()
+        self._asked: set[BringUpStep] = set()
         self._end_programs = end_programs
         self._call = call
 
-    def next(self, states: RobotStates, *, emergency_stop: bool, collision: bool) -> Step:
+    def next(self, states: RobotStates, *, emergency_stop: bool, collision: bool) -> BringUpStep:
         """Return what is to be done now.
 
         Args:
@@ -85,28 +84,28 @@ class BringUp:
         """
         self._refuse_what_needs_hands(states, emergency_stop)
         stopped = states.safety in _STOPS
-        step = Step.WAIT
+        step = BringUpStep.WAIT
         if states.safety in _STARTING or states.robot in _BOOTING:
-            step = Step.WAIT
-        elif collision and Step.RESET_COLLISION not in self._asked:
-            step = Step.RESET_COLLISION
-        elif stopped and Step.POWER_OFF not in self._asked:
-            step = Step.POWER_OFF
+            step = BringUpStep.WAIT
+        elif collision and BringUpStep.RESET_COLLISION not in self._asked:
+            step = BringUpStep.RESET_COLLISION
+        elif stopped and BringUpStep.POWER_OFF not in self._asked:
+            step = BringUpStep.POWER_OFF
         elif states.robot is RobotState.POWER_OFF:
-            step = Step.POWER_ON
+            step = BringUpStep.POWER_ON
         elif stopped:
-            step = Step.WAIT
+            step = BringUpStep.WAIT
         elif states.robot is RobotState.DISABLE:
-            step = Step.ENABLE
+            step = BringUpStep.ENABLE
         elif states.program in _PAUSED or states.program in _BUSY:
-            step = Step.STOP
+            step = BringUpStep.STOP
         elif states.robot is RobotState.ENABLE and states.program is ProgramState.STOPPED:
-            step = Step.DONE
+            step = BringUpStep.DONE
         return self._once(step)
 
-    def _once(self, step: Step) -> Step:
-        if step in self._asked and step is not Step.DONE:
-            return Step.WAIT
+    def _once(self, step: BringUpStep) -> BringUpStep:
+        if step in self._asked and step is not BringUpStep.DONE:
+            return BringUpStep.WAIT
         self._asked.add(step)
         return step
 
@@ -143,10 +142,12 @@ async def recover(supervisor: Supervisor, timeout: float) -> RobotStates:
 
 async def _go(supervisor: Supervisor, decide: BringUp, timeout: float) -> RobotStates:
     limit = SECONDS("timeout", timeout)
-    due = time.monotonic()
-    until = due + limit
+    ticker = every(LOOK_EVERY)
+    until = ticker.due + limit
     seen = "nothing was heard of it"
-    while due < until:
+    async for due in ticker:
+        if due >= until:
+            break
         try:
             states = supervisor.samples.states(await supervisor.calls.rpc.get_robot_state())
             status = await supervisor.calls.rpc.getRobotStatus()
@@ -157,30 +158,29 @@ async def _go(supervisor: Supervisor, decide: BringUp, timeout: float) -> RobotS
             step = decide.next(
                 states, emergency_stop=status.emcStopSignal, collision=status.collision
             )
-            if step is Step.DONE:
+            if step is BringUpStep.DONE:
                 return states
-            if step is not Step.WAIT:
+            if step is not BringUpStep.WAIT:
                 await _carry_out(supervisor, step, states, until - time.monotonic())
-                due = time.monotonic()
-                continue
-        due = max(due + LOOK_EVERY, time.monotonic())
-        await anyio.sleep(max(0.0, due - time.monotonic()))
+                ticker.restart()
     raise RobotStateError(
         f"the robot is not ready after {timeout:g} s: {seen}; {await _errors(supervisor)}. Look at "
         "the pendant for what it waits for"
     )
 
 
-async def _carry_out(supervisor: Supervisor, step: Step, states: RobotStates, left: float) -> None:
-    launcher, rpc = supervisor.launcher, supervisor.calls.rpc
+async def _carry_out(
+    supervisor: Supervisor, step: BringUpStep, states: RobotStates, left: float
+) -> None:
+    dispatcher, rpc = supervisor.dispatcher, supervisor.calls.rpc
     try:
         match step:
-            case Step.RESET_COLLISION:
+            case BringUpStep.RESET_COLLISION:
                 await rpc.collision_detection_reset()
-            case Step.STOP:
-                await supervisor.keeper.stop()
-            case Step.POWER_OFF | Step.POWER_ON | Step.ENABLE:
-                await launcher.perform(step.name.lower(), (False,), max(left, 0.1))
+            case BringUpStep.STOP:
+                await supervisor.stop_coordinator.stop()
+            case BringUpStep.POWER_OFF | BringUpStep.POWER_ON | BringUpStep.ENABLE:
+                await dispatcher.perform(step.name.lower(), (False,), max(left, 0.1))
     except TaskError as exc:
         raise RobotStateError(
             f"the controller did not {step.name.lower()} ({states}): {exc}. Is an emergency stop "

@@ -7,17 +7,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, get_args
 
 from aioduco.errors import ParameterError
+from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.supervision.task import OnCancel
-from aioduco.supervision.times import SECONDS
 
 if TYPE_CHECKING:
     from collections.abc import Generator
     from types import TracebackType
 
     from aioduco.models.enums import Outcome
-    from aioduco.supervision.course import Course
-    from aioduco.supervision.held import Held
     from aioduco.supervision.task import Task
+    from aioduco.supervision.task_state import ContinuousMotion, JointEta
 
 __all__ = ["Command", "HeldMotion", "MotionCommand"]
 
@@ -31,20 +30,20 @@ class Command:
         args: its arguments, checked and converted, with block false.
         motion: whether it moves the arm.
         blends: whether it asks to be blended into the motion after it, or to be taken over by it.
-        held: how it comes to its end, if it goes on until something ends it.
-        course: where it leads, if that is known in joint angles.
+        continuous: how it comes to its end, if it goes on until something ends it.
+        eta: where it leads, if that is known in joint angles.
     """
 
     name: str
     args: tuple[Any, ...]
     motion: bool = True
     blends: bool = False
-    held: Held | None = None
-    course: Course | None = None
+    continuous: ContinuousMotion | None = None
+    eta: JointEta | None = None
 
 
-class Launcher(Protocol):
-    """What a command needs to be sent."""
+class CommandDispatcher(Protocol):
+    """What sends a command, as a motion sees it."""
 
     async def launch(
         self,
@@ -69,10 +68,10 @@ class MotionCommand:
     coroutine does.
     """
 
-    __slots__ = ("__weakref__", "_launcher", "_open", "_used", "command")
+    __slots__ = ("__weakref__", "_dispatcher", "_open", "_used", "command")
 
-    def __init__(self, launcher: Launcher, command: Command) -> None:
-        self._launcher = launcher
+    def __init__(self, dispatcher: CommandDispatcher, command: Command) -> None:
+        self._dispatcher = dispatcher
         self._used = False
         self._open: Task | None = None
         self.command: Command = command
@@ -119,7 +118,7 @@ class MotionCommand:
             deadline = SECONDS("deadline", deadline)
         if on_cancel is not None and on_cancel not in get_args(OnCancel):
             raise ParameterError("on_cancel", on_cancel, '"stop", "pause" or "detach"')
-        return await self._launcher.launch(self.command, deadline=deadline, on_cancel=on_cancel)
+        return await self._dispatcher.launch(self.command, deadline=deadline, on_cancel=on_cancel)
 
     def __await__(self) -> Generator[Any, Any, Outcome]:
         # Here and not in the coroutine: one that is never awaited gives its own warning.

@@ -3,6 +3,19 @@
 It runs beside the event loop so that a short stall of the loop does not stop the arm, and asks
 the loop for a sign of life before each beat so that a hung one does.
 
+The controller stops the arm when no heartbeat came for the heartbeat time. So a beat is a
+statement: "the program that moves the arm is alive". Two things end it:
+
+- The event loop shows no sign of life for longer than the stall limit. The program hangs, and
+  would neither see an end of a motion nor react to anything. No further beat is sent, so the
+  controller stops the arm. This state is latched: a program that wakes up again finds a standing
+  arm and has to say that it goes on (`rearm`).
+- No beat was answered for the heartbeat time: the connection is lost, and the controller has
+  stopped the arm. Beats are tried on, and the first one answered ends this state.
+
+A process that beats for another may itself be held up, and the other may end meanwhile. So it
+beats again only after a sign of life that was given since.
+
 Guarantees:
 - The thread is a daemon: a program that ends without closing the robot does not go on beating.
 - Each beat has a deadline, a third of the heartbeat time; a late one is given up, and the next
@@ -13,18 +26,134 @@ Guarantees:
 
 from __future__ import annotations
 
-import logging
+import math
 import threading
 import time
+from enum import Enum
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from aioduco.errors import DucoError
-from aioduco.supervision.pulse import HeartbeatState, Pulse
+from aioduco.reporting import BackgroundLogger
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-_log = logging.getLogger(__name__)
+    from aioduco.supervision.loop_watchdog import SignOfLife
+
+__all__ = [
+    "Heartbeat",
+    "HeartbeatConnection",
+    "HeartbeatLike",
+    "HeartbeatMachine",
+    "HeartbeatState",
+    "HeartbeatStatistics",
+]
+
+_log = BackgroundLogger(__name__)
+
+
+class HeartbeatState(Enum):
+    """State of the heartbeat (心跳)."""
+
+    OFF = "off"
+    """There is none: a lost connection stops nothing."""
+    STARTING = "starting"
+    """No beat was answered yet."""
+    BEATING = "beating"
+    """Beats are answered."""
+    LOST = "lost"
+    """No beat was answered for the heartbeat time: the controller has stopped the arm."""
+    STALLED = "stalled"
+    """The event loop hung, and beats were withheld: the controller has stopped the arm."""
+
+
+class HeartbeatMachine:
+    """Decides whether a beat may be sent, and keeps the heartbeat's state.
+
+    Args:
+        time: seconds without a beat after which the controller stops the arm.
+        stall_limit: seconds without a sign of life of the event loop after which no beat is sent.
+        now: the time.
+
+    Attributes:
+        state: the state of the heartbeat.
+        beats: beats that were answered.
+        missed: beats that were not.
+        losses: how often the heartbeat was lost.
+        stalls: how often the event loop stalled.
+        longest_gap: longest time between two answered beats in a row [s].
+        held_up_at: when who beats was last seen to have been held up; minus infinity: never.
+    """
+
+    __slots__ = (
+        "_beaten",
+        "_stall_limit",
+        "_time",
+        "beats",
+        "held_up_at",
+        "longest_gap",
+        "losses",
+        "missed",
+        "stalls",
+        "state",
+    )
+
+    def __init__(self, time: float, stall_limit: float, now: float) -> None:
+        self._time = time
+        self._stall_limit = stall_limit
+        self._beaten = now
+        self.state: HeartbeatState = HeartbeatState.STARTING
+        self.beats: int = 0
+        self.missed: int = 0
+        self.losses: int = 0
+        self.stalls: int = 0
+        self.longest_gap: float = 0.0
+        self.held_up_at: float = -math.inf
+
+    def may_beat(self, now: float, alive: float) -> bool:
+        """Whether a beat may be sent now.
+
+        Args:
+            now: the time.
+            alive: when the event loop last gave a sign of life.
+        """
+        if self.state is HeartbeatState.STALLED:
+            return False
+        if now - max(alive, self.held_up_at) > self._stall_limit:
+            self.state = HeartbeatState.STALLED
+            self.stalls += 1
+            return False
+        return alive > self.held_up_at
+
+    def held_up(self, now: float) -> None:
+        """The sender of the beats did not run for longer than the heartbeat time, until now."""
+        self.held_up_at = now
+        self._note_loss(now)
+
+    def beaten(self, now: float) -> None:
+        """A beat was answered."""
+        if self.beats:
+            self.longest_gap = max(self.longest_gap, now - self._beaten)
+        self.beats += 1
+        self._beaten = now
+        if self.state is not HeartbeatState.STALLED:
+            self.state = HeartbeatState.BEATING
+
+    def not_heard(self, now: float) -> None:
+        """A beat was not answered."""
+        self.missed += 1
+        self._note_loss(now)
+
+    def _note_loss(self, now: float) -> None:
+        if self.state is HeartbeatState.BEATING and now - self._beaten > self._time:
+            self.state = HeartbeatState.LOST
+            self.losses += 1
+
+    def rearm(self) -> None:
+        """The program says that it goes on after a stall."""
+        if self.state is HeartbeatState.STALLED:
+            self.state = HeartbeatState.STARTING
+
 
 #: beats per heartbeat time: two may be lost before the controller stops the arm
 BEATS_PER_TIME = 3
@@ -32,9 +161,11 @@ BEATS_PER_TIME = 3
 _AGAIN = 0.25
 #: seconds after the stall limit at which it is looked whether it has passed
 _LATER = 0.001
+#: heartbeat times without a beat after which the controller has stopped the arm for certain
+_CERTAIN = 2
 
 
-class Line(Protocol):
+class HeartbeatConnection(Protocol):
     """What the heartbeat needs of a connection."""
 
     def open(self, deadline: float | None = None) -> None:
@@ -52,22 +183,6 @@ class Line(Protocol):
     def close(self) -> None:
         """Close the connection."""
         ...
-
-
-class SignOfLife:
-    """When the event loop was last seen to run. Written by the loop, read by any thread."""
-
-    __slots__ = ("longest_stall", "stamp")
-
-    def __init__(self) -> None:
-        self.stamp: float = time.monotonic()
-        #: how late the latest sign of life came [s]
-        self.longest_stall: float = 0.0
-
-    def touch(self, due: float) -> None:
-        """The loop runs; `due` is when this sign of life was to be given."""
-        self.stamp = time.monotonic()
-        self.longest_stall = max(self.longest_stall, self.stamp - due)
 
 
 class HeartbeatStatistics(NamedTuple):
@@ -90,8 +205,8 @@ class HeartbeatStatistics(NamedTuple):
     longest_gap: float
 
 
-class Heart(Protocol):
-    """A heartbeat as the supervision sees it: of this program, or of its guard."""
+class HeartbeatLike(Protocol):
+    """A heartbeat as the supervisor sees it: this program's, or its guard's."""
 
     @property
     def state(self) -> HeartbeatState:
@@ -138,42 +253,62 @@ class Heartbeat:
         life: the event loop's sign of life.
         stall_limit: seconds without a sign of life after which no beat is sent.
         changed: called on the thread after each beat, answered or not, and each change of state.
+        remote: whether the signs of life come from another process. Those that came while this
+            one was held up say nothing, and so a new one is waited for before the next beat.
     """
 
     def __init__(
         self,
-        connect: Callable[[], Line],
+        connect: Callable[[], HeartbeatConnection],
         seconds: float,
         life: SignOfLife,
         stall_limit: float,
         changed: Callable[[Heartbeat], None] | None = None,
+        *,
+        remote: bool = False,
     ) -> None:
         self._connect = connect
         self._seconds = seconds
         self._life = life
         self._stall_limit = stall_limit
         self._changed = changed
-        self._pulse = Pulse(seconds, stall_limit, time.monotonic())
-        self._line: Line | None = None
+        self._remote = remote
+        self._given = 0.0
+        self._machine = HeartbeatMachine(seconds, stall_limit, time.monotonic())
+        self._line: HeartbeatConnection | None = None
         self._ended = False
         self._nudge = threading.Event()
         self._error: DucoError | None = None
         self._thread = threading.Thread(target=self._run, name="aioduco-heartbeat", daemon=True)
 
     def __repr__(self) -> str:
-        return f"<Heartbeat {self._seconds} s {self.state.value}, {self._pulse.beats} beats>"
+        return f"<Heartbeat {self._seconds} s {self.state.value}, {self._machine.beats} beats>"
 
     @property
     def state(self) -> HeartbeatState:
         """State of the heartbeat."""
-        return self._pulse.state
+        return self._machine.state
 
     def statistics(self) -> HeartbeatStatistics:
         """Figures since the heartbeat began."""
-        pulse = self._pulse
+        machine = self._machine
         return HeartbeatStatistics(
-            pulse.state, pulse.beats, pulse.missed, pulse.losses, pulse.stalls, pulse.longest_gap
+            machine.state,
+            machine.beats,
+            machine.missed,
+            machine.losses,
+            machine.stalls,
+            machine.longest_gap,
         )
+
+    @property
+    def lapsed(self) -> bool:
+        """Whether no beat was given for so long that the controller has stopped the arm by itself.
+
+        Whatever moves the arm after that is not what it moved before.
+        """
+        silent = time.monotonic() - self._given
+        return self._machine.beats > 0 and silent > _CERTAIN * self._seconds
 
     def start(self) -> None:
         """Begin to beat."""
@@ -183,7 +318,7 @@ class Heartbeat:
     @property
     def heard(self) -> bool:
         """Whether a beat was answered since `start` or `rearm`, and no later one was lost."""
-        return self._pulse.state is HeartbeatState.BEATING
+        return self._machine.state is HeartbeatState.BEATING
 
     @property
     def error(self) -> DucoError | None:
@@ -193,7 +328,7 @@ class Heartbeat:
     def rearm(self) -> None:
         """Go on beating after a stall of the event loop: the next beat goes at once."""
         self._life.touch(time.monotonic())
-        self._pulse.rearm()
+        self._machine.rearm()
         self._nudge.set()
 
     def end(self) -> None:
@@ -215,14 +350,20 @@ class Heartbeat:
         due = time.monotonic()
         try:
             while True:
-                nudged = self._nudge.wait(max(0.0, self._wake(due) - time.monotonic()))
+                planned = self._wake(due)
+                nudged = self._nudge.wait(max(0.0, planned - time.monotonic()))
                 self._nudge.clear()
                 if self._ended:
                     return
                 now = time.monotonic()
-                before = self._pulse.state
-                may = self._pulse.may_beat(now, self._life.stamp)
-                if self._pulse.state is HeartbeatState.STALLED and before is not self._pulse.state:
+                before = self._machine.state
+                if self._remote and now - planned > self._seconds:
+                    self._machine.held_up(now)
+                may = self._machine.may_beat(now, self._life.stamp)
+                if (
+                    self._machine.state is HeartbeatState.STALLED
+                    and before is not self._machine.state
+                ):
                     self._stop_stalled(every)
                 elif not nudged and now < due:
                     continue
@@ -231,7 +372,7 @@ class Heartbeat:
                     due = max(due + every, now)
                     if may and not self._beat(every):
                         due = min(due, time.monotonic() + every * _AGAIN)
-                if self._pulse.state is not before:
+                if self._machine.state is not before:
                     self._report(before)
                 if self._changed is not None:
                     self._changed(self)
@@ -240,12 +381,15 @@ class Heartbeat:
 
     def _wake(self, due: float) -> float:
         """When to look again: for the next beat, or for a sign of life that does not come."""
-        if self._pulse.state is HeartbeatState.STALLED:
+        if self._machine.state is HeartbeatState.STALLED:
             return due
-        return min(due, self._life.stamp + self._stall_limit + _LATER)
+        since = max(self._life.stamp, self._machine.held_up_at)
+        return min(due, since + self._stall_limit + _LATER)
 
     def _stop_stalled(self, deadline: float) -> None:
         """The event loop hangs: stop the arm at once; the heartbeat's end would do it later."""
+        if not self._life.moves or self.lapsed:
+            return
         try:
             if self._line is None:
                 self._line = self._connect()
@@ -265,16 +409,19 @@ class Heartbeat:
                     return False
                 self._line.open(until)
             left = max(until - time.monotonic(), 0.001)
-            self._line.call("rpc_heartbeat", (round(self._seconds * 1000),), left)
+            try:
+                self._line.call("rpc_heartbeat", (round(self._seconds * 1000),), left)
+            finally:
+                self._given = time.monotonic()
         except DucoError as exc:
             self._drop()
             self._error = exc
             if not self._ended:
-                self._pulse.not_heard(time.monotonic())
+                self._machine.not_heard(time.monotonic())
                 _log.debug("heartbeat not answered: %s", exc)
         else:
             self._error = None
-            self._pulse.beaten(time.monotonic())
+            self._machine.beaten(time.monotonic())
         return self._error is None
 
     def _drop(self) -> None:
@@ -283,13 +430,13 @@ class Heartbeat:
             line.close()
 
     def _report(self, before: HeartbeatState) -> None:
-        match self._pulse.state:
+        match self._machine.state:
             case HeartbeatState.STALLED:
                 stall = time.monotonic() - self._life.stamp
                 _log.error(
-                    "the event loop has not run for %.2f s: the arm is stopped, and the "
-                    "heartbeat withheld. Call robot.rearm_heartbeat() to go on",
-                    stall,
+                    "the event loop has not run for %.2f s: %sthe heartbeat is withheld. "
+                    "Call robot.rearm_heartbeat() to go on",
+                    *(stall, "the arm is stopped, and " if self._life.moves else ""),
                 )
             case HeartbeatState.LOST:
                 _log.error(

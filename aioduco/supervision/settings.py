@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 from aioduco.errors import ParameterError
+from aioduco.models.ranges import TIMEOUT
+from aioduco.models.rules import Integer, Number
 from aioduco.supervision.task import OnCancel
 
 if TYPE_CHECKING:
     from aioduco.trace import Trace
 
-__all__ = ["ExitLadder", "GuardKind", "Settings"]
+__all__ = ["ExitLadder", "GuardKind", "RobotSettings"]
 
 GuardKind: TypeAlias = Literal["process"]
 
 #: seconds for a command on its way, beyond its own limit
 _GRACE = 1.0
+
+_SOURCE = "this package"
+_STATE_RATE = Number(0.0, 1000.0, "Hz", open_low=True, source=_SOURCE)
+_POOL_SIZE = Integer(1, 64, source=_SOURCE)
+_HEARTBEAT = Number(0.2, 60.0, "s", source="1.3.1")
+_HEARTBEAT.expected += ", or None for no heartbeat"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,11 +60,11 @@ class ExitLadder:
     def __post_init__(self) -> None:
         for rung in fields(self):
             if (seconds := getattr(self, rung.name)) is not None:
-                _positive(f"exit_ladder.{rung.name}", seconds)
+                TIMEOUT(f"exit_ladder.{rung.name}", seconds)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
+class RobotSettings:
     """Times and limits. `aioduco.connect` describes them.
 
     Raises:
@@ -72,6 +79,7 @@ class Settings:
     on_cancel: OnCancel = "stop"
     stop_timeout: float = 5.0
     standstill_timeout: float = 5.0
+    unanswered_timeout: float = 60.0
     exit_ladder: ExitLadder | None = None
     guard: GuardKind | None = None
     state_rate: float = 50.0
@@ -79,21 +87,21 @@ class Settings:
     trace: Trace | None = None
 
     def __post_init__(self) -> None:
-        for name in ("call_timeout", "connect_timeout", "stop_timeout", "standstill_timeout"):
-            _positive(name, getattr(self, name))
-        _positive("loop_stall_limit", self.loop_stall_limit)
-        if not (_number(self.state_rate) and 0 < self.state_rate <= 1000):
-            raise ParameterError("state_rate", self.state_rate, "a number above 0, up to 1000 Hz")
-        if self.lag_limit is not None:
-            _positive("lag_limit", self.lag_limit)
-        if self.heartbeat is not None and not (
-            _number(self.heartbeat) and 0.2 <= self.heartbeat <= 60.0
+        for name in (
+            "call_timeout",
+            "connect_timeout",
+            "stop_timeout",
+            "standstill_timeout",
+            "unanswered_timeout",
         ):
-            raise ParameterError(
-                "heartbeat", self.heartbeat, "a number from 0.2 to 60 s, or None for no heartbeat"
-            )
-        if type(self.pool_size) is not int or not 1 <= self.pool_size <= 64:
-            raise ParameterError("pool_size", self.pool_size, "a whole number from 1 to 64")
+            TIMEOUT(name, getattr(self, name))
+        TIMEOUT("loop_stall_limit", self.loop_stall_limit)
+        _STATE_RATE("state_rate", self.state_rate)
+        if self.lag_limit is not None:
+            TIMEOUT("lag_limit", self.lag_limit)
+        if self.heartbeat is not None:
+            _HEARTBEAT("heartbeat", self.heartbeat)
+        _POOL_SIZE("pool_size", self.pool_size)
         if self.exit_ladder is not None and not isinstance(self.exit_ladder, ExitLadder):
             raise ParameterError("exit_ladder", self.exit_ladder, "an ExitLadder, or None")
         if self.guard is not None and self.guard not in get_args(GuardKind):
@@ -108,14 +116,5 @@ class Settings:
             return self.exit_ladder
         stop, standstill = self.stop_timeout, self.standstill_timeout
         # A command on its way may have to be stopped first, if its answer is lost.
-        settle = self.call_timeout + stop + standstill + _GRACE
+        settle = self.call_timeout + self.unanswered_timeout + stop + standstill + _GRACE
         return ExitLadder(settle=settle, stop=stop, standstill=standstill)
-
-
-def _number(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-def _positive(name: str, value: float) -> None:
-    if not (_number(value) and 0 < value < math.inf):
-        raise ParameterError(name, value, "a number above 0 s")

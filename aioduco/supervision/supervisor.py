@@ -1,50 +1,70 @@
-"""The supervision of one robot: its lanes, its heartbeat, and the way out."""
+"""The supervision of one robot: its connections, its heartbeat, and the exit ladder.
+
+Guarantees:
+- A rung of the exit ladder is carried out to its end even if leaving is cancelled, once or more;
+  the cancellation goes on afterwards.
+- A rung that fails is logged, and the next one follows. What failed is raised at the end.
+- No log handler is waited for until the connections are closed, and then for a limited time.
+- The heartbeat beats until the arm was seen to stand, or until that has failed.
+"""
 
 from __future__ import annotations
 
-import logging
+import math
 import time
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
 import anyio
 
+from aioduco._spawn import misplaced
 from aioduco._wire.connection import Connection
-from aioduco._wire.handoff import doorbell
-from aioduco._wire.lane import Lane
-from aioduco.errors import DucoError, RobotStateError, StopUnconfirmed
+from aioduco._wire.handoff import OwnerLoop, loop_callback
+from aioduco._wire.lane import WireLane
+from aioduco._wire.resource_errors import resource_error
+from aioduco.errors import (
+    ConnectError,
+    ConnectionLost,
+    ConnectTimeout,
+    ControllerError,
+    DucoError,
+    GuardLost,
+    HeartbeatLost,
+    NotAController,
+    RobotStateError,
+    StopUnconfirmed,
+)
+from aioduco.models.ranges import TIMEOUT as SECONDS
+from aioduco.models.samples import Samples
 from aioduco.models.version import ControllerVersion
-from aioduco.supervision.background import Background
-from aioduco.supervision.changes import LoopBlocked
-from aioduco.supervision.control import Control
-from aioduco.supervision.events import Events
-from aioduco.supervision.feed import Feed
-from aioduco.supervision.guard.sides import (
-    GuardedControl,
+from aioduco.reporting import FLUSH_LIMIT, BackgroundLogger, reporter
+from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
+from aioduco.supervision.dispatcher import Dispatcher
+from aioduco.supervision.events import Events, LoopBlocked
+from aioduco.supervision.guard.guarded import (
+    GuardClient,
     GuardedHeartbeat,
     GuardedSignOfLife,
-    Seat,
+    GuardedStopChannel,
 )
-from aioduco.supervision.heartbeat import Heartbeat, HeartbeatStatistics, SignOfLife
-from aioduco.supervision.insist import insist
-from aioduco.supervision.keeper import Keeper
-from aioduco.supervision.ladder import leave
-from aioduco.supervision.lag import LagMonitor, Watched, monitors
-from aioduco.supervision.launcher import Launcher
-from aioduco.supervision.opening import open_lines
-from aioduco.supervision.parting import Parting
-from aioduco.supervision.patience import Patience
-from aioduco.supervision.pulse import HeartbeatState
-from aioduco.supervision.samples import Samples
+from aioduco.supervision.heartbeat import Heartbeat, HeartbeatState, HeartbeatStatistics
+from aioduco.supervision.loop_watchdog import LoopWatchdog, SignOfLife, WatchedLoop, watchdogs
+from aioduco.supervision.motion_sources import Claim
+from aioduco.supervision.retry import RetryingReads
+from aioduco.supervision.state_feed import StateFeed
+from aioduco.supervision.stop_channel import StopChannel
+from aioduco.supervision.stop_coordinator import ExitStop, StopCoordinator
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable
 
     from aioduco._wire.lane import LaneStatistics
-    from aioduco.supervision.heartbeat import Heart
-    from aioduco.supervision.settings import Settings
+    from aioduco.supervision.heartbeat import HeartbeatLike
+    from aioduco.supervision.settings import RobotSettings
 
-_log = logging.getLogger(__name__)
+__all__ = ["Supervisor", "SupervisorStatistics"]
+
+_log = BackgroundLogger(__name__)
 
 #: signs of life of the event loop per stall limit
 _SIGNS = 10
@@ -52,6 +72,10 @@ _SIGNS = 10
 _SIGN_EVERY = 0.1
 #: seconds for a thread to end
 _GRACE = 1.0
+#: seconds between two looks whether a heartbeat was answered
+_LOOK_EVERY = 0.002
+#: closing is never left out; each of its parts has a limit of its own
+_NO_LIMIT = math.inf
 
 
 class SupervisorStatistics(NamedTuple):
@@ -92,69 +116,75 @@ class Supervisor:
     Attributes:
         version: the version of the controller's software.
         calls: the lane of all calls that are neither motions nor supervision.
-        patient: the calls of that lane, with reads that wait for a lost connection.
+        retrying: the calls of that lane; reads are sent again while the connection is lost.
         poll: the lane on which tasks and the arm's standstill are asked about.
         samples: makes samples of the state.
-        control: sends stop, pause, resume, abort.
-        keeper: brings the arm to rest.
-        launcher: starts motions and other tasks.
+        stop_channel: sends stop, pause, resume, abort.
+        stop_coordinator: brings the arm to rest.
+        dispatcher: starts motions and other tasks.
         heartbeat: the heartbeat; None without one.
-        guard: the robot's place with the guard; None without one.
+        guard: the robot's side of the guard; None without one.
         feed: samples of the robot's state.
         events: what happens to the robot.
     """
 
-    def __init__(self, host: str, port: int, settings: Settings) -> None:
+    def __init__(self, host: str, port: int, settings: RobotSettings) -> None:
         self.host = host
         self.port = port
         self.settings = settings
         self.version: ControllerVersion = ControllerVersion("")
+        #: the event loop on which it is opened, and on which alone it is used
+        self.owner_loop: OwnerLoop = OwnerLoop("the robot", moves=False)
         self.samples: Samples = Samples()
-        self.calls: Lane = self._lane("call", size=settings.pool_size)
-        self.patient: Patience = Patience(self.calls)
-        self.poll: Lane = self._lane("poll")
+        self.calls: WireLane = self._lane("call", size=settings.pool_size)
+        self.retrying: RetryingReads = RetryingReads(self.calls)
+        self.poll: WireLane = self._lane("poll")
         self._stop_lane = self._lane("stop")
         self._control_lane = self._lane("control")
         self._motion_lane = self._lane("motion")
         self._feed_lane = self._lane("feed")
-        self._background = Background(self._crashed)
-        self.guard: Seat | None = None
-        self.heartbeat: Heart | None = None
-        self.control: Control
+        self._background = BackgroundTasks(self._crashed, self._cut_off)
+        self.guard: GuardClient | None = None
+        self.heartbeat: HeartbeatLike | None = None
+        self.stop_channel: StopChannel
         if settings.guard is None:
             self._life = SignOfLife()
-            self.control = Control(self._stop_lane, self._control_lane, self.poll)
+            self.stop_channel = StopChannel(self._stop_lane, self._control_lane, self.poll)
             if settings.heartbeat is not None:
                 self.heartbeat = Heartbeat(
                     self._line, settings.heartbeat, self._life, settings.loop_stall_limit
                 )
         else:
-            self.guard = Seat(host, port, settings)
+            self.guard = GuardClient(host, port, settings)
             self._life = GuardedSignOfLife(self.guard)
-            self.control = GuardedControl(
+            self.stop_channel = GuardedStopChannel(
                 self.guard, self._stop_lane, self._control_lane, self.poll
             )
             if settings.heartbeat is not None:
                 self.heartbeat = GuardedHeartbeat(self.guard)
-        self.keeper: Keeper = Keeper(self.control, self.poll, self._background, settings)
-        self.launcher: Launcher = Launcher(
-            self._motion_lane, self.keeper, self._background, self.heartbeat, settings
+        self.stop_coordinator: StopCoordinator = StopCoordinator(
+            self.stop_channel, self.poll, self._background, settings, Claim(self._life.say)
         )
-        self.feed: Feed = Feed(self._feed_lane, self.samples, self._background, settings.state_rate)
+        self.dispatcher: Dispatcher = Dispatcher(
+            self._motion_lane, self.stop_coordinator, self._background, self.heartbeat, settings
+        )
+        self.feed: StateFeed = StateFeed(
+            self._feed_lane, self.samples, self._background, settings.state_rate
+        )
         self.events: Events = Events(
             self.feed, self._feed_lane, self._background, self._heartbeat_state
         )
-        self._parting: Parting | None = None
-        self._lag: LagMonitor | None = None
-        self._watched: Watched | None = None
+        self._exit_stop: ExitStop | None = None
+        self._watchdog: LoopWatchdog | None = None
+        self._watched: WatchedLoop | None = None
         self._opened = False
         self._closed = False
 
     def _heartbeat_state(self) -> HeartbeatState:
         return HeartbeatState.OFF if self.heartbeat is None else self.heartbeat.state
 
-    def _lane(self, name: str, size: int = 1) -> Lane:
-        return Lane(
+    def _lane(self, name: str, size: int = 1) -> WireLane:
+        return WireLane(
             name,
             self.host,
             self.port,
@@ -162,13 +192,14 @@ class Supervisor:
             connect_timeout=self.settings.connect_timeout,
             call_timeout=self.settings.call_timeout,
             trace=self.settings.trace,
+            owner_loop=self.owner_loop,
         )
 
     def _line(self) -> Connection:
         return Connection(self.host, self.port, connect_timeout=self.settings.connect_timeout)
 
     @property
-    def lanes(self) -> tuple[Lane, ...]:
+    def lanes(self) -> tuple[WireLane, ...]:
         """All lanes, that of the stop first."""
         return (
             self._stop_lane,
@@ -182,16 +213,31 @@ class Supervisor:
     @property
     def state(self) -> str:
         """State of the supervision in a word."""
+        if self.owner_loop.forked_off:
+            return "of the process that forked this one"
         if self._closed:
             return "closed"
         return "open" if self._opened else "not open"
 
     def check_open(self, name: str) -> None:
-        """See that the robot is open.
+        """See that the robot is open, and that its event loop runs.
 
         Raises:
             RobotStateError: it is not; `name` was not sent.
+            WrongLoop: this is another event loop; `name` was not sent.
+            WrongProcess: this is a forked child; `name` was not sent.
         """
+        self.check_usable(name)
+        self.owner_loop.require(name)
+
+    def check_usable(self, name: str) -> None:
+        """See that the robot is open; from any thread.
+
+        Raises:
+            RobotStateError: it is not; `name` was not sent.
+            WrongProcess: this is a forked child; `name` was not sent.
+        """
+        self.owner_loop.require_process(name)
         if not self._opened or self._closed:
             raise RobotStateError(
                 f"{name} was not sent: the robot is {self.state}; "
@@ -209,18 +255,18 @@ class Supervisor:
             HeartbeatLost: the heartbeat does not beat.
         """
         self.check_open(name)
-        await self.launcher.admit_stream(name)
+        await self.dispatcher.admit_stream(name)
 
     def statistics(self) -> SupervisorStatistics:
         """Figures since the robot was opened."""
         return SupervisorStatistics(
             lanes={lane.name: lane.statistics() for lane in self.lanes},
             heartbeat=self.heartbeat.statistics() if self.heartbeat else None,
-            tasks=self.launcher.accepted,
-            live_tasks=len(self.keeper.poller.tasks),
-            polls=self.keeper.poller.polls,
-            stops=self.control.stops,
-            stop_attempts=self.control.attempts,
+            tasks=self.dispatcher.accepted,
+            live_tasks=len(self.stop_coordinator.follower.tasks),
+            polls=self.stop_coordinator.follower.polls,
+            stops=self.stop_channel.stops,
+            stop_attempts=self.stop_channel.attempts,
             longest_stall=self._life.longest_stall,
         )
 
@@ -229,36 +275,115 @@ class Supervisor:
 
         Raises:
             ConnectError: there is no controller.
+            WrongLoop: no event loop of asyncio runs here.
         """
+        self.owner_loop.require("open")
         if self._opened or self._closed:
             raise RuntimeError("a robot can be opened once; call aioduco.connect again")
+        if started := misplaced():
+            raise RobotStateError(
+                f"nothing was sent: this program was started in place of {started}, since its "
+                "executable is no Python interpreter; connect without a guard, and open streams "
+                'with lane="thread"'
+            )
+        # Before the first beat, which judges by it whether the event loop hangs.
+        self._background.start(self._live(time.monotonic()), "aioduco sign of life")
         try:
-            self.version = ControllerVersion(await open_lines(self))
-        except BaseException:
+            self.version = ControllerVersion(await self._open_lanes())
+            self._watch_loop()
+        except BaseException as exc:
             self._closed = True
-            await insist(self.close_lines)
+            await run_to_completion(self._close_lanes)
+            lack = resource_error(exc)
+            if lack and not isinstance(exc, GuardLost):
+                raise ConnectError(self.host, self.port, f"{lack}. No motion was sent") from exc
             raise
         for lane in self.lanes:
             lane.version = self.version.text
         self._opened = True
-        self._parting = Parting(self.keeper)
-        self._background.start(self._live(time.monotonic()), "aioduco sign of life")
-        self._background.start(self.keeper.poller.run(), "aioduco poller")
+        self._exit_stop = ExitStop(self.stop_coordinator)
+        self._background.start(self.stop_coordinator.follower.run(), "aioduco task follower")
+        self._background.start(self.dispatcher.drop_claim_at_rest(), "aioduco claim")
+        if self.guard is not None and not self.guard.alive:
+            self._guard_lost()  # while the robot was being opened
+
+    async def _open_lanes(self) -> str:
+        """Open every lane, ask two questions, start a guard if wanted, and the heartbeat.
+
+        Returns:
+            The version of the controller's software; empty if it does not tell.
+
+        Raises:
+            ConnectError: the host is unknown, the port is closed, or nothing answers.
+            NotAController: something else answers.
+            ConnectTimeout: something accepts connections, but answers nothing.
+            GuardLost: the guard cannot be started.
+        """
+        for lane in self.lanes:
+            await lane.open()
+        timeout = self.settings.call_timeout
+        try:
+            await self.poll.call("get_robot_state", ())
+            version = await _version(self.poll)
+            await self._start_guard()
+            if self.heartbeat is not None:
+                self.heartbeat.start()
+                if not await _beats(self.heartbeat, timeout):
+                    silent = TimeoutError("the heartbeat was not answered")
+                    raise silent from self.heartbeat.error
+        except TimeoutError as exc:
+            raise ConnectTimeout(
+                self.host,
+                self.port,
+                f"it accepts connections, but did not answer within {timeout:g} s; "
+                "is the controller still starting, or does it hang?",
+            ) from exc
+        except ControllerError as exc:
+            raise NotAController(
+                self.host,
+                self.port,
+                f"it speaks Thrift, but does not know the controller's functions ({exc}); "
+                "the controller's port is 7003",
+            ) from exc
+        except ConnectionLost as exc:
+            raise NotAController(
+                self.host,
+                self.port,
+                f"what answers there is no controller, or one that is still starting ({exc}); "
+                "the controller's port is 7003",
+            ) from exc
+        return version
+
+    async def rearm_heartbeat(self, timeout: float) -> None:
+        """Go on beating after a stall of the event loop; `Robot.rearm_heartbeat` describes it."""
+        limit = SECONDS("timeout", timeout)
+        self.check_open("rpc_heartbeat")
+        if self.heartbeat is None:
+            return
+        self.heartbeat.rearm()
+        if not await _beats(self.heartbeat, limit):
+            raise HeartbeatLost(f"no heartbeat was answered within {timeout:g} s")
+
+    def _watch_loop(self) -> None:
         if self.settings.lag_limit is not None:
-            self._watched = Watched(self._life, self.settings.lag_limit, self._loop_blocked())
-            self._lag = monitors.watch(self._watched)
+            # Opening took its time, which the loop spent waiting: it is watched from now on.
+            self._life.touch(time.monotonic())
+            self._watched = WatchedLoop(self._life, self.settings.lag_limit, self._loop_blocked())
+            self._watchdog = watchdogs.watch(self._watched)
 
     def forget(self) -> None:
-        """The robot was forgotten while it was open: stop what moves, and end the heartbeat."""
-        if self._parting is not None:
-            self._parting.take()
+        """Stop what moves, and end the heartbeat: the program dropped an open robot."""
+        if self.owner_loop.forked_off:
+            return
+        if self._exit_stop is not None:
+            self._exit_stop.stop()
         if self.heartbeat is not None:
             self.heartbeat.end()
 
     def _loop_blocked(self) -> Callable[[float, str], None]:
-        """What the lag monitor calls, on its thread."""
+        """What the loop's watchdog calls, on its thread."""
         seen: deque[LoopBlocked] = deque()
-        ring = doorbell(lambda: self.events.tell(seen.popleft()))
+        ring = loop_callback(lambda: self.events.tell(seen.popleft()))
 
         def blocked(seconds: float, where: str) -> None:
             seen.append(LoopBlocked(time.monotonic(), seconds, where))
@@ -267,76 +392,177 @@ class Supervisor:
         return blocked
 
     async def aclose(self) -> None:
-        """Leave by the ladder, see `ladder`: stop what moves, see it stand, close.
+        """Go down the exit ladder: stop what moves, see it stand, close.
+
+        A robot whose own event loop has been closed is left on the one that runs. In a forked
+        child nothing is done: there is nothing of the child's to be left.
 
         Raises:
             StopUnconfirmed: it is not known that the arm stands.
+            WrongLoop: the robot's own event loop is another one, and could leave it.
         """
-        if self._closed or not self._opened:
+        if self._closed or not self._opened or self.owner_loop.forked_off:
             return
+        if self.owner_loop.closed:
+            _log.warning("the robot's event loop was closed before the robot: it is left on this")
+            self.owner_loop.move("aclose")
+        self.owner_loop.require("aclose")
         self._closed = True
-        self.launcher.closed = "the robot is closed, or is being closed"
-        await leave(self, self.settings.ladder)
+        self.dispatcher.closed = "the robot is closed, or is being closed"
+        ladder, coordinator = self.settings.ladder, self.stop_coordinator
+        down = _LadderRun()
+        await down.rung("settle", ladder.settle, self.dispatcher.quiet)
+        if coordinator.moving:
+            again = ladder.stop
+            await down.rung("stop", ladder.stop, coordinator.send_stop)
+            await down.rung(
+                "standstill", ladder.standstill, lambda limit: coordinator.rest(again, limit)
+            )
+        if coordinator.modes.any:
+            await down.rung("modes", ladder.modes, coordinator.leave_modes)
+        if self.heartbeat is not None:
+            self.heartbeat.end()
+        await down.rung("close", _NO_LIMIT, lambda _: self._close_lanes())
+        await down.report()
+        down.finish()
 
-    async def close_lines(self) -> None:
+    async def _close_lanes(self) -> None:
         """End everything that runs for the robot, and close its connections."""
-        if self._parting is not None:
-            self._parting.call_off()
+        self.stop_coordinator.closed = True
+        if self._exit_stop is not None:
+            self._exit_stop.cancel()
         if self.heartbeat is not None:
             self.heartbeat.end()
         self.feed.close()
         self.events.close()
         await self._background.aclose()
-        if self._lag is not None and self._watched is not None:
-            monitors.leave(self._lag, self._watched, _GRACE)
-            self._lag = None
+        if self._watchdog is not None and self._watched is not None:
+            watchdogs.leave(self._watchdog, self._watched, _GRACE)
+            self._watchdog = None
         if self.guard is not None:
-            await self.guard.give_up()
+            await self.guard.release()
         for lane in self.lanes:
             await lane.aclose()
         if self.heartbeat is not None:
             self.heartbeat.join(_GRACE)
 
-    async def under_guard(self) -> None:
-        """Have the guard look after the robot, if there is to be one."""
+    async def _start_guard(self) -> None:
+        """Have the guard take over stop and heartbeat, if there is to be one."""
         if self.guard is not None:
-            await self.guard.take(self._guard_lost)
+            await self.guard.acquire(self._guard_lost)
             self._life.touch(time.monotonic())
 
     def _guard_lost(self) -> None:
-        """The guard is gone: its heartbeat has ended. Stop the arm, and start another guard."""
-        if self._closed or self.guard is None:
+        """Stop the arm, and start another guard: the guard is gone, and its heartbeat with it."""
+        if self._closed or self.guard is None or not self._opened:
             return
+        self._background.start(self._new_guard(self.guard), "aioduco new guard")
         _log.critical(
             "the guard of %s:%d is gone: the arm is stopped, and another guard is started",
             self.host,
             self.port,
         )
-        self._background.start(self._new_guard(self.guard), "aioduco new guard")
 
-    async def _new_guard(self, guard: Seat) -> None:
-        if self.keeper.moving:
+    async def _new_guard(self, guard: GuardClient) -> None:
+        if self.stop_coordinator.moving:
             try:
-                await self.keeper.halt()
+                await self.stop_coordinator.halt()
             except StopUnconfirmed as exc:
                 _log.critical("the guard is gone, and %s", exc)
-        await guard.give_up()
+        await guard.release()
         try:
-            await guard.take(self._guard_lost)
+            await self._start_guard()
         except DucoError as exc:
             _log.critical("no other guard could be started: %s", exc)
 
     async def _live(self, due: float) -> None:
         """Show that the event loop runs, first at `due`."""
-        every = min(self.settings.loop_stall_limit / _SIGNS, _SIGN_EVERY)
-        while True:
-            self._life.touch(due)
-            now = time.monotonic()
-            due = max(due + every, now)
-            await anyio.sleep(due - now)
+        period = min(self.settings.loop_stall_limit / _SIGNS, _SIGN_EVERY)
+        async for turn in every(period, due):
+            self._life.touch(turn)
 
     def _crashed(self, error: BaseException) -> None:
-        """Part of the supervision failed: without a heartbeat the controller stops the arm."""
-        self.launcher.closed = f"the supervision of the robot failed ({error!r}); open it anew"
+        """Part of the supervision failed: end the heartbeat; the controller then stops the arm."""
+        self.dispatcher.closed = f"the supervision of the robot failed ({error!r}); open it anew"
         if self.heartbeat is not None:
             self.heartbeat.end()
+
+    def _cut_off(self) -> None:
+        """Stop the arm: the event loop ends, and with it the supervision.
+
+        What comes between this and the end of the interpreter is the program's: an excepthook may
+        take any time. So the arm is stopped now.
+        """
+        if self._closed or self.dispatcher.closed:
+            return
+        self.dispatcher.closed = "the event loop of the robot has ended; open it anew"
+        self.forget()
+
+
+async def _version(lane: WireLane) -> str:
+    try:
+        version: str = await lane.call("get_robot_version", ())
+    except ControllerError:
+        return ""  # it does not tell, which older ones may not
+    return version
+
+
+async def _beats(heartbeat: HeartbeatLike, timeout: float) -> bool:
+    """Wait until a beat was answered. Returns whether one was, within `timeout` seconds."""
+    until = time.monotonic() + timeout
+    async for due in every(_LOOK_EVERY):
+        if heartbeat.heard:
+            return True
+        if due >= until:
+            break
+    return False
+
+
+async def _written() -> None:
+    done = anyio.Event()
+    if reporter.written(loop_callback(done.set)):
+        with anyio.move_on_after(FLUSH_LIMIT):
+            await done.wait()
+
+
+class _LadderRun:
+    """Carries out rungs of the exit ladder, and keeps what is to be raised at the end."""
+
+    def __init__(self) -> None:
+        self._failed: Exception | None = None
+        self._cancelled: BaseException | None = None
+
+    async def rung(
+        self, name: str, limit: float | None, step: Callable[[float], Awaitable[object]]
+    ) -> None:
+        """Carry out a step to its end, whatever comes."""
+        if limit is None:
+            _log.info("leaving the robot: %s is left out", name)
+            return
+        begin = time.monotonic()
+        try:
+            _, cancelled = await run_to_completion(lambda: step(limit))
+        except Exception as exc:
+            took = time.monotonic() - begin
+            known = isinstance(exc, DucoError)
+            _log.warning(
+                "leaving the robot: %s failed after %.3f s: %s",
+                *(name, took, exc),
+                exc_info=None if known else exc,
+            )
+            self._failed = self._failed or exc
+        else:
+            _log.debug("leaving the robot: %s took %.3f s", name, time.monotonic() - begin)
+            self._cancelled = cancelled or self._cancelled
+
+    async def report(self) -> None:
+        """Wait until the log messages are written; if the program's handlers hang, not for long."""
+        _, cancelled = await run_to_completion(_written)
+        self._cancelled = cancelled or self._cancelled
+
+    def finish(self) -> None:
+        """Raise what failed, or the cancellation that came meanwhile."""
+        if self._failed is not None:
+            raise self._failed
+        if self._cancelled is not None:
+            raise self._cancelled

@@ -22,18 +22,20 @@ from aioduco.models.enums import Outcome, TaskState
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Generator, Sequence
 
-    from aioduco.supervision.course import Course
-    from aioduco.supervision.held import Held
-    from aioduco.supervision.lifecycle import TaskLifecycle
+    from aioduco.supervision.task_state import ContinuousMotion, JointEta, TaskLifecycle
 
-__all__ = ["OnCancel", "Task", "task_error"]
+__all__ = ["OnCancel", "Task", "TaskControl", "task_error"]
 
 #: what becomes of a motion when the await of it is cancelled
 OnCancel = Literal["stop", "pause", "detach"]
 
 
-class Keeper(Protocol):
+class TaskControl(Protocol):
     """What a task needs of whoever supervises it."""
+
+    def check_loop(self, what: str) -> None:
+        """See that this is the robot's event loop, before `what` is done on it."""
+        ...
 
     async def stop(self) -> None:
         """Stop the arm and see it stand."""
@@ -55,7 +57,7 @@ class Keeper(Protocol):
         """Where the arm is: the angles of its joints [rad]."""
         ...
 
-    async def forsaken(self, task: Task) -> None:
+    async def cancelled_while_waiting(self, task: Task) -> None:
         """The await of a task was cancelled: do what its `on_cancel` says, then return."""
         ...
 
@@ -81,7 +83,7 @@ class Task:
 
     def __init__(
         self,
-        keeper: Keeper,
+        control: TaskControl,
         name: str,
         task_id: int,
         life: TaskLifecycle,
@@ -91,10 +93,10 @@ class Task:
         motion: bool,
         on_cancel: OnCancel,
         deadline: float | None = None,
-        held: Held | None = None,
-        course: Course | None = None,
+        continuous: ContinuousMotion | None = None,
+        eta: JointEta | None = None,
     ) -> None:
-        self._keeper = keeper
+        self._control = control
         self.life = life
         self.id = task_id
         self.name = name
@@ -107,11 +109,11 @@ class Task:
         #: how many stops had been asked for when it was sent
         self.stops_before = stops_before
         #: how it comes to its end, if it goes on until something ends it
-        self.held = held
+        self.continuous = continuous
         #: since when the arm was seen to stand while it should go on; None if it moves
         self.stood_since: float | None = None
         #: where it leads, if that is known in joint angles
-        self.course = course
+        self.eta = eta
         #: whether it has been looked where it begins
         self.placed = False
         #: when its end is expected [s of `time.monotonic`]; None if unknown
@@ -122,7 +124,7 @@ class Task:
         #: whether the arm was stopped because the deadline passed
         self.overdue = False
         self._errors: tuple[str, ...] = ()
-        self._settled = anyio.Event()
+        self._ended = anyio.Event()
         self._changed = anyio.Event()
         self._states = [life.state]
 
@@ -143,7 +145,7 @@ class Task:
     @property
     def done(self) -> bool:
         """Whether the task has ended, or was lost sight of."""
-        return self._settled.is_set()
+        return self._ended.is_set()
 
     @property
     def errors(self) -> tuple[str, ...]:
@@ -184,9 +186,9 @@ class Task:
         """
         if self.done:
             return 1.0 if self.outcome is Outcome.FINISHED else None
-        if self.course is None or self._start is None:
+        if self.eta is None or self._start is None:
             return None
-        return self.course.part(self._start, await self._keeper.joints())
+        return self.eta.part(self._start, await self._control.joints())
 
     def result(self) -> Outcome:
         """The outcome of a task that is done.
@@ -211,8 +213,13 @@ class Task:
         """Wait for the end and return the outcome, whatever it is.
 
         Cancelling this wait does nothing to the arm.
+
+        Raises:
+            WrongLoop: this is not the robot's event loop.
         """
-        await self._settled.wait()
+        if not self.done:
+            self._control.check_loop("wait")
+        await self._ended.wait()
         assert self.life.outcome is not None
         return self.life.outcome
 
@@ -220,10 +227,13 @@ class Task:
         return self._follow().__await__()
 
     async def _follow(self) -> Outcome:
+        if not self.done:
+            # here, since what is refused stops nothing
+            self._control.check_loop(f"await {self.name}")
         try:
             await self.wait()
         except BaseException:  # a cancellation, or an interrupt that landed just here
-            await self._keeper.forsaken(self)
+            await self._control.cancelled_while_waiting(self)
             raise
         return self.result()
 
@@ -233,6 +243,8 @@ class Task:
         Leaving the loop does nothing to the arm.
         """
         seen = 0
+        if not self.done:
+            self._control.check_loop("states")
         while True:
             while seen < len(self._states):
                 state = self._states[seen]
@@ -252,7 +264,8 @@ class Task:
             StopUnconfirmed: it is not known that the arm stands.
         """
         if not self.done:
-            await self._keeper.stop()
+            self._control.check_loop("cancel")
+            await self._control.stop()
         return await self.wait()
 
     async def end(self) -> Outcome:
@@ -269,33 +282,38 @@ class Task:
             StopUnconfirmed: it is not known that the arm stands.
         """
         if not self.done:
-            if self.held is None:
+            if self.continuous is None:
                 return await self.cancel()
-            await self._keeper.end(self.held.ending)
+            self._control.check_loop("end")
+            await self._control.end(self.continuous.ending)
             await self.wait()
         return self.result()
 
     async def pause(self) -> None:
         """Pause the arm, all its tasks included."""
         if not self.done:
-            await self._keeper.pause()
+            self._control.check_loop("pause")
+            await self._control.pause()
 
     async def resume(self) -> None:
         """Resume all paused tasks."""
         if not self.done:
-            await self._keeper.resume()
+            self._control.check_loop("resume")
+            await self._control.resume()
 
     async def forsake(self) -> None:
         """Do to the arm what a cancelled await of this task does: see `on_cancel`."""
-        await self._keeper.forsaken(self)
+        if not self.done:
+            self._control.check_loop("forsake")
+        await self._control.cancelled_while_waiting(self)
 
     # What follows is for the supervision alone.
 
     def begins_at(self, joints: Sequence[float]) -> None:
         """The arm stood at these joints when the controller accepted it."""
-        assert self.course is not None
+        assert self.eta is not None
         self._start = tuple(joints)
-        seconds = self.course.seconds(joints)
+        seconds = self.eta.seconds(joints)
         self.expected_end = None if seconds is None else self.accepted_at + seconds
 
     def observed(self, state: TaskState, now: float) -> None:
@@ -311,7 +329,7 @@ class Task:
         if not self.done:
             self._errors = tuple(errors)
             self.ended_at = now
-            self._settled.set()
+            self._ended.set()
             self._wake()
 
     def _wake(self) -> None:

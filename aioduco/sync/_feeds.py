@@ -14,10 +14,9 @@ if TYPE_CHECKING:
 
     from aioduco.errors import DucoError
     from aioduco.supervision import events as aio_events
-    from aioduco.supervision import feed as aio_feed
-    from aioduco.supervision.buffer import Policy
-    from aioduco.supervision.changes import Event
-    from aioduco.supervision.feed import FeedStatistics, Snapshot
+    from aioduco.supervision import state_feed as aio_feed
+    from aioduco.supervision.events import Event
+    from aioduco.supervision.state_feed import FeedStatistics, Policy, Snapshot
     from aioduco.sync._runner import Runner
 
 __all__ = ["Events", "Feed", "Subscription"]
@@ -77,7 +76,7 @@ def _reading(
 class Feed:
     """Samples of the robot's state. It begins when it is first used."""
 
-    def __init__(self, runner: Runner, feed: aio_feed.Feed) -> None:
+    def __init__(self, runner: Runner, feed: aio_feed.StateFeed) -> None:
         self._runner = runner
         self._feed = feed
 
@@ -149,7 +148,7 @@ class Feed:
 
 
 class Events:
-    """Sees what happens to one robot, and tells every subscriber."""
+    """Gives the events of one robot to every subscriber."""
 
     def __init__(self, runner: Runner, events: aio_events.Events) -> None:
         self._runner = runner
@@ -158,7 +157,7 @@ class Events:
     def subscribe(
         self, policy: Policy = "every", *, size: int = 1024
     ) -> AbstractContextManager[Subscription[Event]]:
-        """Hear of every event from now on: `with robot.events.subscribe() as stream:`.
+        """Receive every event from now on: `with robot.events.subscribe() as stream:`.
 
         Args:
             policy: what happens to events that are not taken in time; as for samples.

@@ -9,61 +9,55 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from aioduco.models.jog import JogDirections
-from aioduco.sync._tasks import moves
+from aioduco.sync._tasks import awaitables, moves
 
 if TYPE_CHECKING:
     from aioduco import robot as aio_robot
+    from aioduco.api.bus import Bus as AioBus
     from aioduco.api.bus.can import CanFrame
-    from aioduco.api.kinematics import Reachability
-    from aioduco.api.version import RobotType
-    from aioduco.models.enums import FileKind
-    from aioduco.models.enums import OperationMode
-    from aioduco.models.enums import Outcome
-    from aioduco.models.enums import OutputMode
-    from aioduco.models.enums import TaskState
-    from aioduco.models.external_axis import ExternalAxis
-    from aioduco.models.external_axis import ExternalAxisScheme
-    from aioduco.models.external_axis import ExternalAxisState
-    from aioduco.models.force import ForceFrame
-    from aioduco.models.force import ForceLogic
-    from aioduco.models.force import GuardedForce
-    from aioduco.models.jog import Jog
-    from aioduco.models.jog import JogFrame
+    from aioduco.api.compound import Compound as AioCompound
+    from aioduco.api.external_axes import ExternalAxes as AioExternalAxes
+    from aioduco.api.force import Force as AioForce
+    from aioduco.api.frames import Frames as AioFrames
+    from aioduco.api.io import IO as AioIO
+    from aioduco.api.kinematics import Kinematics as AioKinematics, Reachability
+    from aioduco.api.log import Log as AioLog
+    from aioduco.api.modbus import Modbus as AioModbus
+    from aioduco.api.motion import Motion as AioMotion, Through
+    from aioduco.api.optimization import Optimization as AioOptimization
+    from aioduco.api.program import Program as AioProgram
+    from aioduco.api.realtime import Realtime as AioRealtime
+    from aioduco.api.registers import Registers as AioRegisters
+    from aioduco.api.service import Service as AioService
+    from aioduco.api.settings import Settings as AioSettings
+    from aioduco.api.state import State as AioState
+    from aioduco.api.system import System as AioSystem
+    from aioduco.api.track import Track as AioTrack
+    from aioduco.api.version import RobotType, Version as AioVersion
+    from aioduco.models.enums import FileKind, OperationMode, Outcome, OutputMode, TaskState
+    from aioduco.models.external_axis import ExternalAxis, ExternalAxisScheme, ExternalAxisState
+    from aioduco.models.force import ForceFrame, ForceLogic, GuardedForce
+    from aioduco.models.jog import Jog, JogFrame
     from aioduco.models.load import Load
-    from aioduco.models.op import Op
-    from aioduco.models.op import PointOp
-    from aioduco.models.pose import Joints
-    from aioduco.models.pose import JointsLike
-    from aioduco.models.pose import Pose
-    from aioduco.models.pose import PoseLike
-    from aioduco.models.realtime import RealtimeMode
-    from aioduco.models.realtime import RealtimePoint
-    from aioduco.models.rules import BytesLike
-    from aioduco.models.rules import FlagsLike
-    from aioduco.models.rules import Real
-    from aioduco.models.rules import VectorLike
-    from aioduco.models.rules import Whole
-    from aioduco.models.rules import WholesLike
-    from aioduco.models.state import IOStatus
-    from aioduco.models.state import RobotStates
-    from aioduco.models.state import RobotStatus
-    from aioduco.models.state import Vector
+    from aioduco.models.op import Op, PointOp
+    from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
+    from aioduco.models.realtime import RealtimeMode, RealtimePoint
+    from aioduco.models.rules import BytesLike, FlagsLike, Real, VectorLike, Whole, WholesLike
+    from aioduco.models.state import IOStatus, RobotStates, RobotStatus, Vector
     from aioduco.models.version import ControllerVersion
-    from aioduco.models.weave import WeavePlane
-    from aioduco.models.weave import WeaveShape
-    from aioduco.streaming.joint_trajectory import Feedback
-    from aioduco.streaming.joint_trajectory import JointTrajectory
-    from aioduco.streaming.joint_trajectory import Tolerances
-    from aioduco.streaming.joint_trajectory import TrajectoryResult
-    from aioduco.streaming.sections import Through
-    from aioduco.streaming.settings import LaneOptions
+    from aioduco.models.weave import WeavePlane, WeaveShape
+    from aioduco.streaming.joint_trajectory import (
+        Feedback,
+        JointTrajectory,
+        Tolerances,
+        TrajectoryResult,
+    )
+    from aioduco.streaming.options import LaneOptions
     from aioduco.supervision import command as aio_command
-    from aioduco.supervision.feed import Snapshot
+    from aioduco.supervision.state_feed import Snapshot
     from aioduco.sync._runner import Runner
     from aioduco.sync._tasks import MotionCommand
-    from collections.abc import Callable
-    from collections.abc import Iterable
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterable, Sequence
     from numpy.typing import NDArray
 
 
@@ -88,6 +82,7 @@ class System(_Section):
     """
 
     __slots__ = ()
+    _section: AioSystem
 
     def power_on(self, *, timeout: float = 30.0) -> None:
         """Power the arm up (机器人上电).
@@ -100,8 +95,7 @@ class System(_Section):
 
         Manual section 1.3.2.
         """
-        work = self._section.power_on(timeout=timeout)
-        self._runner.call(work)
+        self._runner.call(self._section.power_on(timeout=timeout))
 
     def power_off(self, *, timeout: float = 30.0) -> None:
         """Power the arm down (机器人下电); the brakes close.
@@ -114,8 +108,7 @@ class System(_Section):
 
         Manual section 1.3.2.
         """
-        work = self._section.power_off(timeout=timeout)
-        self._runner.call(work)
+        self._runner.call(self._section.power_off(timeout=timeout))
 
     def enable(self, *, timeout: float = 30.0) -> None:
         """Enable the joints (机器人上使能); the brakes open.
@@ -128,8 +121,7 @@ class System(_Section):
 
         Manual section 1.3.2.
         """
-        work = self._section.enable(timeout=timeout)
-        self._runner.call(work)
+        self._runner.call(self._section.enable(timeout=timeout))
 
     def disable(self, *, timeout: float = 30.0) -> None:
         """Disable the joints (机器人下使能); the brakes close.
@@ -142,8 +134,7 @@ class System(_Section):
 
         Manual section 1.3.2.
         """
-        work = self._section.disable(timeout=timeout)
-        self._runner.call(work)
+        self._runner.call(self._section.disable(timeout=timeout))
 
     def shutdown(self) -> None:
         """Switch the controller off (机器人关机). Every connection ends soon after.
@@ -154,8 +145,7 @@ class System(_Section):
 
         Manual section 1.3.2.
         """
-        work = self._section.shutdown()
-        self._runner.call(work)
+        self._runner.call(self._section.shutdown())
 
     def restart(self) -> None:
         """Start the controller anew (机器人重启). Every connection ends soon after.
@@ -166,8 +156,7 @@ class System(_Section):
 
         Manual section 1.3.2.
         """
-        work = self._section.restart()
-        self._runner.call(work)
+        self._runner.call(self._section.restart())
 
     def switch_mode(self, mode: OperationMode | int) -> None:
         """Switch between manual and automatic mode (手自动模式切换).
@@ -184,8 +173,7 @@ class System(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.switch_mode(mode)
-        self._runner.call(work)
+        self._runner.call(self._section.switch_mode(mode))
 
 
 class Motion(_Section):
@@ -206,6 +194,45 @@ class Motion(_Section):
     """
 
     __slots__ = ()
+    _section: AioMotion
+
+    def set_blend_ahead(self, per: int, num: int = 1) -> None:
+        """Set how early the controller reads the next motion, to blend into it (融合预读取).
+
+        Args:
+            per: percent of a motion after which the next is read, 0 to 100; usually 0 or 50.
+            num: how many motions are read ahead if `per` is 0, 1 to 3: more for short motions
+                that follow each other fast.
+
+        Raises:
+            ParameterError: an argument is out of range; nothing was sent.
+            TaskError: it was not set.
+
+        Manual section 1.3.5.
+        """
+        self._runner.call(self._section.set_blend_ahead(per, num))
+
+    def run(self, *motions: MotionCommand, ahead: int = 3) -> tuple[Outcome, ...]:
+        """Send motions one after another, ahead of the arm, and wait for all of them.
+
+        The controller can blend a motion into the next only if it has that one in time. So some
+        are sent ahead; the others follow as the first ones end.
+
+        Args:
+            motions: in the order in which they are to be carried out.
+            ahead: how many the controller has at most, the running one included, 1 to 1000.
+
+        Returns:
+            The outcome of each: finished or blended.
+
+        Raises:
+            TaskError: one did not succeed. Those after it were stopped, or not sent.
+            ParameterError: something in `motions` is no motion, or `ahead` is out of range;
+                nothing was sent.
+
+        If this is interrupted, the arm is stopped.
+        """
+        return self._runner.call(self._section.run(*awaitables(motions), ahead=ahead))
 
     def follow_joint_trajectory(
         self,
@@ -237,7 +264,7 @@ class Motion(_Section):
                 set-point, "auto" for the queue if this controller has one, else servoj.
             rate: set-points per second through servoj [Hz]; the queue has 1000.
             reach: how far each joint may be from the first point [rad].
-            options: how the lane runs; None: in a process of its own.
+            options: how the worker runs; None: in a process of its own.
 
         Returns:
             How it was followed, the arm being at the goal.
@@ -263,51 +290,7 @@ class Motion(_Section):
             reach=reach,
             options=options,
         )
-        answer: TrajectoryResult = self._runner.call(work)
-        return answer
-
-    def set_blend_ahead(self, per: int, num: int = 1) -> None:
-        """Set how early the controller reads the next motion, to blend into it (融合预读取).
-
-        Args:
-            per: percent of a motion after which the next is read, 0 to 100; usually 0 or 50.
-            num: how many motions are read ahead if `per` is 0, 1 to 3: more for short motions
-                that follow each other fast.
-
-        Raises:
-            ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it was not set.
-
-        Manual section 1.3.5.
-        """
-        work = self._section.set_blend_ahead(per, num)
-        self._runner.call(work)
-
-    def run(self, *motions: MotionCommand, ahead: int = 3) -> tuple[Outcome, ...]:
-        """Send motions one after another, ahead of the arm, and wait for all of them.
-
-        The controller can blend a motion into the next only if it has that one in time. So some
-        are sent ahead; the others follow as the first ones end.
-
-        Args:
-            motions: in the order in which they are to be carried out.
-            ahead: how many the controller has at most, the running one included, 1 to 1000.
-
-        Returns:
-            The outcome of each: finished or blended.
-
-        Raises:
-            TaskError: one did not succeed. Those after it were stopped, or not sent.
-            ParameterError: something in `motions` is no motion, or `ahead` is out of range;
-                nothing was sent.
-
-        If this is interrupted, the arm is stopped.
-        """
-        work = self._section.run(
-            *(getattr(each, "awaitable", each) for each in motions), ahead=ahead
-        )
-        answer: tuple[Outcome, ...] = self._runner.call(work)
-        return answer
+        return self._runner.call(work)
 
     @moves
     def movej2(
@@ -339,10 +322,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.movej2(
-            joints, v, a, r=r, op=op, def_acc=def_acc
-        )
-        return made
+        return self._section.movej2(joints, v, a, r=r, op=op, def_acc=def_acc)
 
     @moves
     def movej_pose2(
@@ -380,10 +360,9 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.movej_pose2(
+        return self._section.movej_pose2(
             pose, v, a, r=r, q_near=q_near, tool=tool, wobj=wobj, op=op, def_acc=def_acc
         )
-        return made
 
     @moves
     def movej(
@@ -415,10 +394,7 @@ class Motion(_Section):
 
         Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
         """
-        made: aio_command.MotionCommand = self._section.movej(
-            joints, v, a, r=r, op=op, def_acc=def_acc
-        )
-        return made
+        return self._section.movej(joints, v, a, r=r, op=op, def_acc=def_acc)
 
     @moves
     def movej_pose(
@@ -458,10 +434,9 @@ class Motion(_Section):
 
         Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
         """
-        made: aio_command.MotionCommand = self._section.movej_pose(
+        return self._section.movej_pose(
             pose, v, a, r=r, q_near=q_near, tool=tool, wobj=wobj, op=op, def_acc=def_acc
         )
-        return made
 
     @moves
     def movel(
@@ -499,10 +474,9 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.movel(
+        return self._section.movel(
             pose, v, a, r=r, q_near=q_near, tool=tool, wobj=wobj, op=op, def_acc=def_acc
         )
-        return made
 
     @moves
     def tcp_move(
@@ -537,10 +511,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.tcp_move(
-            offset, v, a, r=r, tool=tool, op=op, def_acc=def_acc
-        )
-        return made
+        return self._section.tcp_move(offset, v, a, r=r, tool=tool, op=op, def_acc=def_acc)
 
     @moves
     def tcp_move_2p(
@@ -581,10 +552,9 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.tcp_move_2p(
+        return self._section.tcp_move_2p(
             p1, p2, v, a, r=r, tool=tool, wobj=wobj, op=op, def_acc=def_acc
         )
-        return made
 
     @moves
     def wobj_move(
@@ -619,10 +589,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.wobj_move(
-            offset, v, a, r=r, wobj=wobj, op=op, def_acc=def_acc
-        )
-        return made
+        return self._section.wobj_move(offset, v, a, r=r, wobj=wobj, op=op, def_acc=def_acc)
 
     @moves
     def wobj_move_2p(
@@ -663,10 +630,9 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.wobj_move_2p(
+        return self._section.wobj_move_2p(
             p1, p2, v, a, r=r, tool=tool, wobj=wobj, op=op, def_acc=def_acc
         )
-        return made
 
     @moves
     def movec(
@@ -709,7 +675,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.movec(
+        return self._section.movec(
             via,
             pose,
             v,
@@ -722,7 +688,6 @@ class Motion(_Section):
             op=op,
             def_acc=def_acc,
         )
-        return made
 
     @moves
     def move_circle(
@@ -764,7 +729,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.move_circle(
+        return self._section.move_circle(
             p1,
             p2,
             v,
@@ -777,7 +742,6 @@ class Motion(_Section):
             op=op,
             def_acc=def_acc,
         )
-        return made
 
     @moves
     def spline(
@@ -817,10 +781,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.spline(
-            poses, v, a, tool=tool, wobj=wobj, op=op, r=r, def_acc=def_acc
-        )
-        return made
+        return self._section.spline(poses, v, a, tool=tool, wobj=wobj, op=op, r=r, def_acc=def_acc)
 
     @moves
     def spline_op(
@@ -859,10 +820,9 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.spline_op(
+        return self._section.spline_op(
             points, v, a, tool=tool, wobj=wobj, op=op, r=r, def_acc=def_acc
         )
-        return made
 
     @moves
     def move_spiral(
@@ -909,7 +869,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.move_spiral(
+        return self._section.move_spiral(
             center,
             pose,
             rev,
@@ -924,7 +884,6 @@ class Motion(_Section):
             op=op,
             def_acc=def_acc,
         )
-        return made
 
     @moves
     def speedj(
@@ -951,8 +910,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.speedj(velocities, a, time=time)
-        return made
+        return self._section.speedj(velocities, a, time=time)
 
     @moves
     def speedl(
@@ -981,8 +939,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.speedl(twist, a, time=time)
-        return made
+        return self._section.speedl(twist, a, time=time)
 
     def speed_stop(self) -> None:
         """End `speedj` and `speedl` (停止 speedj 及 speedl), and wait until the arm stands.
@@ -996,8 +953,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        work = self._section.speed_stop()
-        self._runner.call(work)
+        self._runner.call(self._section.speed_stop())
 
     @moves
     def servoj(
@@ -1031,10 +987,9 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.servoj(
+        return self._section.servoj(
             joints, v, a, kp=kp, kd=kd, smooth_vel=smooth_vel, smooth_acc=smooth_acc
         )
-        return made
 
     @moves
     def servoj_pose(
@@ -1074,7 +1029,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.servoj_pose(
+        return self._section.servoj_pose(
             pose,
             v,
             a,
@@ -1086,7 +1041,6 @@ class Motion(_Section):
             smooth_vel=smooth_vel,
             smooth_acc=smooth_acc,
         )
-        return made
 
     @moves
     def servo_tcp(
@@ -1124,10 +1078,9 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.servo_tcp(
+        return self._section.servo_tcp(
             offset, v, a, tool=tool, kp=kp, kd=kd, smooth_vel=smooth_vel, smooth_acc=smooth_acc
         )
-        return made
 
     @moves
     def servol(
@@ -1169,7 +1122,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.servol(
+        return self._section.servol(
             pose,
             v,
             a,
@@ -1181,7 +1134,6 @@ class Motion(_Section):
             smooth_vel=smooth_vel,
             smooth_acc=smooth_acc,
         )
-        return made
 
     @moves
     def move_jog(
@@ -1218,10 +1170,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.move_jog(
-            jog, time=time, directions=directions
-        )
-        return made
+        return self._section.move_jog(jog, time=time, directions=directions)
 
     def stop_manual_move(self) -> None:
         """End a jog (结束点动), and wait until the arm stands.
@@ -1235,8 +1184,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        work = self._section.stop_manual_move()
-        self._runner.call(work)
+        self._runner.call(self._section.stop_manual_move())
 
     @moves
     def teach_mode(self) -> aio_command.MotionCommand:
@@ -1254,8 +1202,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        made: aio_command.MotionCommand = self._section.teach_mode()
-        return made
+        return self._section.teach_mode()
 
     def end_teach_mode(self) -> None:
         """End hand guiding (退出牵引示教模式), and wait until the arm stands.
@@ -1269,8 +1216,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        work = self._section.end_teach_mode()
-        self._runner.call(work)
+        self._runner.call(self._section.end_teach_mode())
 
     def set_hand_teach_parameter(
         self,
@@ -1333,8 +1279,7 @@ class Motion(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.stop_record_track()
-        self._runner.call(work)
+        self._runner.call(self._section.stop_record_track())
 
     def replay(self, name: str, v: int, mode: int) -> None:
         """Run a track that was recorded (轨迹复现), and wait until it has ended.
@@ -1355,8 +1300,7 @@ class Motion(_Section):
 
         Manual section 1.3.5.
         """
-        work = self._section.replay(name, v, mode)
-        self._runner.call(work)
+        self._runner.call(self._section.replay(name, v, mode))
 
 
 class Program(_Section):
@@ -1366,6 +1310,7 @@ class Program(_Section):
     """
 
     __slots__ = ()
+    _section: AioProgram
 
     @moves
     def run_program(self, name: str) -> aio_command.MotionCommand:
@@ -1388,14 +1333,11 @@ class Program(_Section):
 
         Manual section 1.3.4.
         """
-        made: aio_command.MotionCommand = self._section.run_program(name)
-        return made
+        return self._section.run_program(name)
 
     def get_current_project(self) -> str:
         """Read the path of the project that is loaded (当前工程路径). Manual section 1.3.4."""
-        work = self._section.get_current_project()
-        answer: str = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_current_project())
 
     def get_files_list(self, path: str) -> dict[str, FileKind]:
         """Read which files and folders there are under a path of the controller (文件列表).
@@ -1414,9 +1356,7 @@ class Program(_Section):
 
         Manual section 1.3.4.
         """
-        work = self._section.get_files_list(path)
-        answer: dict[str, FileKind] = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_files_list(path))
 
 
 class Track(_Section):
@@ -1438,6 +1378,7 @@ class Track(_Section):
     """
 
     __slots__ = ()
+    _section: AioTrack
 
     def trackEnqueue(self, points: Iterable[JointsLike | PoseLike] | NDArray[Any]) -> None:
         """Put points into the pool (轨迹点入池).
@@ -1455,8 +1396,7 @@ class Track(_Section):
 
         Manual section 1.3.12.
         """
-        work = self._section.trackEnqueue(points)
-        self._runner.call(work)
+        self._runner.call(self._section.trackEnqueue(points))
 
     def trackEnqueueOp(self, points: Iterable[PointOp]) -> None:
         """Put points into the pool, each with outputs that are set there (带 Op 的轨迹点入池).
@@ -1473,8 +1413,7 @@ class Track(_Section):
 
         Manual section 1.3.12.
         """
-        work = self._section.trackEnqueueOp(points)
-        self._runner.call(work)
+        self._runner.call(self._section.trackEnqueueOp(points))
 
     def trackClearQueue(self) -> None:
         """Empty the pool (清空轨迹池).
@@ -1484,17 +1423,14 @@ class Track(_Section):
 
         Manual section 1.3.12.
         """
-        work = self._section.trackClearQueue()
-        self._runner.call(work)
+        self._runner.call(self._section.trackClearQueue())
 
     def getQueueSize(self) -> int:
         """Read how many points of the pool are still to come (轨迹池大小).
 
         Manual section 1.3.12.
         """
-        work = self._section.getQueueSize()
-        answer: int = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.getQueueSize())
 
     @moves
     def trackJointMotion(self, speed: float, acc: float) -> aio_command.MotionCommand:
@@ -1514,8 +1450,7 @@ class Track(_Section):
 
         Manual section 1.3.12.
         """
-        made: aio_command.MotionCommand = self._section.trackJointMotion(speed, acc)
-        return made
+        return self._section.trackJointMotion(speed, acc)
 
     @moves
     def trackCartMotion(
@@ -1541,10 +1476,7 @@ class Track(_Section):
 
         Manual section 1.3.12.
         """
-        made: aio_command.MotionCommand = self._section.trackCartMotion(
-            speed, acc, wobj=wobj, tool=tool, radius=radius
-        )
-        return made
+        return self._section.trackCartMotion(speed, acc, wobj=wobj, tool=tool, radius=radius)
 
 
 class Compound(_Section):
@@ -1559,6 +1491,7 @@ class Compound(_Section):
     """
 
     __slots__ = ()
+    _section: AioCompound
 
     def combine_motion_config(
         self,
@@ -1620,8 +1553,7 @@ class Compound(_Section):
 
         Manual section 1.3.13, which prints its name as enable_combined_motion.
         """
-        work = self._section.enable_combine_motion()
-        self._runner.call(work)
+        self._runner.call(self._section.enable_combine_motion())
 
     def disable_combine_motion(self) -> None:
         """End the weave (结束复合运动); the arm must stand.
@@ -1631,8 +1563,7 @@ class Compound(_Section):
 
         Manual section 1.3.13, which prints its name as disable_combined_motion.
         """
-        work = self._section.disable_combine_motion()
-        self._runner.call(work)
+        self._runner.call(self._section.disable_combine_motion())
 
 
 class ExternalAxes(_Section):
@@ -1648,6 +1579,7 @@ class ExternalAxes(_Section):
     """
 
     __slots__ = ()
+    _section: AioExternalAxes
 
     def enable_eaxis_scheme(self, scheme_name: str, *, timeout: float = 10.0) -> None:
         """Activate a scheme of external axes (启动外部轴方案).
@@ -1663,8 +1595,7 @@ class ExternalAxes(_Section):
 
         Manual section 1.3.14.
         """
-        work = self._section.enable_eaxis_scheme(scheme_name, timeout=timeout)
-        self._runner.call(work)
+        self._runner.call(self._section.enable_eaxis_scheme(scheme_name, timeout=timeout))
 
     def disable_eaxis_scheme(self, scheme_name: str, *, timeout: float = 10.0) -> None:
         """Deactivate a scheme of external axes (结束外部轴方案).
@@ -1680,8 +1611,7 @@ class ExternalAxes(_Section):
 
         Manual section 1.3.14.
         """
-        work = self._section.disable_eaxis_scheme(scheme_name, timeout=timeout)
-        self._runner.call(work)
+        self._runner.call(self._section.disable_eaxis_scheme(scheme_name, timeout=timeout))
 
     def get_eaxis_info(self) -> tuple[ExternalAxisState, ...]:
         """Read the state of each scheme of external axes (外部轴反馈信息).
@@ -1689,9 +1619,7 @@ class ExternalAxes(_Section):
         It is on the wire of 3.8 and described by manual 4.3; the struct stands in section 1.2 of
         manual 3.8.
         """
-        work = self._section.get_eaxis_info()
-        answer: tuple[ExternalAxisState, ...] = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_eaxis_info())
 
     def set_eaxis_param(self, num: int, param: ExternalAxis) -> None:
         """Set the parameters of an external axis.
@@ -1707,8 +1635,7 @@ class ExternalAxes(_Section):
         Not in the manual: on the wire alone. Read what the controller's own page shows before
         and after.
         """
-        work = self._section.set_eaxis_param(num, param)
-        self._runner.call(work)
+        self._runner.call(self._section.set_eaxis_param(num, param))
 
     def set_eaxiss_scheme_param(self, num: int, param: ExternalAxisScheme) -> None:
         """Set the parameters of a scheme of external axes.
@@ -1724,8 +1651,7 @@ class ExternalAxes(_Section):
         Not in the manual: on the wire alone. Read what the controller's own page shows before
         and after.
         """
-        work = self._section.set_eaxiss_scheme_param(num, param)
-        self._runner.call(work)
+        self._runner.call(self._section.set_eaxiss_scheme_param(num, param))
 
     def add_eaxis_scheme(self, num: int) -> None:
         """Add a scheme of external axes.
@@ -1739,8 +1665,7 @@ class ExternalAxes(_Section):
 
         Not in the manual: on the wire alone.
         """
-        work = self._section.add_eaxis_scheme(num)
-        self._runner.call(work)
+        self._runner.call(self._section.add_eaxis_scheme(num))
 
     def delete_eaxis_scheme(self, num: int) -> None:
         """Delete a scheme of external axes.
@@ -1754,8 +1679,7 @@ class ExternalAxes(_Section):
 
         Not in the manual: on the wire alone.
         """
-        work = self._section.delete_eaxis_scheme(num)
-        self._runner.call(work)
+        self._runner.call(self._section.delete_eaxis_scheme(num))
 
     @moves
     def move_eaxis(
@@ -1780,8 +1704,7 @@ class ExternalAxes(_Section):
 
         Manual section 1.3.14.
         """
-        made: aio_command.MotionCommand = self._section.move_eaxis(scheme_name, epose, v, op=op)
-        return made
+        return self._section.move_eaxis(scheme_name, epose, v, op=op)
 
     @moves
     def move_jog_eaxis(
@@ -1812,10 +1735,7 @@ class ExternalAxes(_Section):
 
         Manual section 1.3.14.
         """
-        made: aio_command.MotionCommand = self._section.move_jog_eaxis(
-            scheme_name, direction, vel, time=time
-        )
-        return made
+        return self._section.move_jog_eaxis(scheme_name, direction, vel, time=time)
 
     @moves
     def movej2_eaxis(
@@ -1853,10 +1773,9 @@ class ExternalAxes(_Section):
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` hold.
         """
-        made: aio_command.MotionCommand = self._section.movej2_eaxis(
+        return self._section.movej2_eaxis(
             joints, v, a, scheme_name, epose, eaxis_v, r=r, op=op, def_acc=def_acc
         )
-        return made
 
     @moves
     def movej2_pose_eaxis(
@@ -1902,7 +1821,7 @@ class ExternalAxes(_Section):
 
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` hold.
         """
-        made: aio_command.MotionCommand = self._section.movej2_pose_eaxis(
+        return self._section.movej2_pose_eaxis(
             pose,
             v,
             a,
@@ -1916,7 +1835,6 @@ class ExternalAxes(_Section):
             op=op,
             def_acc=def_acc,
         )
-        return made
 
     @moves
     def movel_eaxis(
@@ -1960,7 +1878,7 @@ class ExternalAxes(_Section):
 
         Manual section 1.3.14, which prints its name as move1_eaxis.
         """
-        made: aio_command.MotionCommand = self._section.movel_eaxis(
+        return self._section.movel_eaxis(
             pose,
             v,
             a,
@@ -1974,7 +1892,6 @@ class ExternalAxes(_Section):
             op=op,
             def_acc=def_acc,
         )
-        return made
 
     @moves
     def movec_eaxis(
@@ -2023,7 +1940,7 @@ class ExternalAxes(_Section):
 
         Manual section 1.3.14, which has no mode; the wire has.
         """
-        made: aio_command.MotionCommand = self._section.movec_eaxis(
+        return self._section.movec_eaxis(
             via,
             pose,
             v,
@@ -2039,7 +1956,6 @@ class ExternalAxes(_Section):
             op=op,
             def_acc=def_acc,
         )
-        return made
 
     @moves
     def move_circle_eaxis(
@@ -2087,7 +2003,7 @@ class ExternalAxes(_Section):
 
         Not in the manual: on the wire alone. Ranges are those of `movec_eaxis`.
         """
-        made: aio_command.MotionCommand = self._section.move_circle_eaxis(
+        return self._section.move_circle_eaxis(
             p1,
             p2,
             v,
@@ -2103,7 +2019,6 @@ class ExternalAxes(_Section):
             op=op,
             def_acc=def_acc,
         )
-        return made
 
 
 class Realtime(_Section):
@@ -2121,6 +2036,7 @@ class Realtime(_Section):
     """
 
     __slots__ = ()
+    _section: AioRealtime
 
     def start_realtime_mode(
         self,
@@ -2166,8 +2082,7 @@ class Realtime(_Section):
 
         Manual section 1.3.15.
         """
-        work = self._section.end_realtime_mode()
-        self._runner.call(work)
+        self._runner.call(self._section.end_realtime_mode())
 
     def realtime_data_enqueue(self, points: Iterable[RealtimePoint]) -> None:
         """Put points into the queue (实时数据入队).
@@ -2183,8 +2098,7 @@ class Realtime(_Section):
 
         Manual section 1.3.15.
         """
-        work = self._section.realtime_data_enqueue(points)
-        self._runner.call(work)
+        self._runner.call(self._section.realtime_data_enqueue(points))
 
     def clear_realtime_data_queue(self) -> None:
         """Empty the queue (清空实时数据队列).
@@ -2194,14 +2108,11 @@ class Realtime(_Section):
 
         Manual section 1.3.15.
         """
-        work = self._section.clear_realtime_data_queue()
-        self._runner.call(work)
+        self._runner.call(self._section.clear_realtime_data_queue())
 
     def get_realtime_data_queue_size(self) -> int:
         """Read how many points wait in the queue (实时队列数据数量). Manual section 1.3.15."""
-        work = self._section.get_realtime_data_queue_size()
-        answer: int = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_realtime_data_queue_size())
 
 
 class State(_Section):
@@ -2212,45 +2123,36 @@ class State(_Section):
     """
 
     __slots__ = ()
+    _section: AioState
 
     def get_robot_state(self) -> RobotStates:
         """Read the states of robot, program, safety and mode (机器人状态). Manual section 1.3.7."""
-        work = self._section.get_robot_state()
-        answer: RobotStates = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_robot_state())
 
     def getRobotStatus(self) -> RobotStatus:
         """Read positions, speeds, temperatures and faults at once (机器人位姿等信息).
 
         Manual section 1.3.7.
         """
-        work = self._section.getRobotStatus()
-        answer: RobotStatus = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.getRobotStatus())
 
     def getRobotIOStatus(self) -> IOStatus:
         """Read all inputs, outputs and registers at once (IO 和寄存器信息).
 
         Manual section 1.3.7.
         """
-        work = self._section.getRobotIOStatus()
-        answer: IOStatus = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.getRobotIOStatus())
 
     def robotmoving(self) -> bool:
         """Tell whether the arm moves (机器人是否在运动). Manual section 1.3.8."""
-        work = self._section.robotmoving()
-        answer: bool = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.robotmoving())
 
     def get_last_error(self) -> tuple[str, ...]:
         """Read the controller's latest errors (错误列表), as it words them.
 
         Manual section 1.3.8.
         """
-        work = self._section.get_last_error()
-        answer: tuple[str, ...] = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_last_error())
 
     def get_noneblock_taskstate(self, task_id: int) -> TaskState:
         """Read the state of a task by its id (任务状态).
@@ -2259,69 +2161,47 @@ class State(_Section):
 
         Manual section 1.3.8, which prints its name as get_noblock_taskstate.
         """
-        work = self._section.get_noneblock_taskstate(task_id)
-        answer: TaskState = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_noneblock_taskstate(task_id))
 
     def get_actual_joints_position(self) -> Joints:
         """Read the joint angles (关节角度) [rad]. Manual section 1.3.7."""
-        work = self._section.get_actual_joints_position()
-        answer: Joints = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_actual_joints_position())
 
     def get_target_joints_position(self) -> Joints:
         """Read the planned joint angles (规划角度) [rad]. Manual section 1.3.7."""
-        work = self._section.get_target_joints_position()
-        answer: Joints = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_target_joints_position())
 
     def get_actual_joints_speed(self) -> Vector:
         """Read the joint speeds (关节角速度) [rad/s]. Manual section 1.3.7."""
-        work = self._section.get_actual_joints_speed()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_actual_joints_speed())
 
     def get_target_joints_speed(self) -> Vector:
         """Read the planned joint speeds (规划角速度) [rad/s]. Manual section 1.3.7."""
-        work = self._section.get_target_joints_speed()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_target_joints_speed())
 
     def get_actual_joints_acceleration(self) -> Vector:
         """Read the joint accelerations (关节角加速度) [rad/s²]. Manual section 1.3.7."""
-        work = self._section.get_actual_joints_acceleration()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_actual_joints_acceleration())
 
     def get_target_joints_acceleration(self) -> Vector:
         """Read the planned joint accelerations (规划加速度) [rad/s²]. Manual section 1.3.7."""
-        work = self._section.get_target_joints_acceleration()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_target_joints_acceleration())
 
     def get_actual_joints_torque(self) -> Vector:
         """Read the joint torques (关节力矩) [N·m]. Manual section 1.3.7."""
-        work = self._section.get_actual_joints_torque()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_actual_joints_torque())
 
     def get_target_joints_torque(self) -> Vector:
         """Read the planned joint torques (目标力矩) [N·m]. Manual section 1.3.7."""
-        work = self._section.get_target_joints_torque()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_target_joints_torque())
 
     def get_ext_torque(self) -> Vector:
         """Read the observed external joint torques (外力矩) [N·m]. Manual section 1.3.7."""
-        work = self._section.get_ext_torque()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_ext_torque())
 
     def get_tcp_pose(self) -> Pose:
         """Read the pose of the tool in the base frame (末端位姿) [m, rad]. Manual section 1.3.7."""
-        work = self._section.get_tcp_pose()
-        answer: Pose = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_tcp_pose())
 
     def get_tcp_pose_coord(self, tool: str = '', wobj: str = '') -> Pose:
         """Read the pose of a tool in a work object (工件坐标系下的位姿) [m, rad].
@@ -2335,30 +2215,22 @@ class State(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.get_tcp_pose_coord(tool, wobj)
-        answer: Pose = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_tcp_pose_coord(tool, wobj))
 
     def get_tcp_speed(self) -> Vector:
         """Read the speed of the tool (末端速度) [m/s, rad/s]. Manual section 1.3.7."""
-        work = self._section.get_tcp_speed()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_tcp_speed())
 
     def get_tcp_acceleration(self) -> Vector:
         """Read the acceleration of the tool (末端加速度) [m/s², rad/s²]. Manual section 1.3.7."""
-        work = self._section.get_tcp_acceleration()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_tcp_acceleration())
 
     def get_tcp_force(self) -> Vector:
         """Read force and torque at the tool (末端力) [N, N·m]; needs a force sensor.
 
         Manual section 1.3.7.
         """
-        work = self._section.get_tcp_force()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_tcp_force())
 
     def get_tcp_force_tool(self, tool: str = '') -> Vector:
         """Read force and torque in a tool's frame (工具坐标系下的力) [N, N·m], by a sensor.
@@ -2368,45 +2240,36 @@ class State(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.get_tcp_force_tool(tool)
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_tcp_force_tool(tool))
 
     def get_flange_pose(self) -> Pose:
         """Read the pose of the flange in the base frame (法兰位姿) [m, rad].
 
         Manual section 1.3.7.
         """
-        work = self._section.get_flange_pose()
-        answer: Pose = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_flange_pose())
 
     def get_flange_speed(self) -> Vector:
         """Read the speed of the flange (法兰速度) [m/s, rad/s]. Manual section 1.3.7."""
-        work = self._section.get_flange_speed()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_flange_speed())
 
     def get_flange_acceleration(self) -> Vector:
         """Read the acceleration of the flange (法兰加速度) [m/s², rad/s²]. Manual section 1.3.7."""
-        work = self._section.get_flange_acceleration()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_flange_acceleration())
 
     def read_encoder_count(self) -> int:
         """Read the count of an external incremental encoder (外接 INC 的实际 count 值).
 
         Manual section 1.3.7.
         """
-        work = self._section.read_encoder_count()
-        answer: int = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.read_encoder_count())
 
 
 class IO(_Section):
     """Inputs and outputs of the cabinet and of the tool (manual 1.3.7)."""
 
     __slots__ = ()
+    _section: AioIO
 
     def set_standard_digital_out(self, num: int, value: bool) -> None:
         """Set a general output of the cabinet (控制柜通用 IO 输出).
@@ -2421,26 +2284,21 @@ class IO(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.set_standard_digital_out(num, value)
-        self._runner.call(work)
+        self._runner.call(self._section.set_standard_digital_out(num, value))
 
     def get_standard_digital_out(self, num: int) -> bool:
         """Read a general output of the cabinet (控制柜通用 IO 输出), 1 to 16.
 
         Manual section 1.3.7.
         """
-        work = self._section.get_standard_digital_out(num)
-        answer: bool = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_standard_digital_out(num))
 
     def get_standard_digital_in(self, num: int) -> bool:
         """Read a general input of the cabinet (控制柜用户 IO 输入), 1 to 16.
 
         Manual section 1.3.7.
         """
-        work = self._section.get_standard_digital_in(num)
-        answer: bool = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_standard_digital_in(num))
 
     def set_tool_digital_out(self, num: int, value: bool) -> None:
         """Set an output at the tool (末端 IO 输出).
@@ -2455,41 +2313,30 @@ class IO(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.set_tool_digital_out(num, value)
-        self._runner.call(work)
+        self._runner.call(self._section.set_tool_digital_out(num, value))
 
     def get_tool_digital_out(self, num: int) -> bool:
         """Read an output at the tool (末端 IO 输出), 1 or 2. Manual section 1.3.7."""
-        work = self._section.get_tool_digital_out(num)
-        answer: bool = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_tool_digital_out(num))
 
     def get_tool_digital_in(self, num: int) -> bool:
         """Read an input at the tool (末端 IO 输入), 1 or 2. Manual section 1.3.7."""
-        work = self._section.get_tool_digital_in(num)
-        answer: bool = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_tool_digital_in(num))
 
     def get_function_digital_in(self, num: int) -> bool:
         """Read a function input of the cabinet (功能输入 IO), 1 to 8. Manual section 1.3.7."""
-        work = self._section.get_function_digital_in(num)
-        answer: bool = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_function_digital_in(num))
 
     def get_function_digital_out(self, num: int) -> bool:
         """Read a function output of the cabinet (功能输出 IO), 1 to 8. Manual section 1.3.7."""
-        work = self._section.get_function_digital_out(num)
-        answer: bool = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_function_digital_out(num))
 
     def get_config_digital_in(self, num: Whole) -> bool:
         """Read a configurable input of the cabinet, a whole number from 1.
 
         Not in the manual, which does not say how many there are.
         """
-        work = self._section.get_config_digital_in(num)
-        answer: bool = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_config_digital_in(num))
 
     def set_digital_output_mode(
         self, num: Whole, type: OutputMode | int, *, freq: Whole, duty_cycle: Whole
@@ -2518,9 +2365,7 @@ class IO(_Section):
 
     def get_standard_analog_voltage_in(self, num: Whole) -> float:
         """Read a voltage at the cabinet (模拟电压输入), 1 to 4 [V]. Manual section 1.3.7."""
-        work = self._section.get_standard_analog_voltage_in(num)
-        answer: float = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_standard_analog_voltage_in(num))
 
     def set_standard_analog_voltage_out(self, num: Whole, value: Real) -> None:
         """Put out a voltage at the cabinet (模拟电压输出).
@@ -2535,20 +2380,15 @@ class IO(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.set_standard_analog_voltage_out(num, value)
-        self._runner.call(work)
+        self._runner.call(self._section.set_standard_analog_voltage_out(num, value))
 
     def get_tool_analog_voltage_in(self, num: Whole) -> float:
         """Read a voltage at the tool (末端模拟电压输入), 1 or 2 [V]. Manual section 1.3.7."""
-        work = self._section.get_tool_analog_voltage_in(num)
-        answer: float = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_tool_analog_voltage_in(num))
 
     def get_standard_analog_current_in(self, num: Whole) -> float:
         """Read a current at the cabinet (模拟电流输入), 1 to 4 [mA]. Manual section 1.3.7."""
-        work = self._section.get_standard_analog_current_in(num)
-        answer: float = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_standard_analog_current_in(num))
 
     def set_standard_analog_current_out(self, num: Whole, value: Real) -> None:
         """Put out a current at the cabinet (模拟电流输出).
@@ -2563,8 +2403,7 @@ class IO(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.set_standard_analog_current_out(num, value)
-        self._runner.call(work)
+        self._runner.call(self._section.set_standard_analog_current_out(num, value))
 
     def set_analog_output_mode(self, num: Whole, mode: Whole) -> None:
         """Set what an analog output of the cabinet puts out.
@@ -2579,8 +2418,7 @@ class IO(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not set.
         """
-        work = self._section.set_analog_output_mode(num, mode)
-        self._runner.call(work)
+        self._runner.call(self._section.set_analog_output_mode(num, mode))
 
 
 class Registers(_Section):
@@ -2594,6 +2432,7 @@ class Registers(_Section):
     """
 
     __slots__ = ()
+    _section: AioRegisters
 
     def write_bool_reg(self, num: Whole, value: bool) -> None:
         """Write an internal bool register (内部 bool 寄存器).
@@ -2608,14 +2447,11 @@ class Registers(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.write_bool_reg(num, value)
-        self._runner.call(work)
+        self._runner.call(self._section.write_bool_reg(num, value))
 
     def read_bool_reg(self, num: Whole) -> bool:
         """Read an internal bool register (内部 bool 寄存器), 1 to 64. Manual section 1.3.7."""
-        work = self._section.read_bool_reg(num)
-        answer: bool = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.read_bool_reg(num))
 
     def write_word_reg(self, num: Whole, value: Whole) -> None:
         """Write an internal word register (内部 word 寄存器).
@@ -2630,14 +2466,11 @@ class Registers(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.write_word_reg(num, value)
-        self._runner.call(work)
+        self._runner.call(self._section.write_word_reg(num, value))
 
     def read_word_reg(self, num: Whole) -> int:
         """Read an internal word register (内部 word 寄存器), 1 to 32. Manual section 1.3.7."""
-        work = self._section.read_word_reg(num)
-        answer: int = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.read_word_reg(num))
 
     def write_float_reg(self, num: Whole, value: Real) -> None:
         """Write an internal float register (内部 float 寄存器).
@@ -2652,26 +2485,19 @@ class Registers(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.write_float_reg(num, value)
-        self._runner.call(work)
+        self._runner.call(self._section.write_float_reg(num, value))
 
     def read_float_reg(self, num: Whole) -> float:
         """Read an internal float register (内部 float 寄存器), 1 to 32. Manual section 1.3.7."""
-        work = self._section.read_float_reg(num)
-        answer: float = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.read_float_reg(num))
 
     def get_function_reg_in(self, num: Whole) -> bool:
         """Read a function input register (功能输入寄存器), 1 to 16. Manual section 1.3.7."""
-        work = self._section.get_function_reg_in(num)
-        answer: bool = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_function_reg_in(num))
 
     def get_function_reg_out(self, num: Whole) -> bool:
         """Read a function output register (功能输出寄存器), 1 to 16. Manual section 1.3.7."""
-        work = self._section.get_function_reg_out(num)
-        answer: bool = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_function_reg_out(num))
 
     def set_system_value_bool(self, name: str, value: bool) -> None:
         """Set a variable of the controller of type bool (系统变量).
@@ -2686,14 +2512,11 @@ class Registers(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.set_system_value_bool(name, value)
-        self._runner.call(work)
+        self._runner.call(self._section.set_system_value_bool(name, value))
 
     def get_system_value_bool(self, name: str) -> bool:
         """Read a variable of the controller of type bool (系统变量). Manual section 1.3.7."""
-        work = self._section.get_system_value_bool(name)
-        answer: bool = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_system_value_bool(name))
 
     def set_system_value_double(self, name: str, value: Real) -> None:
         """Set a variable of the controller of type double (系统变量).
@@ -2708,14 +2531,11 @@ class Registers(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.set_system_value_double(name, value)
-        self._runner.call(work)
+        self._runner.call(self._section.set_system_value_double(name, value))
 
     def get_system_value_double(self, name: str) -> float:
         """Read a variable of the controller of type double (系统变量). Manual section 1.3.7."""
-        work = self._section.get_system_value_double(name)
-        answer: float = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_system_value_double(name))
 
     def set_system_value_str(self, name: str, value: str) -> None:
         """Set a variable of the controller of type str (系统变量).
@@ -2730,14 +2550,11 @@ class Registers(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.set_system_value_str(name, value)
-        self._runner.call(work)
+        self._runner.call(self._section.set_system_value_str(name, value))
 
     def get_system_value_str(self, name: str) -> str:
         """Read a variable of the controller of type str (系统变量). Manual section 1.3.7."""
-        work = self._section.get_system_value_str(name)
-        answer: str = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_system_value_str(name))
 
     def set_system_value_list(self, name: str, value: VectorLike) -> None:
         """Set a variable of the controller of type num_list (系统变量).
@@ -2752,26 +2569,21 @@ class Registers(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.set_system_value_list(name, value)
-        self._runner.call(work)
+        self._runner.call(self._section.set_system_value_list(name, value))
 
     def get_system_value_list(self, name: str) -> Vector:
         """Read a variable of the controller of type num_list (系统变量), as a read-only array.
 
         Manual section 1.3.7.
         """
-        work = self._section.get_system_value_list(name)
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_system_value_list(name))
 
     def get_system_value_lists(self, name: str) -> tuple[Vector, ...]:
         """Read a variable of the controller that is a list of poses, each a read-only array.
 
         Not in manual 3.8, but on its wire; manual 4.3 describes it.
         """
-        work = self._section.get_system_value_lists(name)
-        answer: tuple[Vector, ...] = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_system_value_lists(name))
 
 
 class Bus(_Section):
@@ -2785,6 +2597,7 @@ class Bus(_Section):
     """
 
     __slots__ = ()
+    _section: AioBus
 
     def set_baudrate_485(self, value: Whole) -> None:
         """Set the bit rate of the cabinet's RS-485 port (设置 485 波特率).
@@ -2800,8 +2613,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.set_baudrate_485(value)
-        self._runner.call(work)
+        self._runner.call(self._section.set_baudrate_485(value))
 
     def read_raw_data_485(self, len: Whole) -> bytes:
         """Take bytes out of the buffer of the cabinet's port (485 读取原生数据).
@@ -2818,9 +2630,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.read_raw_data_485(len)
-        answer: bytes = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.read_raw_data_485(len))
 
     def read_raw_data_485_h(self, head: BytesLike, len: Whole) -> bytes:
         """Take a frame that begins with a head from the cabinet's port (485 匹配头).
@@ -2840,9 +2650,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.read_raw_data_485_h(head, len)
-        answer: bytes = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.read_raw_data_485_h(head, len))
 
     def read_raw_data_485_ht(self, head: BytesLike, tail: BytesLike) -> bytes:
         """Take a frame between a head and a tail from the cabinet's port (485 匹配头和尾).
@@ -2860,9 +2668,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.read_raw_data_485_ht(head, tail)
-        answer: bytes = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.read_raw_data_485_ht(head, tail))
 
     def write_raw_data_485(self, data: BytesLike) -> None:
         """Write bytes to the cabinet's port (485 写原生数据).
@@ -2876,8 +2682,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.write_raw_data_485(data)
-        self._runner.call(work)
+        self._runner.call(self._section.write_raw_data_485(data))
 
     def write_raw_data_485_h(self, data: BytesLike, head: BytesLike) -> None:
         """Write bytes with a head before them to the cabinet's port (485 写原生数据, 加头).
@@ -2893,8 +2698,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.write_raw_data_485_h(data, head)
-        self._runner.call(work)
+        self._runner.call(self._section.write_raw_data_485_h(data, head))
 
     def write_raw_data_485_ht(self, data: BytesLike, head: BytesLike, tail: BytesLike) -> None:
         """Write bytes between a head and a tail to the cabinet's port (485 写原生数据, 加头和尾).
@@ -2911,8 +2715,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.write_raw_data_485_ht(data, head, tail)
-        self._runner.call(work)
+        self._runner.call(self._section.write_raw_data_485_ht(data, head, tail))
 
     def read_data_485(self) -> bytes:
         """Take bytes out of the buffer of the cabinet's port.
@@ -2923,9 +2726,7 @@ class Bus(_Section):
         Raises:
             OutcomeUnknown: it was sent, but not answered: bytes may be lost.
         """
-        work = self._section.read_data_485()
-        answer: bytes = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.read_data_485())
 
     def write_data_485(self, data: BytesLike) -> None:
         """Write bytes to the cabinet's port.
@@ -2939,8 +2740,7 @@ class Bus(_Section):
             ParameterError: there are none, or one is no byte; nothing was sent.
             BusError: they were not written.
         """
-        work = self._section.write_data_485(data)
-        self._runner.call(work)
+        self._runner.call(self._section.write_data_485(data))
 
     def tool_read_raw_data_485(self, len: Whole) -> bytes:
         """Take bytes out of the buffer of the tool's port (末端 485 读取原生数据).
@@ -2957,9 +2757,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.tool_read_raw_data_485(len)
-        answer: bytes = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.tool_read_raw_data_485(len))
 
     def tool_read_raw_data_485_h(self, head: BytesLike, len: Whole) -> bytes:
         """Take a frame that begins with a head from the tool's port (末端 485 匹配头).
@@ -2979,9 +2777,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.tool_read_raw_data_485_h(head, len)
-        answer: bytes = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.tool_read_raw_data_485_h(head, len))
 
     def tool_read_raw_data_485_ht(self, head: BytesLike, tail: BytesLike) -> bytes:
         """Take a frame between a head and a tail from the tool's port (末端 485 匹配头和尾).
@@ -2999,9 +2795,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.tool_read_raw_data_485_ht(head, tail)
-        answer: bytes = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.tool_read_raw_data_485_ht(head, tail))
 
     def tool_write_raw_data_485(self, data: BytesLike) -> None:
         """Write bytes to the tool's port (末端 485 写原生数据).
@@ -3015,8 +2809,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.tool_write_raw_data_485(data)
-        self._runner.call(work)
+        self._runner.call(self._section.tool_write_raw_data_485(data))
 
     def tool_write_raw_data_485_h(self, data: BytesLike, head: BytesLike) -> None:
         """Write bytes with a head before them to the tool's port (末端 485 写原生数据, 加头).
@@ -3032,8 +2825,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.tool_write_raw_data_485_h(data, head)
-        self._runner.call(work)
+        self._runner.call(self._section.tool_write_raw_data_485_h(data, head))
 
     def tool_write_raw_data_485_ht(self, data: BytesLike, head: BytesLike, tail: BytesLike) -> None:
         """Write bytes between a head and a tail to the tool's port (末端 485 写原生数据, 加头和尾).
@@ -3050,8 +2842,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.tool_write_raw_data_485_ht(data, head, tail)
-        self._runner.call(work)
+        self._runner.call(self._section.tool_write_raw_data_485_ht(data, head, tail))
 
     def tool_read_data_485(self) -> bytes:
         """Take bytes out of the buffer of the tool's port.
@@ -3062,9 +2853,7 @@ class Bus(_Section):
         Raises:
             OutcomeUnknown: it was sent, but not answered: bytes may be lost.
         """
-        work = self._section.tool_read_data_485()
-        answer: bytes = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.tool_read_data_485())
 
     def tool_write_data_485(self, data: BytesLike) -> None:
         """Write bytes to the tool's port.
@@ -3078,8 +2867,7 @@ class Bus(_Section):
             ParameterError: there are none, or one is no byte; nothing was sent.
             BusError: they were not written.
         """
-        work = self._section.tool_write_data_485(data)
-        self._runner.call(work)
+        self._runner.call(self._section.tool_write_data_485(data))
 
     def set_baudrate_can(self, value: Whole) -> None:
         """Set the bit rate of the CAN bus (设置 CAN 波特率).
@@ -3093,8 +2881,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.set_baudrate_can(value)
-        self._runner.call(work)
+        self._runner.call(self._section.set_baudrate_can(value))
 
     def read_raw_data_can(self) -> CanFrame | None:
         """Take a frame out of the buffer of the CAN bus (读取一帧 CAN 数据).
@@ -3107,9 +2894,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.read_raw_data_can()
-        answer: CanFrame | None = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.read_raw_data_can())
 
     def write_raw_data_can(self, id: Whole, data: BytesLike) -> None:
         """Write a frame to the CAN bus (CAN 写原生数据).
@@ -3124,8 +2909,7 @@ class Bus(_Section):
 
         Manual section 1.3.6.
         """
-        work = self._section.write_raw_data_can(id, data)
-        self._runner.call(work)
+        self._runner.call(self._section.write_raw_data_can(id, data))
 
     def read_data_can(self) -> bytes:
         """Take bytes out of the buffer of the CAN bus.
@@ -3136,9 +2920,7 @@ class Bus(_Section):
         Raises:
             OutcomeUnknown: it was sent, but not answered: bytes may be lost.
         """
-        work = self._section.read_data_can()
-        answer: bytes = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.read_data_can())
 
     def write_data_can(self, id: Whole, data: BytesLike) -> None:
         """Write a frame to the CAN bus.
@@ -3153,8 +2935,7 @@ class Bus(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             BusError: it was not written.
         """
-        work = self._section.write_data_can(id, data)
-        self._runner.call(work)
+        self._runner.call(self._section.write_data_can(id, data))
 
 
 class Frames(_Section):
@@ -3169,6 +2950,7 @@ class Frames(_Section):
     """
 
     __slots__ = ()
+    _section: AioFrames
 
     def set_tool_data(
         self,
@@ -3212,8 +2994,7 @@ class Frames(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.set_load_data(load)
-        self._runner.call(work)
+        self._runner.call(self._section.set_load_data(load))
 
     def set_wobj(self, name: str, wobj: PoseLike) -> None:
         """Define a work object (工件坐标系).
@@ -3228,8 +3009,7 @@ class Frames(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not defined.
         """
-        work = self._section.set_wobj(name, wobj)
-        self._runner.call(work)
+        self._runner.call(self._section.set_wobj(name, wobj))
 
     def set_wobj_offset(self, wobj: PoseLike, active: bool) -> None:
         """Shift the work object of all motions that follow (工件坐标系偏移量), or end that.
@@ -3247,35 +3027,28 @@ class Frames(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.set_wobj_offset(wobj, active)
-        self._runner.call(work)
+        self._runner.call(self._section.set_wobj_offset(wobj, active))
 
     def get_tcp_offset(self) -> Pose:
         """Read the pose of the tool in use in the flange's frame (工具的偏移量) [m, rad].
 
         Manual section 1.3.7.
         """
-        work = self._section.get_tcp_offset()
-        answer: Pose = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_tcp_offset())
 
     def get_tool_load(self) -> Load:
         """Read mass and centre of mass of the tool in use (工具的负载质量及质心位置) [kg, m].
 
         Manual section 1.3.7.
         """
-        work = self._section.get_tool_load()
-        answer: Load = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_tool_load())
 
     def get_wobj(self) -> Pose:
         """Read the pose of the work object in use in the base frame (工件坐标系的值) [m, rad].
 
         Manual section 1.3.7.
         """
-        work = self._section.get_wobj()
-        answer: Pose = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_wobj())
 
 
 class Kinematics(_Section):
@@ -3286,6 +3059,7 @@ class Kinematics(_Section):
     """
 
     __slots__ = ()
+    _section: AioKinematics
 
     def cal_fkine(
         self, joints: JointsLike, *, tool: PoseLike | None = None, wobj: PoseLike | None = None
@@ -3305,9 +3079,7 @@ class Kinematics(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.cal_fkine(joints, tool=tool, wobj=wobj)
-        answer: Pose = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.cal_fkine(joints, tool=tool, wobj=wobj))
 
     def cal_ikine(
         self,
@@ -3339,9 +3111,7 @@ class Kinematics(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.cal_ikine(pose, q_near=q_near, tool=tool, wobj=wobj)
-        answer: Joints = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.cal_ikine(pose, q_near=q_near, tool=tool, wobj=wobj))
 
     def reach_check(
         self,
@@ -3377,8 +3147,7 @@ class Kinematics(_Section):
         work = self._section.reach_check(
             base=base, wobj=wobj, tool=tool, ref_pos=ref_pos, check_points=check_points
         )
-        answer: Reachability = self._runner.call(work)
-        return answer
+        return self._runner.call(work)
 
     def get_origin_DH(self) -> Vector:
         """Read the Denavit-Hartenberg parameters of the arm as designed (原始 DH 参数).
@@ -3386,9 +3155,7 @@ class Kinematics(_Section):
         A read-only array of shape (6, 4): a [m], alpha [rad], d [m], theta [rad] of each joint.
         Manual section 1.3.7.
         """
-        work = self._section.get_origin_DH()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_origin_DH())
 
     def get_calib_DH(self) -> Vector:
         """Read the Denavit-Hartenberg parameters of this arm, calibrated (补偿后 DH 参数).
@@ -3396,9 +3163,7 @@ class Kinematics(_Section):
         A read-only array of shape (6, 4): a [m], alpha [rad], d [m], theta [rad] of each joint.
         Manual section 1.3.7.
         """
-        work = self._section.get_calib_DH()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_calib_DH())
 
 
 class Settings(_Section):
@@ -3408,6 +3173,7 @@ class Settings(_Section):
     """
 
     __slots__ = ()
+    _section: AioSettings
 
     def speed(self, val: Real) -> None:
         """Set the global speed (全局速度百分比), which all motions are scaled by.
@@ -3421,14 +3187,11 @@ class Settings(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.speed(val)
-        self._runner.call(work)
+        self._runner.call(self._section.speed(val))
 
     def get_global_speed(self) -> int:
         """Read the global speed (全局速度的百分比), in percent. Manual section 1.3.7."""
-        work = self._section.get_global_speed()
-        answer: int = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_global_speed())
 
     def set_teach_speed(self, v: Whole) -> None:
         """Set the speed of jogs (示教速度的百分比).
@@ -3442,14 +3205,11 @@ class Settings(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.set_teach_speed(v)
-        self._runner.call(work)
+        self._runner.call(self._section.set_teach_speed(v))
 
     def get_teach_speed(self) -> int:
         """Read the speed of jogs (示教速度的百分比), in percent. Manual section 1.3.7."""
-        work = self._section.get_teach_speed()
-        answer: int = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_teach_speed())
 
     def collision_detect(self, level: Whole) -> None:
         """Set how readily the arm takes a force for a collision (碰撞检测等级).
@@ -3463,8 +3223,7 @@ class Settings(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.collision_detect(level)
-        self._runner.call(work)
+        self._runner.call(self._section.collision_detect(level))
 
     def collision_detection_reset(self) -> None:
         """Clear the alarm of a collision (重置碰撞检测警告).
@@ -3476,8 +3235,7 @@ class Settings(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.collision_detection_reset()
-        self._runner.call(work)
+        self._runner.call(self._section.collision_detection_reset())
 
     def simulation(self, sim: bool) -> None:
         """Switch between the controller's own simulation and the real arm (仿真或者真机模式).
@@ -3495,8 +3253,7 @@ class Settings(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.simulation(sim)
-        self._runner.call(work)
+        self._runner.call(self._section.simulation(sim))
 
     def set_teach_pendant(self, enable: bool) -> None:
         """Turn the keys of the pendant on or off (示教器的物理按键).
@@ -3510,8 +3267,7 @@ class Settings(_Section):
 
         Manual section 1.3.7.
         """
-        work = self._section.set_teach_pendant(enable)
-        self._runner.call(work)
+        self._runner.call(self._section.set_teach_pendant(enable))
 
 
 class Optimization(_Section):
@@ -3522,6 +3278,7 @@ class Optimization(_Section):
     """
 
     __slots__ = ()
+    _section: AioOptimization
 
     def enable_speed_optimization(self) -> None:
         """Let the arm move as fast as its safety limits allow (开启速度优化).
@@ -3534,8 +3291,7 @@ class Optimization(_Section):
 
         Manual section 1.3.11.
         """
-        work = self._section.enable_speed_optimization()
-        self._runner.call(work)
+        self._runner.call(self._section.enable_speed_optimization())
 
     def disable_speed_optimization(self) -> None:
         """Let the arm move at the speeds that motions are given (退出速度优化).
@@ -3545,8 +3301,7 @@ class Optimization(_Section):
 
         Manual section 1.3.11.
         """
-        work = self._section.disable_speed_optimization()
-        self._runner.call(work)
+        self._runner.call(self._section.disable_speed_optimization())
 
     def enable_acc_optimization(self) -> None:
         """Let the arm accelerate as hard as its drives can (开启加速度优化).
@@ -3556,8 +3311,7 @@ class Optimization(_Section):
 
         Manual section 1.3.11.
         """
-        work = self._section.enable_acc_optimization()
-        self._runner.call(work)
+        self._runner.call(self._section.enable_acc_optimization())
 
     def disable_acc_optimization(self) -> None:
         """Let the arm accelerate as motions are told to (退出加速度优化).
@@ -3567,8 +3321,7 @@ class Optimization(_Section):
 
         Manual section 1.3.11.
         """
-        work = self._section.disable_acc_optimization()
-        self._runner.call(work)
+        self._runner.call(self._section.disable_acc_optimization())
 
     def enable_singularity_control(self) -> None:
         """Let Cartesian motions go around singularities (开启奇异点规避).
@@ -3581,8 +3334,7 @@ class Optimization(_Section):
 
         Manual section 1.3.11.
         """
-        work = self._section.enable_singularity_control()
-        self._runner.call(work)
+        self._runner.call(self._section.enable_singularity_control())
 
     def disable_singularity_control(self) -> None:
         """Let Cartesian motions stop with an alarm near singularities (退出奇异点规避).
@@ -3592,8 +3344,7 @@ class Optimization(_Section):
 
         Manual section 1.3.11.
         """
-        work = self._section.disable_singularity_control()
-        self._runner.call(work)
+        self._runner.call(self._section.disable_singularity_control())
 
     def enable_vibration_control(self) -> None:
         """Damp vibrations as motions start and end, as from the start (开启振动控制).
@@ -3605,8 +3356,7 @@ class Optimization(_Section):
 
         Manual section 1.3.11.
         """
-        work = self._section.enable_vibration_control()
-        self._runner.call(work)
+        self._runner.call(self._section.enable_vibration_control())
 
     def disable_vibration_control(self) -> None:
         """Damp no vibrations as motions start and end (退出振动控制).
@@ -3618,8 +3368,7 @@ class Optimization(_Section):
 
         Manual section 1.3.11.
         """
-        work = self._section.disable_vibration_control()
-        self._runner.call(work)
+        self._runner.call(self._section.disable_vibration_control())
 
 
 class Force(_Section):
@@ -3643,6 +3392,7 @@ class Force(_Section):
     """
 
     __slots__ = ()
+    _section: AioForce
 
     def fc_start(self) -> None:
         """Start force control (开启机器人末端力控): motions give way from now on.
@@ -3652,8 +3402,7 @@ class Force(_Section):
 
         Manual section 1.3.10.
         """
-        work = self._section.fc_start()
-        self._runner.call(work)
+        self._runner.call(self._section.fc_start())
 
     def fc_stop(self) -> None:
         """End force control (退出机器人末端力控).
@@ -3667,8 +3416,7 @@ class Force(_Section):
 
         Manual section 1.3.10.
         """
-        work = self._section.fc_stop()
-        self._runner.call(work)
+        self._runner.call(self._section.fc_stop())
 
     def fc_config(
         self,
@@ -3724,8 +3472,7 @@ class Force(_Section):
 
         Manual section 1.3.10.
         """
-        made: aio_command.MotionCommand = self._section.fc_move()
-        return made
+        return self._section.fc_move()
 
     def fc_guard_act(
         self,
@@ -3767,8 +3514,7 @@ class Force(_Section):
 
         Manual section 1.3.10.
         """
-        work = self._section.fc_guard_deact()
-        self._runner.call(work)
+        self._runner.call(self._section.fc_guard_deact())
 
     def fc_force_set_value(self, direction: FlagsLike, ref_ft: VectorLike) -> None:
         """Set what the force sensor reads at present (力传感器读数设置为指定值), to tare it.
@@ -3783,8 +3529,7 @@ class Force(_Section):
 
         Manual section 1.3.10.
         """
-        work = self._section.fc_force_set_value(direction, ref_ft)
-        self._runner.call(work)
+        self._runner.call(self._section.fc_force_set_value(direction, ref_ft))
 
     def fc_wait_pos(
         self,
@@ -3903,8 +3648,7 @@ class Force(_Section):
 
         Manual section 1.3.10.
         """
-        work = self._section.fc_wait_logic(logic)
-        self._runner.call(work)
+        self._runner.call(self._section.fc_wait_logic(logic))
 
     def fc_get_ft(self) -> Vector:
         """Read the force sensor (末端传感器的原始反馈读数), tared, in its frame [N, N·m].
@@ -3912,15 +3656,11 @@ class Force(_Section):
         A read-only array of shape (6,). It is tared as the arm is enabled or disabled, and by
         `fc_force_set_value`. Manual section 1.3.10.
         """
-        work = self._section.fc_get_ft()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.fc_get_ft())
 
     def fc_mode_is_active(self) -> bool:
         """Tell whether force control is on (末端力控功能启用状态). Manual section 1.3.10."""
-        work = self._section.fc_mode_is_active()
-        answer: bool = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.fc_mode_is_active())
 
 
 class Modbus(_Section):
@@ -3931,6 +3671,7 @@ class Modbus(_Section):
     """
 
     __slots__ = ()
+    _section: AioModbus
 
     def modbus_read(self, signal_name: str) -> int:
         """Read a signal (读取 modbus 节点), as the controller last had it from the device.
@@ -3940,9 +3681,7 @@ class Modbus(_Section):
 
         Manual section 1.3.9.
         """
-        work = self._section.modbus_read(signal_name)
-        answer: int = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.modbus_read(signal_name))
 
     def modbus_write(self, signal_name: str, value: Whole) -> None:
         """Write a signal (modbus 节点写操作).
@@ -3957,8 +3696,7 @@ class Modbus(_Section):
 
         Manual section 1.3.9.
         """
-        work = self._section.modbus_write(signal_name, value)
-        self._runner.call(work)
+        self._runner.call(self._section.modbus_write(signal_name, value))
 
     def modbus_set_frequency(self, signal_name: str, frequency: Whole) -> None:
         """Set how often the controller reads a signal (刷新频率).
@@ -3972,8 +3710,7 @@ class Modbus(_Section):
 
         Manual section 1.3.9.
         """
-        work = self._section.modbus_set_frequency(signal_name, frequency)
-        self._runner.call(work)
+        self._runner.call(self._section.modbus_set_frequency(signal_name, frequency))
 
     def modbus_write_multiple_regs(
         self, slave_num: Whole, name: str, word_list: WholesLike
@@ -3991,8 +3728,7 @@ class Modbus(_Section):
 
         Manual section 1.3.9.
         """
-        work = self._section.modbus_write_multiple_regs(slave_num, name, word_list)
-        self._runner.call(work)
+        self._runner.call(self._section.modbus_write_multiple_regs(slave_num, name, word_list))
 
     def modbus_write_multiple_coils(
         self, slave_num: Whole, name: str, byte_list: WholesLike
@@ -4010,8 +3746,7 @@ class Modbus(_Section):
 
         Manual section 1.3.9.
         """
-        work = self._section.modbus_write_multiple_coils(slave_num, name, byte_list)
-        self._runner.call(work)
+        self._runner.call(self._section.modbus_write_multiple_coils(slave_num, name, byte_list))
 
     def modbus_add_signal(
         self,
@@ -4053,14 +3788,14 @@ class Modbus(_Section):
             ParameterError: the name is empty; nothing was sent.
             TaskError: it was not deleted.
         """
-        work = self._section.modbus_delete_signal(signal_name)
-        self._runner.call(work)
+        self._runner.call(self._section.modbus_delete_signal(signal_name))
 
 
 class Log(_Section):
     """The controller's log and its pendant (调试相关, manual 1.3.8)."""
 
     __slots__ = ()
+    _section: AioLog
 
     def log_info(self, message: str) -> None:
         """Write a message into the controller's log (插入 log 日志).
@@ -4073,8 +3808,7 @@ class Log(_Section):
 
         Manual section 1.3.8.
         """
-        work = self._section.log_info(message)
-        self._runner.call(work)
+        self._runner.call(self._section.log_info(message))
 
     def log_error(self, message: str) -> None:
         """Show a message on the pendant, and pause all tasks (产生弹窗, 并暂停当前所有任务).
@@ -4089,8 +3823,7 @@ class Log(_Section):
 
         Manual section 1.3.8.
         """
-        work = self._section.log_error(message)
-        self._runner.call(work)
+        self._runner.call(self._section.log_error(message))
 
 
 class Service(_Section):
@@ -4104,6 +3837,7 @@ class Service(_Section):
     """
 
     __slots__ = ()
+    _section: AioService
 
     def set_servo_config(self, axis_num: Whole, id: Whole, value: Whole, qfmt: Whole) -> None:
         """Set a parameter of an axis' servo drive.
@@ -4123,8 +3857,7 @@ class Service(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        work = self._section.set_servo_config(axis_num, id, value, qfmt)
-        self._runner.call(work)
+        self._runner.call(self._section.set_servo_config(axis_num, id, value, qfmt))
 
     def apply_servo_config(self, axis_num: Whole) -> None:
         """Have an axis' servo drive use its parameters.
@@ -4141,8 +3874,7 @@ class Service(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        work = self._section.apply_servo_config(axis_num)
-        self._runner.call(work)
+        self._runner.call(self._section.apply_servo_config(axis_num))
 
     def set_servo_file_params(
         self, axis_num: Whole, id: Whole, name: str, value: Real, qfmt: Real
@@ -4165,8 +3897,7 @@ class Service(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        work = self._section.set_servo_file_params(axis_num, id, name, value, qfmt)
-        self._runner.call(work)
+        self._runner.call(self._section.set_servo_file_params(axis_num, id, name, value, qfmt))
 
     def set_dynamic_calibration_params(self, params: Iterable[VectorLike]) -> None:
         """Set the parameters of the dynamic calibration.
@@ -4183,8 +3914,7 @@ class Service(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        work = self._section.set_dynamic_calibration_params(params)
-        self._runner.call(work)
+        self._runner.call(self._section.set_dynamic_calibration_params(params))
 
     def set_kinematic_calibration_params(self, params: Iterable[VectorLike]) -> None:
         """Set the parameters of the kinematic calibration.
@@ -4201,8 +3931,7 @@ class Service(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        work = self._section.set_kinematic_calibration_params(params)
-        self._runner.call(work)
+        self._runner.call(self._section.set_kinematic_calibration_params(params))
 
     def set_dynamic_calibration_info(self, passwd: str, info: str) -> None:
         """Set the notes to the dynamic calibration.
@@ -4220,8 +3949,7 @@ class Service(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        work = self._section.set_dynamic_calibration_info(passwd, info)
-        self._runner.call(work)
+        self._runner.call(self._section.set_dynamic_calibration_info(passwd, info))
 
     def set_kinematic_calibration_info(self, passwd: str, info: str) -> None:
         """Set the notes to the kinematic calibration.
@@ -4239,8 +3967,7 @@ class Service(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        work = self._section.set_kinematic_calibration_info(passwd, info)
-        self._runner.call(work)
+        self._runner.call(self._section.set_kinematic_calibration_info(passwd, info))
 
     def set_vibration_calibration_info(self, passwd: str, info: str) -> None:
         """Set the notes to the vibration calibration.
@@ -4258,8 +3985,7 @@ class Service(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        work = self._section.set_vibration_calibration_info(passwd, info)
-        self._runner.call(work)
+        self._runner.call(self._section.set_vibration_calibration_info(passwd, info))
 
     def save_dynamic_calibration_params(self, passwd: str) -> None:
         """Save the parameters of the dynamic calibration for good.
@@ -4276,8 +4002,7 @@ class Service(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        work = self._section.save_dynamic_calibration_params(passwd)
-        self._runner.call(work)
+        self._runner.call(self._section.save_dynamic_calibration_params(passwd))
 
     def save_kinematic_calibration_params(self, passwd: str) -> None:
         """Save the parameters of the kinematic calibration for good.
@@ -4294,8 +4019,7 @@ class Service(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        work = self._section.save_kinematic_calibration_params(passwd)
-        self._runner.call(work)
+        self._runner.call(self._section.save_kinematic_calibration_params(passwd))
 
     def upload_robot_param_to_toolboard(self, passwd: str) -> None:
         """Write the robot's parameters to the board in the tool flange.
@@ -4312,8 +4036,7 @@ class Service(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        work = self._section.upload_robot_param_to_toolboard(passwd)
-        self._runner.call(work)
+        self._runner.call(self._section.upload_robot_param_to_toolboard(passwd))
 
     def set_pendant_type(self, type: Whole) -> None:
         """Set the kind of the pendant.
@@ -4330,8 +4053,7 @@ class Service(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not done.
         """
-        work = self._section.set_pendant_type(type)
-        self._runner.call(work)
+        self._runner.call(self._section.set_pendant_type(type))
 
     def change_recipe(self) -> None:
         """Change the recipe.
@@ -4341,86 +4063,70 @@ class Service(_Section):
         Warning:
             A wrong value can damage the arm, or make it move in an unforeseen way.
         """
-        work = self._section.change_recipe()
-        self._runner.call(work)
+        self._runner.call(self._section.change_recipe())
 
     def get_dynamic_calibration_params(self) -> tuple[Vector, ...]:
         """Read the parameters of the dynamic calibration: a read-only array for each row.
 
         Not in the manual.
         """
-        work = self._section.get_dynamic_calibration_params()
-        answer: tuple[Vector, ...] = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_dynamic_calibration_params())
 
     def get_vibration_calibration_params(self) -> tuple[Vector, ...]:
         """Read the parameters of the vibration calibration: a read-only array for each row.
 
         Not in the manual.
         """
-        work = self._section.get_vibration_calibration_params()
-        answer: tuple[Vector, ...] = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_vibration_calibration_params())
 
     def get_axis_motor_kt(self) -> Vector:
         """Read the torque constants of the axes' motors, as a read-only array.
 
         Not in the manual, and neither is the unit.
         """
-        work = self._section.get_axis_motor_kt()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_axis_motor_kt())
 
     def get_axis_motor_rated_current(self) -> Vector:
         """Read the rated currents of the axes' motors, as a read-only array.
 
         Not in the manual, and neither is the unit.
         """
-        work = self._section.get_axis_motor_rated_current()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_axis_motor_rated_current())
 
     def get_pos_bias(self) -> Vector:
         """Read the biases of the positions of the axes, as a read-only array.
 
         Not in the manual, and neither is the unit.
         """
-        work = self._section.get_pos_bias()
-        answer: Vector = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_pos_bias())
 
     def get_axis_ratio(self) -> tuple[int, ...]:
         """Read the gear ratios of the axes.
 
         Not in the manual.
         """
-        work = self._section.get_axis_ratio()
-        answer: tuple[int, ...] = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_axis_ratio())
 
     def get_motor_pole_pair_number(self) -> tuple[int, ...]:
         """Read the numbers of pole pairs of the axes' motors.
 
         Not in the manual.
         """
-        work = self._section.get_motor_pole_pair_number()
-        answer: tuple[int, ...] = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_motor_pole_pair_number())
 
     def get_motor_stator_slots(self) -> tuple[int, ...]:
         """Read the numbers of stator slots of the axes' motors.
 
         Not in the manual.
         """
-        work = self._section.get_motor_stator_slots()
-        answer: tuple[int, ...] = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_motor_stator_slots())
 
 
 class Version(_Section):
     """Type of the arm, version of the controller's software (manual 1.3.7)."""
 
     __slots__ = ()
+    _section: AioVersion
 
     @property
     def controller(self) -> ControllerVersion:
@@ -4428,26 +4134,21 @@ class Version(_Section):
 
         Unknown before that, and if the controller does not tell.
         """
-        told: ControllerVersion = self._section.controller
-        return told
+        return self._section.controller
 
     def get_robot_version(self) -> str:
         """Read the version of the controller's software (控制器版本).
 
         `controller` has it already. Manual section 1.3.16.
         """
-        work = self._section.get_robot_version()
-        answer: str = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_robot_version())
 
     def get_robot_type(self) -> RobotType:
         """Read series, model, extension and serial number (机器人系列号, 型号, SN).
 
         What the controller leaves out is empty. Manual section 1.3.7.
         """
-        work = self._section.get_robot_type()
-        answer: RobotType = self._runner.call(work)
-        return answer
+        return self._runner.call(self._section.get_robot_type())
 
 
 class Sections:
@@ -4517,9 +4218,7 @@ class Sections:
             RobotStateError: a person has to do something first, such as to release the emergency
                 stop; or the arm is not ready in time. It says what.
         """
-        work = self._robot.bring_up(timeout=timeout)
-        answer: RobotStates = self._runner.call(work)
-        return answer
+        return self._runner.call(self._robot.bring_up(timeout=timeout))
 
     def recover(self, *, timeout: float = 30.0) -> RobotStates:
         """Lead the arm out of a stop: clear, power off and on where that is needed, enable.
@@ -4538,9 +4237,7 @@ class Sections:
             RobotStateError: the arm is not ready in time.
             HeartbeatLost: no heartbeat was answered.
         """
-        work = self._robot.recover(timeout=timeout)
-        answer: RobotStates = self._runner.call(work)
-        return answer
+        return self._runner.call(self._robot.recover(timeout=timeout))
 
     def wait_for(
         self, predicate: Callable[[Snapshot], bool], *, timeout: float | None = None
@@ -4557,9 +4254,7 @@ class Sections:
             TimeoutError: none came in time.
             RobotStateError: the robot was closed meanwhile.
         """
-        work = self._robot.wait_for(predicate, timeout=timeout)
-        answer: Snapshot = self._runner.call(work)
-        return answer
+        return self._runner.call(self._robot.wait_for(predicate, timeout=timeout))
 
     def stop(self) -> None:
         """Stop the arm, all tasks included (停止所有任务), and wait until it stands.
@@ -4573,8 +4268,7 @@ class Sections:
 
         Manual section 1.3.3.
         """
-        work = self._robot.stop()
-        self._runner.call(work)
+        self._runner.call(self._robot.stop())
 
     def pause(self) -> None:
         """Pause all tasks (暂停所有任务), and wait until the arm stands.
@@ -4585,8 +4279,7 @@ class Sections:
 
         Manual section 1.3.3.
         """
-        work = self._robot.pause()
-        self._runner.call(work)
+        self._runner.call(self._robot.pause())
 
     def resume(self) -> None:
         """Resume all paused tasks (恢复所有暂停的任务).
@@ -4596,8 +4289,7 @@ class Sections:
 
         Manual section 1.3.3.
         """
-        work = self._robot.resume()
-        self._runner.call(work)
+        self._runner.call(self._robot.resume())
 
     def abort(self) -> None:
         """End the running motion and those read ahead, and wait until the arm stands.
@@ -4608,8 +4300,7 @@ class Sections:
             TaskError: the controller did not abort.
             StopUnconfirmed: the arm does not stand.
         """
-        work = self._robot.abort()
-        self._runner.call(work)
+        self._runner.call(self._robot.abort())
 
     def rearm_heartbeat(self, *, timeout: float = 2.0) -> None:
         """Go on after the event loop hung and the heartbeat was withheld.
@@ -4624,5 +4315,4 @@ class Sections:
             ParameterError: the time is not above 0.
             HeartbeatLost: none was.
         """
-        work = self._robot.rearm_heartbeat(timeout=timeout)
-        self._runner.call(work)
+        self._runner.call(self._robot.rearm_heartbeat(timeout=timeout))

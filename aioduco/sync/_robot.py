@@ -6,7 +6,7 @@ import warnings
 from typing import TYPE_CHECKING
 
 from aioduco import robot as aio_robot
-from aioduco.api import ranges
+from aioduco.models import ranges
 from aioduco.sync._feeds import Events, Feed
 from aioduco.sync._generated import Sections
 from aioduco.sync._runner import Runner
@@ -37,6 +37,7 @@ def connect(
     on_cancel: OnCancel = "stop",
     stop_timeout: float = 5.0,
     standstill_timeout: float = 5.0,
+    unanswered_timeout: float = 60.0,
     exit_ladder: ExitLadder | None = None,
     guard: GuardKind | None = None,
     state_rate: float = 50.0,
@@ -70,6 +71,9 @@ def connect(
             "pause", or "detach" (it moves on).
         stop_timeout: seconds in which a stop must be accepted by the controller.
         standstill_timeout: seconds in which the arm must stand after that.
+        unanswered_timeout: most seconds for which a motion that was sent and not answered is
+            waited for after its call_timeout. The arm is stopped at once, but the motion may reach
+            the controller late, and no await of it returns before that is ruled out.
         exit_ladder: what is done on the way out, and the time for each of it; None for all of it,
             with the times above.
         guard: "process" to have stop and heartbeat in a small process of their own, one for all
@@ -107,6 +111,7 @@ def connect(
         on_cancel=on_cancel,
         stop_timeout=stop_timeout,
         standstill_timeout=standstill_timeout,
+        unanswered_timeout=unanswered_timeout,
         exit_ladder=exit_ladder,
         guard=guard,
         state_rate=state_rate,

@@ -11,7 +11,6 @@ Guarantees:
 
 from __future__ import annotations
 
-import logging
 import threading
 import time
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -20,6 +19,7 @@ import anyio
 from anyio.from_thread import BlockingPortal
 
 from aioduco.errors import DucoError, RobotStateError
+from aioduco.reporting import BackgroundLogger
 from aioduco.sync._presence import Presence
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Runner"]
 
-_log = logging.getLogger(__name__)
+_log = BackgroundLogger(__name__)
 
 #: seconds between two looks at the main thread, and at who holds a motion
 _WATCH_EVERY = 0.05
@@ -283,7 +283,7 @@ class Runner:
             _log.exception("stopping %r failed", self.robot)
 
     def _limit(self, task: Task) -> float | None:
-        held = task.held
+        held = task.continuous
         # In hand guiding it is a person who leads, and the arm rests when nobody does.
         endless = held is not None and held.time is None and not held.until_told
         limits = [self._program_limit, self._hold_limit if endless else None]

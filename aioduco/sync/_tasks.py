@@ -11,7 +11,7 @@ import anyio
 from aioduco.errors import TaskError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine, Iterator
+    from collections.abc import Callable, Coroutine, Iterable, Iterator
     from types import TracebackType
     from typing import Self
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from aioduco.supervision.task import OnCancel
     from aioduco.sync._runner import Runner
 
-__all__ = ["MotionCommand", "MotionFunction", "Task", "moves"]
+__all__ = ["MotionCommand", "MotionFunction", "Task", "awaitables", "moves"]
 
 P = ParamSpec("P")
 
@@ -62,7 +62,7 @@ class Task:
         if exc is not None:
             if not self.done:
                 self._runner.call(self._task.forsake())
-        elif self._task.held is not None:
+        elif self._task.continuous is not None:
             self.end()
         else:
             self.wait()
@@ -265,7 +265,7 @@ class MotionCommand:
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             ConnectionLost: it was not sent.
         """
-        self.awaitable.hand_over()  # if it cannot be sent, that is told by an error
+        self.awaitable.hand_over()  # if it cannot be sent, an error is raised
         return self._runner.call(self._run())
 
     async def _run(self) -> Outcome:
@@ -289,6 +289,11 @@ class MotionCommand:
         self.awaitable.hand_over()
         work = self.awaitable.start(deadline=deadline, on_cancel=on_cancel)
         return Task(self._runner, self._runner.call(work, undo=_forsake))
+
+
+def awaitables(motions: Iterable[Any]) -> list[aio_command.MotionCommand]:
+    """The same motions for programs that await; what is none is refused there."""
+    return [getattr(each, "awaitable", each) for each in motions]
 
 
 def _forsake(task: aio_task.Task) -> Coroutine[Any, Any, None]:

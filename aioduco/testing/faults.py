@@ -1,7 +1,7 @@
 """What can go wrong on the wire, as values, and plans that say when.
 
 A fault is placed on one call: the proxy asks its script for each request that arrives. Faults
-differ in what the server saw and in what the caller sees; both are said of each, since a client
+differ in what the server saw and in what the caller sees; each docstring has both, since a client
 must tell "nothing was done" from "it may have been done".
 """
 
@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from aioduco.testing.messages import Kind, Message, application_error
+from aioduco.testing.message_parser import Message, MessageType, application_error
 
 __all__ = [
     "ApplicationError",
@@ -247,7 +247,7 @@ def rewritten(fault: Fault | None, reply: Message) -> bytes:
         case WrongMethod(name):
             data = replace(reply, name=name).encode()
         case WrongKind():
-            data = replace(reply, kind=Kind.CALL).encode()
+            data = replace(reply, kind=MessageType.CALL).encode()
         case ApplicationError(code, message):
             data = application_error(reply, code, message).encode()
         case _:
@@ -329,13 +329,13 @@ class Script:
             self._rules.setdefault(method, []).append(_Rule(fault, skip, times))
 
     def schedule(self, plan: Plan | None) -> None:
-        """Let a plan decide on the calls that nothing else was said of; None for no plan."""
+        """Let a plan decide on the calls without a fault of their own; None for no plan."""
         with self._lock:
             self._plan = plan
             self._index = 0
 
     def clear(self) -> None:
-        """Forget all that was said: calls pass untouched."""
+        """Remove all faults: calls pass untouched."""
         with self._lock:
             self._queue.clear()
             self._rules.clear()

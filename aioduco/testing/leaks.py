@@ -1,4 +1,4 @@
-"""What a piece of code has left behind: threads, sockets and other files, child processes."""
+"""Finds what a piece of code left open: threads, sockets and other files, child processes."""
 
 from __future__ import annotations
 

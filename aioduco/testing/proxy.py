@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Self
 import anyio
 from anyio.from_thread import start_blocking_portal
 
-from aioduco.testing.endpoint import Endpoint
+from aioduco.testing.awaited_socket import AwaitedSocket
 from aioduco.testing.faults import Ending, Fault, Plan, Script
 from aioduco.testing.records import CallRecord, ConnectionRecord, ProxyStatistics, Records
 from aioduco.testing.relay import Gate, Relay
@@ -26,7 +26,7 @@ _HOST = "127.0.0.1"
 
 
 class FaultProxy:
-    """Stands between a client and a controller, and does to each call what it was told.
+    """Stands between a client and a controller, and applies prepared faults to its calls.
 
         with FaultProxy("127.0.0.1", simulator.port) as proxy:
             proxy.on("movej2", Cut(Place.BEFORE_REPLY))
@@ -63,7 +63,7 @@ class FaultProxy:
     def __enter__(self) -> Self:
         with ExitStack() as stack:
             # A socket that is bound but does not listen keeps the port while new connections
-            # are refused: a listener that comes back cannot find it taken by somebody else.
+            # are refused: no other program can take the port before the listener comes back.
             self._reserve = stack.enter_context(_bound(0))
             self.port = self._reserve.getsockname()[1]
             self._portal = stack.enter_context(start_blocking_portal("asyncio"))
@@ -111,7 +111,7 @@ class FaultProxy:
         self._script.on(method, fault, times=times, skip=skip)
 
     def schedule(self, plan: Plan | None) -> None:
-        """Let a plan decide on the calls that nothing else was said of; None for no plan."""
+        """Let a plan decide on the calls without a fault of their own; None for no plan."""
         self._script.schedule(plan)
 
     def clear(self) -> None:
@@ -213,7 +213,7 @@ class FaultProxy:
             except OSError:
                 continue  # it went away before it was accepted
             relay = Relay(
-                Endpoint(client),
+                AwaitedSocket(client),
                 self._upstream,
                 script=self._script,
                 records=self._records,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import TYPE_CHECKING, Any, Self
 
 from aioduco._wire import idl
 from aioduco.sim.refusal import Refusal
@@ -14,8 +14,6 @@ from aioduco.sim.server import Server
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from types import TracebackType
-
-    from aioduco._wire.rpc import Handler
 
 __all__ = ["ReceivedCall", "RecordingServer"]
 
@@ -38,7 +36,7 @@ class ReceivedCall:
 
 
 class RecordingServer:
-    """Answers calls as it was told, and remembers them.
+    """Answers calls with prepared results, and records them.
 
         with RecordingServer({"movej2": 1063, "get_tcp_pose": lambda: [0.0] * 6}) as server:
             ...                                  # connect to server.host, server.port
@@ -64,7 +62,7 @@ class RecordingServer:
         self._received: list[ReceivedCall] = []
         for method, answer in (answers or {}).items():
             self.answer(method, answer)
-        self._server = Server(cast("Handler", _Answering(self._serve)))
+        self._server = Server(_Answering(self._serve))
 
     def __enter__(self) -> Self:
         self._server.start()

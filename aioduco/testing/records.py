@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.testing.faults import Fault
-    from aioduco.testing.messages import Message
+    from aioduco.testing.message_parser import Message
 
 __all__ = ["CallRecord", "ConnectionRecord", "ProxyStatistics", "Records"]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
-from aioduco.testing.endpoint import Endpoint
+from aioduco.testing.awaited_socket import AwaitedSocket
 from aioduco.testing.faults import (
     ApplicationError,
     Cut,
@@ -24,7 +24,7 @@ from aioduco.testing.faults import (
     Throttle,
     rewritten,
 )
-from aioduco.testing.messages import Message, MessageError, MessageParser, application_error
+from aioduco.testing.message_parser import Message, MessageError, MessageParser, application_error
 
 if TYPE_CHECKING:
     import random
@@ -60,7 +60,7 @@ class Gate:
 
 
 class Relay:
-    """Passes the messages of one connection on, and does to them what the script says.
+    """Passes the messages of one connection on, with the faults of the script.
 
     Each direction is a task, so that a reply on its way does not wait for a request that is
     held back. Invariants: whatever ends the relay, both sockets are closed in `run`, after both
@@ -70,7 +70,7 @@ class Relay:
 
     def __init__(
         self,
-        client: Endpoint,
+        client: AwaitedSocket,
         upstream: tuple[str, int],
         *,
         script: Script,
@@ -107,10 +107,10 @@ class Relay:
 
     async def run(self) -> None:
         """Pass messages on until the connection has ended."""
-        server: Endpoint | None = None
+        server: AwaitedSocket | None = None
         try:
             with self._scope:
-                server = await Endpoint.connect(*self._upstream)
+                server = await AwaitedSocket.connect(*self._upstream)
                 self._server = server
                 async with anyio.create_task_group() as group:
                     group.start_soon(self._pump, self._client, self._request, server, "client")
@@ -126,12 +126,12 @@ class Relay:
 
     async def _pump(
         self,
-        source: Endpoint,
+        source: AwaitedSocket,
         handle: Callable[[Message], Awaitable[None]],
-        sink: Endpoint,
+        sink: AwaitedSocket,
         name: str,
     ) -> None:
-        """Take one side's messages until it will send no more; then tell the other side so."""
+        """Take one side's messages until it will send no more; then send it a FIN, too."""
         parser = MessageParser()
         readable = True
         try:
@@ -152,7 +152,7 @@ class Relay:
             await self._gate.passed()
             await self._own_gate.passed()
         except OSError:
-            # the sink is gone: what comes from the source can reach nobody
+            # the sink is gone: what comes from the source is lost
             self.cut(Ending.CLOSE, "server" if name == "client" else "client")
             return
         if self._ended_by is None:
@@ -194,7 +194,7 @@ class Relay:
             await self._cut(fault.how)
 
     async def _reply(self, reply: Message) -> None:
-        if not self._waiting:  # nobody asked: not the proxy's to judge
+        if not self._waiting:  # no call waits for it: the proxy passes it on
             await self._send(self._client, reply.encode())
             return
         call, fault = self._waiting.popleft()
@@ -220,7 +220,7 @@ class Relay:
         if isinstance(fault, Cut) and fault.at is Place.AFTER_REPLY:
             await self._cut(fault.how)
 
-    async def _send(self, sink: Endpoint, data: bytes, rate: float | None = None) -> None:
+    async def _send(self, sink: AwaitedSocket, data: bytes, rate: float | None = None) -> None:
         await self._gate.passed()
         await self._own_gate.passed()
         if rate is None:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import anyio
 
-from aioduco._wire.semantics import Kind, kind
+from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco.errors import ConnectError, ControllerError, NotSent, OutcomeUnknown
 from aioduco.errors import ConnectionLost as Lost
 
@@ -206,7 +206,7 @@ class Book:
         self.note(call, "answered")
 
     def _failed(self, call: Call, exc: Exception) -> None:
-        command = kind(call.method) is not Kind.READ
+        command = call_kind(call.method) is not CallKind.READ
         match exc:
             case ControllerError() if NO in str(exc):
                 self.note(call, "error")
@@ -234,7 +234,7 @@ class Book:
             if call.method not in _TOKEN:
                 continue
             times = arrived[call.token]
-            if kind(call.method) is Kind.READ:
+            if call_kind(call.method) is CallKind.READ:
                 allowed = range(1, 3) if outcome == "answered" else range(3)
             elif outcome == "answered":
                 allowed = range(1, 2)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from aioduco.supervision.guard.link import Answer, shared
+from aioduco.supervision.guard.client import Answer, shared
 from aioduco.supervision.guard.messages import Release
 
 if TYPE_CHECKING:

@@ -20,12 +20,12 @@ from aioduco.testing import (
     WrongMethod,
     WrongSeqid,
 )
-from aioduco.testing.messages import Kind, Message
+from aioduco.testing.message_parser import Message, MessageType
 
 from .calls import NO
 
 #: an answer of the right form to a call that nobody made
-STRAY = Message(Kind.REPLY, "speedj", 7, b"\x08\x00\x00\x00\x00\x00\x2a\x00").encode()
+STRAY = Message(MessageType.REPLY, "speedj", 7, b"\x08\x00\x00\x00\x00\x00\x2a\x00").encode()
 
 MENU: tuple[Fault, ...] = (
     Delay(request=0.001, reply=0.001, jitter=0.003),

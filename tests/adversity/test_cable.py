@@ -52,6 +52,7 @@ def connect(
         proxy.host,
         proxy.port,
         call_timeout=0.3,
+        unanswered_timeout=1.0,
         connect_timeout=0.3,
         heartbeat=heartbeat,
         stop_timeout=0.5,

@@ -132,9 +132,9 @@ async def cancelled_everywhere(
 @pytest.mark.parametrize("how", ["scope", "task"])
 @pytest.mark.parametrize("again", [0, 3])
 async def test_the_arm_stands_after_a_cancellation_at_any_await(
-    sim: Simulator, how: How, again: int
+    sim: Simulator, how: How, again: int, thorough: bool
 ) -> None:
-    await cancelled_everywhere(sim, Program(sim, move), how, again)
+    await cancelled_everywhere(sim, Program(sim, move), how, again, 1 if thorough else 6)
 
 
 @pytest.mark.parametrize(
@@ -158,6 +158,7 @@ async def test_whatever_the_program_does_and_however_it_is_watched(
     guard: GuardKind | None,
     on_cancel: OnCancel,
     step: int,
+    thorough: bool,
 ) -> None:
     program = Program(sim, script, guard=guard, on_cancel=on_cancel)
-    await cancelled_everywhere(sim, program, how, again, step)
+    await cancelled_everywhere(sim, program, how, again, step if thorough else 2 * step)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from aioduco._wire import lane as lanes
-from aioduco._wire.lane import Lane
+from aioduco._wire.lane import WireLane
 from aioduco.testing import (
     Delay,
     FaultProxy,
@@ -52,7 +52,7 @@ async def test_every_await_of_a_lane(how: How, again: int) -> None:
         async def program() -> None:
             nonlocal through
             through = False
-            lane = Lane("call", proxy.host, proxy.port, size=2)
+            lane = WireLane("call", proxy.host, proxy.port, size=2)
             try:
                 await lane.open()
                 for method in METHODS:
@@ -73,7 +73,7 @@ async def test_every_await_of_a_lane(how: How, again: int) -> None:
 
 async def test_a_lane_closes_at_once_after_a_call_was_cancelled() -> None:
     async with proxied() as (_, proxy):
-        lane = Lane("call", proxy.host, proxy.port, size=4)
+        lane = WireLane("call", proxy.host, proxy.port, size=4)
         await lane.open()
         book = Book(random.Random(0))
         for _ in range(3):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import anyio
 import pytest
 
-from aioduco._wire.lane import Lane
+from aioduco._wire.lane import WireLane
 from aioduco.testing import Chaos, Ending, FaultProxy, RecordingServer, eventually_async, no_leaks
 
 from .calls import ANSWERS, METHODS, Book, Call, Lag, make
@@ -44,7 +44,7 @@ class Storm:
         self.books.append(book)
         return book, rng
 
-    async def caller(self, lane: Lane, number: int) -> None:
+    async def caller(self, lane: WireLane, number: int) -> None:
         book, rng = self._book(f"caller {number}")
         while not self.over:
             call = make(rng.choice(METHODS))
@@ -52,7 +52,7 @@ class Storm:
             cancel_after = rng.uniform(0.0, 0.015) if rng.random() < 0.2 else None
             await book.follow(call, lane.call, timeout, cancel_after)
 
-    async def stopper(self, lane: Lane) -> None:
+    async def stopper(self, lane: WireLane) -> None:
         """A stop is never told "it may have been done" without a try at a second one."""
         book, rng = self._book("stopper")
         while not self.over:
@@ -60,7 +60,7 @@ class Storm:
             await book.follow(call, lane.call, rng.choice([0.01, 0.05]))
 
     @contextmanager
-    def thread(self, lane: Lane) -> Iterator[None]:
+    def thread(self, lane: WireLane) -> Iterator[None]:
         """While the block runs, a plain thread calls too."""
         book, rng = self._book("thread")
         ended = threading.Event()
@@ -107,8 +107,8 @@ async def test_every_call_has_its_own_answer_or_a_true_error(
         Lag() as lag,
         RecordingServer(ANSWERS) as server,
         FaultProxy(server.host, server.port, seed=seed) as proxy,
-        opened(Lane("call", proxy.host, proxy.port, size=4)) as pool,
-        opened(Lane("control", proxy.host, proxy.port)) as control,
+        opened(WireLane("call", proxy.host, proxy.port, size=4)) as pool,
+        opened(WireLane("control", proxy.host, proxy.port)) as control,
     ):
         proxy.schedule(Chaos(seed * 1000 + part, MENU, rate=0.8))
         storm = Storm(proxy, faults, f"{seed}/{part}")
@@ -135,7 +135,7 @@ async def test_every_call_has_its_own_answer_or_a_true_error(
 
 
 @asynccontextmanager
-async def opened(lane: Lane) -> AsyncIterator[Lane]:
+async def opened(lane: WireLane) -> AsyncIterator[WireLane]:
     await lane.open()
     try:
         yield lane
@@ -143,7 +143,7 @@ async def opened(lane: Lane) -> AsyncIterator[Lane]:
         await lane.aclose()
 
 
-async def calm(lane: Lane) -> None:
+async def calm(lane: WireLane) -> None:
     """When the faults are over the lane works again, at once and for good."""
     for _ in range(10):
         call = make("get_system_value_double")

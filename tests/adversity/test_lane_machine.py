@@ -17,9 +17,10 @@ from hypothesis.stateful import (
     precondition,
     rule,
 )
+from quick import examples
 
-from aioduco._wire.lane import Lane
-from aioduco._wire.semantics import Kind, kind
+from aioduco._wire.idempotence import CallKind, call_kind
+from aioduco._wire.lane import WireLane
 from aioduco.testing import (
     ApplicationError,
     Cut,
@@ -61,7 +62,7 @@ def waits(fault: Fault | None) -> bool:
 
 def outcomes(fault: Fault | None, method: str) -> set[str]:
     """What may come of a call on a lane that is otherwise at rest."""
-    command = kind(method) is not Kind.READ
+    command = call_kind(method) is not CallKind.READ
     failed = "unknown" if command else "lost"
     match fault:
         case WrongMethod(name) if name == method:
@@ -99,7 +100,7 @@ class LaneMachine(RuleBasedStateMachine):
 
     @initialize(size=st.integers(1, 3))
     def open(self, size: int) -> None:
-        self.lane = Lane("call", self.proxy.host, self.proxy.port, size=size)
+        self.lane = WireLane("call", self.proxy.host, self.proxy.port, size=size)
         self.portal.call(self.lane.open)
 
     def teardown(self) -> None:
@@ -214,7 +215,7 @@ class LaneMachine(RuleBasedStateMachine):
 
 TestLane = LaneMachine.TestCase
 TestLane.settings = settings(
-    max_examples=40,
+    max_examples=examples(40),
     stateful_step_count=20,
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],

@@ -116,6 +116,7 @@ async def test_the_arm_stands_whenever_the_program_has_given_up(
                     proxy.host,
                     proxy.port,
                     call_timeout=0.2,
+                    unanswered_timeout=0.2,
                     heartbeat=0.3,
                     stop_timeout=1.0,
                     standstill_timeout=2.0,

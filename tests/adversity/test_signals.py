@@ -11,7 +11,7 @@ import anyio
 from client.bench import HOME, Bench
 
 import aioduco
-from aioduco._wire.lane import Lane
+from aioduco._wire.lane import WireLane
 from aioduco.testing import FaultProxy, RecordingServer, no_leaks
 
 from .calls import ANSWERS, METHODS, Book, Call, Lag, make
@@ -63,8 +63,8 @@ async def test_a_stop_from_a_signal_handler_is_answered_wherever_it_interrupts(s
         Lag() as lag,
         RecordingServer(ANSWERS) as server,
         FaultProxy(server.host, server.port) as proxy,
-        opened(Lane("call", proxy.host, proxy.port, size=3)) as pool,
-        opened(Lane("control", proxy.host, proxy.port)) as control,
+        opened(WireLane("call", proxy.host, proxy.port, size=3)) as pool,
+        opened(WireLane("control", proxy.host, proxy.port)) as control,
     ):
         rng = random.Random(seed)
         stops = Book(rng)

@@ -38,7 +38,7 @@ def robot_on(answer: Answer) -> aioduco.Robot:
         await (answer(ending, (False,)) if step is None else step())
 
     supervisor.calls.call = call
-    supervisor.launcher = _Launcher(answer)
-    supervisor.keeper.end = end
+    supervisor.dispatcher = _Launcher(answer)
+    supervisor.stop_coordinator.end = end
     supervisor.check_open = lambda _: None
     return robot

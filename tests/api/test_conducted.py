@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import anyio
 import pytest
 from client.bench import HOME, BenchTask
+from moments import cancelled_once
 
 import aioduco
 from aioduco import HeartbeatState, RealtimeMode, RealtimePoint
@@ -55,7 +56,7 @@ async def test_a_replay_that_is_answered_with_an_id_is_followed(
     await robot.motion.replay("track", 50, 0)
     assert not desk.moving()
     desk.motion_time = 30.0
-    with anyio.move_on_after(0.05):
+    async with cancelled_once(desk.moving):
         await robot.motion.replay("track", 50, 0)
     assert not desk.moving()
     assert desk.commands == ["replay", "replay", "stop"]
@@ -76,7 +77,7 @@ async def test_a_replay_that_fails(
 async def test_cancelling_a_replay_stops_the_arm(robot: aioduco.Robot, desk: Desk) -> None:
     desk.motion_time = 30.0
     replays(desk)
-    with anyio.move_on_after(0.05) as scope:
+    async with cancelled_once(desk.moving) as scope:
         await robot.motion.replay("track", 50, 0)
     assert scope.cancelled_caught
     assert not desk.moving()
@@ -189,10 +190,12 @@ async def test_cancelling_the_start_of_realtime_mode_stops_the_arm(
     robot: aioduco.Robot, realtime: Desk
 ) -> None:
     gate = realtime.hold("start_realtime_mode")
-    with anyio.move_on_after(0.05) as scope:
-        await robot.realtime.start_realtime_mode(RealtimeMode.TWIST)
-    assert scope.cancelled_caught
-    gate.set()
+    async with anyio.create_task_group() as tg:
+        tg.start_soon(robot.realtime.start_realtime_mode, RealtimeMode.TWIST)
+        await eventually_async(lambda: realtime.received("start_realtime_mode"))
+        tg.cancel_scope.cancel()
+        gate.set()  # the stop must not overtake what is under way
+    assert tg.cancel_scope.cancelled_caught
     assert realtime.commands[1:3] == ["stop", "end_realtime_mode"]
 
 

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 import pytest
+from moments import cancelled_once
 
 import aioduco
 from aioduco import Jog, Outcome
-from aioduco.supervision import held
+from aioduco.supervision import task_state
 from aioduco.testing import eventually_async
 
 if TYPE_CHECKING:
@@ -118,7 +119,7 @@ async def test_cancelling_its_await_stops_the_arm(
 async def test_cancelling_its_end_stops_the_arm(robot: aioduco.Robot, desk: Desk) -> None:
     task = await robot.motion.speedl(DOWN, a=1.0, time=None).start()
     desk.hold("speed_stop")
-    with anyio.move_on_after(0.05) as scope:
+    async with cancelled_once(lambda: desk.received("speed_stop")) as scope:
         await task.end()
     assert scope.cancelled_caught
     assert not desk.moving()
@@ -189,7 +190,7 @@ async def test_nothing_to_end_stops_nothing(robot: aioduco.Robot, desk: Desk) ->
 async def test_a_controller_that_forgets_the_time_is_stopped(
     robot: aioduco.Robot, desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(held, "BRAKING", 0.1)
+    monkeypatch.setattr(task_state, "BRAKING", 0.1)
     desk.forgets_time = True
     with pytest.raises(aioduco.TaskOverdue, match="the arm was stopped"):
         await robot.motion.speedl(DOWN, a=1.0, time=0.05)
@@ -202,17 +203,17 @@ async def test_velocities_have_an_end_unless_none_is_asked_for(
     for motion in (robot.motion.speedj(TURN, a=1.0), robot.motion.speedl(DOWN, a=1.0)):
         motion.hand_over()
         assert motion.command.args[2] == 1000
-        assert motion.command.held is not None
-        assert motion.command.held.limit == 3.0
+        assert motion.command.continuous is not None
+        assert motion.command.continuous.limit == 3.0
     jog = robot.motion.move_jog(UP)
     jog.hand_over()
-    assert jog.command.held is not None
-    assert jog.command.held.time == 1.0
+    assert jog.command.continuous is not None
+    assert jog.command.continuous.time == 1.0
     endless = robot.motion.speedl(DOWN, a=1.0, time=None)
     endless.hand_over()
     assert endless.command.args[2] == -1
-    assert endless.command.held is not None
-    assert endless.command.held.limit is None
+    assert endless.command.continuous is not None
+    assert endless.command.continuous.limit is None
 
 
 async def test_a_second_velocity_takes_over_from_the_first(
@@ -231,7 +232,7 @@ async def test_a_step_ends_by_itself(robot: aioduco.Robot, desk: Desk) -> None:
     desk.moves("move_jog")
     desk.motion_time = 0.02
     jog = robot.motion.move_jog(Jog.joint(1, -1, 10, step=0.01), time=None)
-    assert jog.command.held is None
+    assert jog.command.continuous is None
     assert await jog is Outcome.FINISHED
     async with jog:
         pass
@@ -240,7 +241,7 @@ async def test_a_step_ends_by_itself(robot: aioduco.Robot, desk: Desk) -> None:
 
 async def test_what_goes_on_is_stopped_where_others_are_paused(desk: Desk) -> None:
     async with aioduco.connect(desk.host, desk.port, on_cancel="pause") as robot:
-        with anyio.move_on_after(0.05):
+        async with cancelled_once(desk.moving):
             await robot.motion.speedl(DOWN, a=1.0, time=None)
         assert not desk.moving()
         assert "stop" in desk.commands
@@ -253,7 +254,7 @@ def guiding(robot: aioduco.Robot) -> HeldMotion:
 
 async def test_hand_guiding_lasts_until_its_block_is_left(robot: aioduco.Robot, desk: Desk) -> None:
     async with guiding(robot) as task:
-        with anyio.move_on_after(2 * held.STOOD) as scope:
+        with anyio.move_on_after(2 * task_state.STOOD) as scope:
             await task.wait()  # nobody pushes the arm, so it stands
         assert scope.cancelled_caught
         assert not task.done

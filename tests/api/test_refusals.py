@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import hypothesis.strategies as st
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from quick import examples
 
 import aioduco
 from aioduco import Jog, JogDirections, Joints, Op, ParameterError, Pose
@@ -75,17 +77,30 @@ def by_kind(case: Case, name: str) -> SearchStrategy[Any]:
     return st.one_of(values)
 
 
+def plain(points: object) -> bool:
+    """Whether points are no more than six finite numbers each."""
+    return isinstance(points, list) and all(
+        isinstance(point, (list, tuple))
+        and len(point) == 6
+        and all(isinstance(number, float) and math.isfinite(number) for number in point)
+        for point in points
+    )
+
+
 def refused(case: Case, name: str) -> SearchStrategy[Any]:
     """Values that a parameter must refuse."""
     rules = rules_of(case)[name]
     values = st.one_of(by_kind(case, name), *(wrong(rule, case.args[name]) for rule in rules))
+    if case.name == "trackEnqueue":
+        # Six plain numbers may be joints or a pose, so they are taken for either.
+        values = values.filter(lambda value: not plain(value))
     if "None" in str(case.parameters[name].annotation):
         return values.filter(lambda value: value is not None)
     return values
 
 
 @pytest.mark.parametrize(("case", "name"), PARAMETERS, ids=str)
-@settings(max_examples=10)
+@settings(max_examples=examples(10))
 @given(data=st.data())
 def test_a_wrong_argument_is_refused(case: Case, name: str, data: st.DataObject) -> None:
     value = data.draw(refused(case, name))

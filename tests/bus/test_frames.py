@@ -8,7 +8,7 @@ from hypothesis import given
 
 from aioduco import ModbusGarbled, ModbusRefused
 from aioduco.bus import frames
-from aioduco.bus.frames import Function, Request
+from aioduco.bus.frames import FunctionCode, Request
 
 WORDS = st.integers(0, 0xFFFF)
 UNITS = st.integers(1, 247)
@@ -25,8 +25,8 @@ def test_the_checksum_of_the_standard() -> None:
     ("request_", "frame"),
     [
         # application protocol 1.1b3, 6.3, 6.4, 6.6 and 6.12: function and what follows
-        (frames.read(17, 0x006B, 3, Function.READ_HOLDING), "11 03 00 6b 00 03"),
-        (frames.read(17, 0x0008, 1, Function.READ_INPUT), "11 04 00 08 00 01"),
+        (frames.read(17, 0x006B, 3, FunctionCode.READ_HOLDING), "11 03 00 6b 00 03"),
+        (frames.read(17, 0x0008, 1, FunctionCode.READ_INPUT), "11 04 00 08 00 01"),
         (frames.write_one(17, 0x0001, 0x0003), "11 06 00 01 00 03"),
         (frames.write(17, 0x0001, [0x000A, 0x0102]), "11 10 00 01 00 02 04 00 0a 01 02"),
     ],
@@ -39,7 +39,7 @@ def test_a_request(request_: Request, frame: str) -> None:
 
 @given(unit=UNITS, address=WORDS, values=st.lists(WORDS, min_size=1, max_size=125))
 def test_an_answer_comes_byte_by_byte(unit: int, address: int, values: list[int]) -> None:
-    request = frames.read(unit, address, len(values), Function.READ_HOLDING)
+    request = frames.read(unit, address, len(values), FunctionCode.READ_HOLDING)
     data = b"".join(value.to_bytes(2, "big") for value in values)
     whole = frames.framed(bytes((unit, 3, len(data))) + data)
     for length in range(len(whole)):
@@ -81,7 +81,7 @@ def test_an_exception(code: int, says: str) -> None:
 )
 def test_what_is_no_answer(answer: bytes, says: str) -> None:
     with pytest.raises(ModbusGarbled, match=says):
-        frames.read(1, 0, 1, Function.READ_HOLDING).answer(answer)
+        frames.read(1, 0, 1, FunctionCode.READ_HOLDING).answer(answer)
 
 
 def test_a_write_that_is_answered_for_another_register() -> None:

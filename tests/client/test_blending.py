@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 import pytest
+from moments import cancelled_once
 
 import aioduco
 from aioduco import Outcome, TaskState
@@ -115,7 +116,7 @@ async def test_one_that_is_refused_stops_those_before_it(
 
 async def test_cancelling_a_run_stops_the_arm(robot: aioduco.Robot, bench: Bench) -> None:
     bench.motion_time = 30.0
-    with anyio.move_on_after(0.1) as scope:
+    async with cancelled_once(bench.moving) as scope:
         await robot.motion.run(*motions(robot, [0.02, 0.02, 0.0]))
     assert scope.cancelled_caught
     assert not bench.moving()

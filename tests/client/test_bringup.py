@@ -12,7 +12,7 @@ from hypothesis import given
 import aioduco
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
 from aioduco.models.state import RobotStates
-from aioduco.supervision.bringup import BringUp, Step
+from aioduco.supervision.bringup import BringUp, BringUpStep
 from aioduco.testing import eventually_async
 
 if TYPE_CHECKING:
@@ -34,49 +34,49 @@ def seen(
 
 def step(
     decide: BringUp, states: RobotStates, *, emergency_stop: bool = False, collision: bool = False
-) -> Step:
+) -> BringUpStep:
     return decide.next(states, emergency_stop=emergency_stop, collision=collision)
 
 
 def test_the_steps_from_power_off() -> None:
     decide = BringUp()
-    assert step(decide, seen(robot=0, safety=13)) is Step.WAIT
-    assert step(decide, seen(robot=4, safety=4)) is Step.POWER_ON
-    assert step(decide, seen(robot=4, safety=4)) is Step.WAIT  # asked for once
-    assert step(decide, seen(robot=5)) is Step.ENABLE
-    assert step(decide, seen(robot=5)) is Step.WAIT
-    assert step(decide, seen(robot=6)) is Step.DONE
-    assert step(decide, seen(robot=6)) is Step.DONE
+    assert step(decide, seen(robot=0, safety=13)) is BringUpStep.WAIT
+    assert step(decide, seen(robot=4, safety=4)) is BringUpStep.POWER_ON
+    assert step(decide, seen(robot=4, safety=4)) is BringUpStep.WAIT  # asked for once
+    assert step(decide, seen(robot=5)) is BringUpStep.ENABLE
+    assert step(decide, seen(robot=5)) is BringUpStep.WAIT
+    assert step(decide, seen(robot=6)) is BringUpStep.DONE
+    assert step(decide, seen(robot=6)) is BringUpStep.DONE
 
 
 @pytest.mark.parametrize("safety", [7, 8, 9])
 def test_the_steps_after_a_safety_stop(safety: int) -> None:
     decide = BringUp()
-    assert step(decide, seen(robot=6, safety=safety)) is Step.POWER_OFF
-    assert step(decide, seen(robot=6, safety=safety)) is Step.WAIT
-    assert step(decide, seen(robot=4, safety=safety)) is Step.POWER_ON
-    assert step(decide, seen(robot=5, safety=safety)) is Step.WAIT
-    assert step(decide, seen(robot=5)) is Step.ENABLE
+    assert step(decide, seen(robot=6, safety=safety)) is BringUpStep.POWER_OFF
+    assert step(decide, seen(robot=6, safety=safety)) is BringUpStep.WAIT
+    assert step(decide, seen(robot=4, safety=safety)) is BringUpStep.POWER_ON
+    assert step(decide, seen(robot=5, safety=safety)) is BringUpStep.WAIT
+    assert step(decide, seen(robot=5)) is BringUpStep.ENABLE
     # It comes back at once: the power is not switched for ever.
-    assert step(decide, seen(robot=5, safety=safety)) is Step.WAIT
+    assert step(decide, seen(robot=5, safety=safety)) is BringUpStep.WAIT
 
 
 def test_a_collision_is_reset_once() -> None:
     decide = BringUp()
-    assert step(decide, seen(), collision=True) is Step.RESET_COLLISION
-    assert step(decide, seen()) is Step.DONE
+    assert step(decide, seen(), collision=True) is BringUpStep.RESET_COLLISION
+    assert step(decide, seen()) is BringUpStep.DONE
 
 
 def test_a_paused_program_is_stopped_and_one_that_is_stopping_waited_for() -> None:
     decide = BringUp()
-    assert step(decide, seen(program=1)) is Step.WAIT
-    assert step(decide, seen(program=3)) is Step.STOP
-    assert step(decide, seen(program=0)) is Step.DONE
+    assert step(decide, seen(program=1)) is BringUpStep.WAIT
+    assert step(decide, seen(program=3)) is BringUpStep.STOP
+    assert step(decide, seen(program=0)) is BringUpStep.DONE
 
 
 @pytest.mark.parametrize("mode", [0, 1, 2])
 def test_the_operation_mode_is_left_alone(mode: int) -> None:
-    assert step(BringUp(), seen(mode=mode)) is Step.DONE
+    assert step(BringUp(), seen(mode=mode)) is BringUpStep.DONE
 
 
 @pytest.mark.parametrize(
@@ -109,16 +109,16 @@ def test_no_sequence_of_states_asks_for_a_step_twice(
     sequence: list[tuple[int, int, SafetyState]], collision: bool
 ) -> None:
     decide = BringUp()
-    asked: list[Step] = []
+    asked: list[BringUpStep] = []
     for robot, program, safety in sequence:
         try:
             made = step(decide, seen(robot, program, int(safety)), collision=collision)
         except aioduco.RobotStateError:
             continue
-        if made is Step.DONE:
+        if made is BringUpStep.DONE:
             assert robot == RobotState.ENABLE
             assert program == ProgramState.STOPPED
-        elif made is not Step.WAIT:
+        elif made is not BringUpStep.WAIT:
             asked.append(made)
     assert len(asked) == len(set(asked))
 

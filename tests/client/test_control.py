@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import statistics
 import threading
 import time
 from typing import TYPE_CHECKING
@@ -49,7 +48,7 @@ async def test_stop_waits_behind_nothing(bench: Bench) -> None:
         assert robot.statistics().lanes["call"].busy == 4
         assert robot.statistics().lanes["call"].waiting == 2
         tg.cancel_scope.cancel()
-    assert statistics.median(arrivals) < 0.1
+    assert max(arrivals) < 10.0  # what sits in the pool does so for 30 s
 
 
 async def test_stop_comes_back_when_the_arm_stands(robot: aioduco.Robot, bench: Bench) -> None:
@@ -146,8 +145,10 @@ async def test_a_stop_during_the_start_of_a_motion_holds_for_it(
     async with anyio.create_task_group() as tg:
         tg.start_soon(go)
         await eventually_async(lambda: bench.received("movej2"))
-        await robot.stop()
-        assert bench.commands == ["movej2", "stop"]
+        tg.start_soon(robot.stop)
+        await eventually_async(lambda: bench.received("stop"))
+        # The arm stands, but `stop` does not say so: the motion may still come.
+        assert bench.commands[:2] == ["movej2", "stop"]
         gate.set()
     assert not bench.moving()
     with pytest.raises(aioduco.TaskStopped):

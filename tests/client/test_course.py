@@ -9,12 +9,12 @@ from hypothesis import given
 import aioduco
 from aioduco.models.enums import Outcome
 from aioduco.sim import Simulator
-from aioduco.supervision.course import Course
+from aioduco.supervision.task_state import JointEta
 from aioduco.testing import eventually_async
 from client.bench import HOME, POSE, Bench
 
 START = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
-COURSE = Course((1.0, 0.1, -0.8, 0.3, 0.4, 0.5), v=0.5, a=1.0)
+COURSE = JointEta((1.0, 0.1, -0.8, 0.3, 0.4, 0.5), v=0.5, a=1.0)
 
 
 def test_the_time_is_that_of_the_joint_with_the_longest_way() -> None:
@@ -22,7 +22,7 @@ def test_the_time_is_that_of_the_joint_with_the_longest_way() -> None:
     near = (0.9, *COURSE.target[1:])
     assert COURSE.seconds(near) == pytest.approx(2 * (0.1 / 1.0) ** 0.5)  # it never gets to 0.5
     assert COURSE.seconds(COURSE.target) == 0.0
-    assert Course(COURSE.target, v=0.5, a=None).seconds(START) is None
+    assert JointEta(COURSE.target, v=0.5, a=None).seconds(START) is None
 
 
 @given(st.floats(0.0, 1.0))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections import deque
 from typing import TYPE_CHECKING
@@ -14,13 +15,13 @@ from hypothesis import strategies as st
 import aioduco
 from aioduco import HeartbeatState, OperationMode, RobotState, SafetyState
 from aioduco.errors import FeedOverflow
-from aioduco.supervision import changes
-from aioduco.supervision.buffer import Buffer, Policy
+from aioduco.supervision import events as changes
+from aioduco.supervision.state_feed import Buffer, Policy
 from aioduco.testing import DropReply, FaultProxy, eventually_async
 
 if TYPE_CHECKING:
-    from aioduco.supervision.changes import Event
-    from aioduco.supervision.feed import Subscription
+    from aioduco.supervision.events import Event
+    from aioduco.supervision.state_feed import Subscription
     from client.bench import Bench
 
 ACTIONS = st.lists(st.booleans(), max_size=60)
@@ -82,11 +83,13 @@ def test_bad_buffers_are_refused(policy: Policy, size: int) -> None:
 
 async def test_it_begins_when_it_is_used(bench: Bench, robot: aioduco.Robot) -> None:
     assert not bench.received("getRobotStatus")
+    before = time.monotonic()
     sample = await robot.feed.latest()
+    assert before <= sample.received_at <= time.monotonic()
     assert sample.sequence == 0
     assert sample.states.robot is RobotState.ENABLE
     assert sample.io.digital_inputs == (True,) * 16
-    assert 0 <= sample.age < 0.5
+    assert 0 <= sample.age < time.monotonic() - before + 0.001
     with pytest.raises(ValueError, match="read-only"):
         sample.status.joint_speeds[0] = 1.0
 
@@ -102,14 +105,19 @@ async def test_the_rate_is_held_and_measured(bench: Bench) -> None:
                 if len(numbers) == 40:
                     break
         assert numbers == list(range(numbers[0], numbers[0] + 40))
-        figures = robot.feed.statistics()
-        assert figures.measured_rate == pytest.approx(100.0, rel=0.3)
-        assert figures.failures == 0
+        # A machine that is busy just now holds no rate: what is measured of late comes to it.
+        await eventually_async(
+            lambda: robot.feed.statistics().measured_rate == pytest.approx(100.0, rel=0.3),
+            timeout=60.0,
+            what=lambda: str(robot.feed.statistics()),
+        )
+        assert robot.feed.statistics().failures == 0
 
 
 async def _until_stale(robot: aioduco.Robot, ages: list[float]) -> None:
     while True:
-        ages.append((await robot.feed.latest(max_age=0.3)).age)
+        asked = time.monotonic()
+        ages.append(asked - (await robot.feed.latest(max_age=0.3)).received_at)
 
 
 async def test_an_old_sample_is_never_returned(bench: Bench) -> None:
@@ -123,7 +131,7 @@ async def test_an_old_sample_is_never_returned(bench: Bench) -> None:
             ages: list[float] = []
             with pytest.raises(aioduco.StaleState, match="does not answer"):
                 await _until_stale(robot, ages)
-            assert max(ages, default=0.0) < 0.35
+            assert max(ages, default=0.0) <= 0.3
 
 
 async def test_subscribers_do_not_hold_each_other_up(robot: aioduco.Robot) -> None:
@@ -247,6 +255,26 @@ def block_the_loop(seconds: float) -> None:
     until = time.monotonic() + seconds
     while time.monotonic() < until:
         pass
+
+
+async def test_the_time_until_a_robot_is_open_is_not_taken_for_a_blocked_loop(
+    bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    robot = aioduco.connect(bench.host, bench.port, heartbeat=None, lag_limit=0.15)
+    robot._supervisor._life.stamp -= 60.0  # as if it had been named a minute ago
+    async with robot:
+        with robot.events.subscribe() as events:
+            await robot.feed.latest()
+            block_the_loop(0.5)
+            await some(events, changes.LoopBlocked)
+    told = [
+        float(seconds)
+        for record in caplog.records
+        if record.name == "aioduco.supervision.loop_watchdog"
+        for seconds in re.findall(r"for (-?[\d.]+) s", record.getMessage())
+    ]
+    assert told
+    assert all(0.0 < seconds < 30.0 for seconds in told)
 
 
 async def test_what_blocks_the_loop_is_named(

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import anyio
 import pytest
+from moments import cancelled_once
 
 import aioduco
 from aioduco import Outcome, Pose
@@ -86,7 +86,7 @@ async def test_a_guard_is_an_error_of_the_motion_and_brought_up_again(
 async def test_cancelling_fc_move_leaves_a_standing_arm(arm: aioduco.Robot, sim: Simulator) -> None:
     await arm.force.fc_config(Z, pressing(20.0), DAMPING, SLOW)
     await arm.force.fc_start()
-    with anyio.move_on_after(0.2) as scope:
+    async with cancelled_once(lambda: sim.tasks) as scope:
         await arm.force.fc_move()
     assert scope.cancelled_caught
     assert not sim.tasks

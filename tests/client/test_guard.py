@@ -22,6 +22,7 @@ from aioduco.supervision.guard.messages import (
     Message,
     Rearm,
     Release,
+    Said,
     Stop,
     Watch,
     pack,
@@ -33,7 +34,7 @@ from client.bench import HOME
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from aioduco.supervision.guard.sides import Seat
+    from aioduco.supervision.guard.guarded import GuardClient
     from client.bench import Bench
 
 
@@ -43,7 +44,7 @@ async def robot(bench: Bench) -> AsyncIterator[aioduco.Robot]:
         yield robot
 
 
-def seat(robot: aioduco.Robot) -> Seat:
+def seat(robot: aioduco.Robot) -> GuardClient:
     guard = robot._supervisor.guard
     assert guard is not None
     return guard
@@ -71,11 +72,12 @@ def running(pid: int) -> bool:
     "message",
     [
         Watch(1, 2, "robot", 7003, None, 1.0, 3.0, 2.0),
-        Alive(1, 12.5),
+        Alive(1, 12.5, True),
         Stop(1, 2, 5.0),
         Rearm(1),
         Release(1, 2),
         Done(2, ""),
+        Said(30, "the arm was not seen to stop"),
         Beat(1, "beating", 3, 0, 0, 0, 0.33, ""),
     ],
 )
@@ -183,6 +185,8 @@ async def test_a_hung_loop_has_its_arm_stopped(bench: Bench) -> None:
     async with aioduco.connect(
         bench.host, bench.port, guard="process", heartbeat=60.0, loop_stall_limit=0.2
     ) as robot:
+        bench.motion_time = 30.0
+        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
         before = stops(bench)
         began = time.monotonic()
         while stops(bench) == before:  # the loop does not run
@@ -190,7 +194,9 @@ async def test_a_hung_loop_has_its_arm_stopped(bench: Bench) -> None:
         await eventually_async(lambda: state(robot) is HeartbeatState.STALLED)
         with pytest.raises(aioduco.HeartbeatLost):
             await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        assert await task.wait() is aioduco.Outcome.STOPPED
         await robot.rearm_heartbeat()
+        bench.motion_time = 0.1
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import logging
+import statistics
 import subprocess
 import sys
 import textwrap
@@ -33,16 +34,21 @@ def state(robot: aioduco.Robot) -> HeartbeatState:
 
 
 async def test_beats_three_times_per_heartbeat_time(bench: Bench) -> None:
+    def gap() -> float:
+        """The time between two of the latest beats, as a rule [s]."""
+        calls = bench.received("rpc_heartbeat")[-10:]
+        return statistics.median(b.at - a.at for a, b in itertools.pairwise(calls))
+
     async with aioduco.connect(bench.host, bench.port, heartbeat=0.3) as robot:
         await eventually_async(lambda: beats(bench) >= 10)
-        assert state(robot) is HeartbeatState.BEATING
+        # A machine that is busy just now is late; once it is not, the beats come in time.
+        await eventually_async(lambda: gap() == pytest.approx(0.1, rel=0.3), timeout=60.0)
+        await eventually_async(lambda: state(robot) is HeartbeatState.BEATING)
     calls = bench.received("rpc_heartbeat")
     assert {call.args for call in calls} == {(300,)}
     assert len({call.thread for call in calls}) == 1  # one connection
     others = {c.thread for c in bench.received() if c.method != "rpc_heartbeat"}
     assert calls[0].thread not in others  # and nothing else goes over it
-    gaps = [b.at - a.at for a, b in itertools.pairwise(calls)]
-    assert sorted(gaps)[len(gaps) // 2] == pytest.approx(0.1, rel=0.3)
 
 
 async def test_no_heartbeat_on_request(bench: Bench) -> None:
@@ -66,8 +72,9 @@ async def test_a_short_stall_of_the_loop_does_not_stop_the_beat(bench: Bench) ->
 async def test_a_hung_loop_stops_the_beat_until_rearmed(
     bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:
+    limit = 1.0  # a busy machine does not hold up a loop for so long, a loop that hangs is
     async with aioduco.connect(
-        bench.host, bench.port, heartbeat=0.2, loop_stall_limit=0.1
+        bench.host, bench.port, heartbeat=0.2, loop_stall_limit=limit
     ) as robot:
         with caplog.at_level(logging.CRITICAL, "aioduco"):
             eventually(lambda: state(robot) is HeartbeatState.STALLED)  # blocks the event loop
@@ -86,7 +93,8 @@ async def test_a_hung_loop_stops_the_beat_until_rearmed(
         figures = robot.heartbeat
         assert figures is not None
         assert figures.stalls == 1
-        assert robot.statistics().longest_stall > 0.1
+        # late by the stall limit, less the time to the sign of life that was due
+        assert robot.statistics().longest_stall > 0.8 * limit
 
 
 async def test_a_lost_heartbeat_is_reported_and_comes_back(

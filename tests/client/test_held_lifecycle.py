@@ -7,21 +7,20 @@ import pytest
 from hypothesis import given
 
 from aioduco.models.enums import Outcome, TaskState
-from aioduco.supervision.held import BRAKING, Held
-from aioduco.supervision.lifecycle import TaskLifecycle
+from aioduco.supervision.task_state import BRAKING, ContinuousMotion, TaskLifecycle
 
-MOTION = Held("speed_stop", time=1.0)
-GUIDING = Held("end_teach_mode", until_told=True)
-JOG = Held("stop")
+MOTION = ContinuousMotion("speed_stop", time=1.0)
+GUIDING = ContinuousMotion("end_teach_mode", until_told=True)
+JOG = ContinuousMotion("stop")
 
 
-def life(held: Held = MOTION) -> TaskLifecycle:
-    made = TaskLifecycle(blends=not held.until_told, held=held)
+def life(held: ContinuousMotion = MOTION) -> TaskLifecycle:
+    made = TaskLifecycle(blends=not held.until_told, continuous=held)
     made.observe(TaskState.RUNNING)
     return made
 
 
-def going(held: Held = MOTION) -> TaskLifecycle:
+def going(held: ContinuousMotion = MOTION) -> TaskLifecycle:
     made = life(held)
     made.observe(TaskState.FINISHED)
     return made
@@ -114,7 +113,7 @@ def test_its_limits() -> None:
     assert MOTION.limit == 1.0 + BRAKING
     assert GUIDING.limit is None
     assert [held.mode for held in (MOTION, GUIDING, JOG)] == [False, True, False]
-    assert not Held("stop", until_told=True).mode
+    assert not ContinuousMotion("stop", until_told=True).mode
 
 
 EVENTS = {
@@ -132,7 +131,7 @@ EVENTS = {
 
 @given(events=st.lists(st.sampled_from(sorted(EVENTS))), held=st.sampled_from([MOTION, GUIDING]))
 def test_it_has_not_finished_unless_it_was_told_to_or_its_time_is_over(
-    events: list[str], held: Held
+    events: list[str], held: ContinuousMotion
 ) -> None:
     """Whatever is seen: "finished" is never said of an arm that may still move by itself."""
     motion = life(held)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 
 from aioduco.models.enums import Outcome, TaskState
-from aioduco.supervision.lifecycle import IDLE_AGAIN_LIMIT, TaskLifecycle
+from aioduco.supervision.task_state import IDLE_AGAIN_LIMIT, TaskLifecycle
 
 
 @pytest.mark.parametrize(

@@ -5,14 +5,14 @@ from __future__ import annotations
 import hypothesis.strategies as st
 from hypothesis import given
 
-from aioduco.supervision.pulse import HeartbeatState, Pulse
+from aioduco.supervision.heartbeat import HeartbeatMachine, HeartbeatState
 
 
-def pulse() -> Pulse:
-    return Pulse(time=1.0, stall_limit=0.5, now=0.0)
+def pulse() -> HeartbeatMachine:
+    return HeartbeatMachine(time=1.0, stall_limit=0.5, now=0.0)
 
 
-def state(heart: Pulse) -> HeartbeatState:
+def state(heart: HeartbeatMachine) -> HeartbeatState:
     return heart.state
 
 

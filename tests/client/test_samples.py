@@ -11,8 +11,8 @@ import pytest
 from aioduco._wire import rpc
 from aioduco.errors import StaleState
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
+from aioduco.models.samples import Samples
 from aioduco.models.state import vector
-from aioduco.supervision.samples import Samples
 
 SIX = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
 

@@ -8,7 +8,7 @@ import statistics
 import hypothesis.strategies as st
 from hypothesis import given
 
-from aioduco.supervision.schedule import FAST, FRESH, SLOW, STEADY, Roster, interval
+from aioduco.supervision.task_follower import FAST, FRESH, SLOW, STEADY, PollSchedule, interval
 
 AGES = st.floats(0, 1e6)
 REMAINING = st.one_of(st.none(), st.floats(-1e6, 1e6))
@@ -39,15 +39,15 @@ def test_far_from_an_expected_end_it_is_slow_and_near_it_fast() -> None:
 
 def lateness(duration: float, expected: float | None, late: float) -> float:
     """How late the end of a task is seen if each poll happens `late` after its due time."""
-    roster: Roster[int] = Roster()
-    roster.add(1, 0.0)
+    schedule: PollSchedule[int] = PollSchedule()
+    schedule.add(1, 0.0)
     while True:
-        first = roster.first()
+        first = schedule.first()
         assert first is not None
         now = first[1] + late
         if now >= duration:
             return now - duration
-        roster.asked(1, now, interval(now, None if expected is None else expected - now))
+        schedule.asked(1, now, interval(now, None if expected is None else expected - now))
 
 
 def test_the_end_is_seen_within_five_milliseconds_at_the_median() -> None:
@@ -75,35 +75,35 @@ def test_a_known_end_costs_fewer_polls_than_an_unknown_one() -> None:
 
 
 def test_due_times_are_absolute() -> None:
-    roster: Roster[str] = Roster()
-    roster.add("a", 10.0)
-    roster.asked("a", 10.003, 0.005)  # asked late, but within the interval: no drift
-    assert roster.first() == ("a", 10.005)
-    roster.asked("a", 10.5, 0.005)  # far behind: the missed ones are left out
-    assert roster.first() == ("a", 10.505)
+    schedule: PollSchedule[str] = PollSchedule()
+    schedule.add("a", 10.0)
+    schedule.asked("a", 10.003, 0.005)  # asked late, but within the interval: no drift
+    assert schedule.first() == ("a", 10.005)
+    schedule.asked("a", 10.5, 0.005)  # far behind: the missed ones are left out
+    assert schedule.first() == ("a", 10.505)
 
 
 def test_more_tasks_than_time_are_asked_in_turn() -> None:
-    roster: Roster[int] = Roster()
+    schedule: PollSchedule[int] = PollSchedule()
     for key in range(50):
-        roster.add(key, 0.0)
+        schedule.add(key, 0.0)
     asked: list[int] = []
     now = 0.0
     for _ in range(200):
         now += 0.001  # one poll takes longer than 50 of them may
-        first = roster.first()
+        first = schedule.first()
         assert first is not None
         asked.append(first[0])
-        roster.asked(first[0], now, 0.005)
+        schedule.asked(first[0], now, 0.005)
     assert {asked.count(key) for key in range(50)} == {4}
 
 
 def test_a_task_that_is_taken_out_is_not_asked_any_more() -> None:
-    roster: Roster[int] = Roster()
-    roster.add(1, 0.0)
-    roster.remove(1)
-    roster.remove(1)
-    roster.asked(1, 1.0, 1.0)
-    assert roster.first() is None
-    assert len(roster) == 0
-    assert 1 not in roster
+    schedule: PollSchedule[int] = PollSchedule()
+    schedule.add(1, 0.0)
+    schedule.remove(1)
+    schedule.remove(1)
+    schedule.asked(1, 1.0, 1.0)
+    assert schedule.first() is None
+    assert len(schedule) == 0
+    assert 1 not in schedule

@@ -20,6 +20,15 @@ if TYPE_CHECKING:
 
 NONE = rpc.Op()
 
+
+def test_a_robot_has_every_section_that_it_declares() -> None:
+    robot = aioduco.connect("192.0.2.1")
+    declared = aioduco.Robot.__annotations__
+    assert len(declared) > 20
+    made = {name: type(getattr(robot, name)).__name__ for name in declared}
+    assert made == {**declared, "settings": "Settings"}
+
+
 MOTIONS: list[tuple[str, Callable[[aioduco.Robot], aioduco.MotionCommand], tuple[Any, ...]]] = [
     (
         "movej2",

@@ -1,4 +1,4 @@
-"""Forward kinematics and Jacobian against MuJoCo, EAIK, and poses of real arms."""
+"""Forward kinematics and Jacobian against MuJoCo and poses of real arms."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from eaik.IK_DH import DhRobot
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,7 +15,7 @@ from aioduco.errors import ParameterError
 from aioduco.kinematics import Arm, arm, models
 from aioduco.kinematics.forward import bias_acceleration, singular_values
 from aioduco.models.pose import Joints, Pose
-from aioduco.sim.mjcf import mjcf
+from aioduco.sim.physics.model import mjcf
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
@@ -78,14 +77,6 @@ def test_flange_is_where_mujoco_puts_it(any_arm: Arm) -> None:
         np.testing.assert_allclose(
             flange[:3, :3].ravel(), data.site("flange").xmat, rtol=0, atol=1e-9
         )
-
-
-def test_flange_is_where_eaik_puts_it(any_arm: Arm) -> None:
-    g = any_arm.geometry
-    robot = DhRobot(np.array(g.alpha), np.array(g.a), np.array(g.d))
-    for q in configurations():
-        expected = robot.fwdKin(q + np.array(g.theta))
-        np.testing.assert_allclose(any_arm.fkine(q), expected, rtol=0, atol=1e-9)
 
 
 def test_jacobian_is_that_of_mujoco(any_arm: Arm) -> None:

@@ -1,20 +1,27 @@
-"""Inverse kinematics: every solution found, to machine precision, by both implementations."""
+"""Inverse kinematics: every solution found, to machine precision, one by one and many at once.
+
+`eaik.json` holds solutions made by EAIK; `benchmarks/kinematics_eaik.py` writes it.
+"""
 
 from __future__ import annotations
 
+import dataclasses
+import json
 import math
-import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from eaik.IK_DH import DhRobot
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from quick import examples
 
 from aioduco.errors import ParameterError, Unreachable
-from aioduco.kinematics import Arm, arm, eaik, models
-from aioduco.kinematics.inverse import BRANCHES, closed_form, residual, wrap, wrap_near
+from aioduco.kinematics import Arm, arm, models
+from aioduco.kinematics.forward import singular_values
+from aioduco.kinematics.inverse import BRANCHES, closed_form, residual, wrap
+from aioduco.kinematics.single import miss, nearest_turns, solutions
 from aioduco.models.pose import Pose
 
 if TYPE_CHECKING:
@@ -23,6 +30,14 @@ if TYPE_CHECKING:
 FULL_TURNS = st.lists(st.floats(-2 * math.pi, 2 * math.pi), min_size=6, max_size=6).map(np.array)
 MODELS = st.sampled_from(models())
 FIVE = arm("gcr5_910")
+JOINT_6 = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+REFERENCE: dict[str, Any] = json.loads(
+    (Path(__file__).parent / "eaik.json").read_text(encoding="utf-8")
+)
+
+
+def singular(any_arm: Arm, q: Array) -> Array:
+    return singular_values(any_arm.geometry, q)
 
 
 def spread(q: Array, near: Array) -> float:
@@ -31,7 +46,7 @@ def spread(q: Array, near: Array) -> float:
 
 
 @given(MODELS, FULL_TURNS)
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 def test_every_solution_reaches_the_pose_and_the_given_one_is_among_them(
     model: str, q: Array
 ) -> None:
@@ -50,7 +65,7 @@ def test_every_solution_reaches_the_pose_and_the_given_one_is_among_them(
 
 
 @given(MODELS, FULL_TURNS)
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 def test_nearest_solution_is_where_it_came_from(model: str, q: Array) -> None:
     any_arm = arm(model)
     if min(any_arm.singularity(q)) < 1e-3:
@@ -60,7 +75,7 @@ def test_nearest_solution_is_where_it_came_from(model: str, q: Array) -> None:
 
 
 @given(MODELS, FULL_TURNS, FULL_TURNS)
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 def test_no_other_solution_or_turn_is_nearer(model: str, q: Array, near: Array) -> None:
     any_arm = arm(model)
     if min(any_arm.singularity(q)) < 1e-3:
@@ -76,51 +91,57 @@ def test_no_other_solution_or_turn_is_nearer(model: str, q: Array, near: Array) 
         assert ((best - near) ** 2).sum() <= nearest + 1e-9
 
 
-@given(MODELS, FULL_TURNS)
-@settings(max_examples=300)
-def test_closed_form_finds_what_eaik_finds(model: str, q: Array) -> None:
-    g = arm(model).geometry
-    if min(arm(model).singularity(q)) < 1e-3:
-        return
-    robot = DhRobot(np.array(g.alpha), np.array(g.a), np.array(g.d))
-    flange = arm(model).fkine(q)
-    answer = robot.IK(flange)
-    theirs = np.asarray(answer.Q)[~np.asarray(answer.is_LS)] - np.array(g.theta)
-    ours = closed_form(g, flange)
-    ours = ours[~np.isnan(ours).any(axis=1)]
-    if np.abs(np.sin(ours[:, [2, 4]])).min() < 1e-3:
-        return  # another solution is singular, where EAIK counts twice or not at all
-    assert len(ours) == len(theirs)
-    for each in ours:
-        assert min(spread(each, other) for other in theirs) < 1e-9
+@pytest.mark.parametrize("model", models())
+def test_all_solutions_are_those_of_eaik(model: str) -> None:
+    any_arm, counts = arm(model), set()
+    for pose in REFERENCE["arms"][model]:
+        flange = any_arm.fkine(pose["q"])
+        theirs, ours = np.array(pose["solutions"]), any_arm.ikine_all(flange)
+        assert len(ours) == len(theirs)
+        counts.add(len(ours))
+        for q in theirs:
+            assert min(spread(each, q) for each in ours) < 1e-9
+            assert spread(any_arm.ikine(flange, q), q) < 1e-9
+        np.testing.assert_allclose(any_arm.fkine(ours) - flange, 0.0, atol=1e-12)
+    assert max(counts) == BRANCHES
+    assert REFERENCE["EAIK"] == "1.2.2"
 
 
-@given(MODELS, FULL_TURNS)
-@settings(max_examples=200)
-def test_eaik_is_given_in_the_same_order(model: str, q: Array) -> None:
+ANGLES = st.sampled_from([0.0, math.pi, -math.pi, 1e-12, -1e-10, 7e-10, 1e-8, math.pi / 2])
+
+
+@given(MODELS, FULL_TURNS, st.lists(ANGLES, min_size=6, max_size=6), st.integers(0, 63))
+@settings(max_examples=examples(300))
+def test_one_pose_is_solved_as_many_are_singular_ones_too(
+    model: str, q: Array, special: list[float], which: int
+) -> None:
     any_arm = arm(model)
+    chosen = np.array([which >> joint & 1 for joint in range(6)], dtype=bool)
+    q = np.where(chosen, special, q)
     flange = any_arm.fkine(q)
-    theirs = eaik.solutions(any_arm.geometry, flange)
-    if theirs is None:
-        return
-    ours = closed_form(any_arm.geometry, flange)
-    ours = ours[~np.isnan(ours).any(axis=1)]
-    assert theirs.shape == ours.shape
-    assert np.abs(wrap(theirs - ours)).max() < 1e-9
+    together = closed_form(any_arm.geometry, flange, q[5])
+    together = together[~np.isnan(together).any(axis=1)]
+    alone = solutions(any_arm.geometry, flange.tolist(), q[5])
+    assert len(alone) == len(together)
+    # Where solutions meet, the angles of one are known to the root of the rounding error only.
+    regular = np.abs(singular(any_arm, together)).min(initial=1.0) > 1e-3
+    if regular:
+        np.testing.assert_allclose(wrap(np.array(alone) - together), 0.0, atol=1e-9)
+    for each in alone:
+        assert miss(any_arm.geometry, each, flange.tolist()) < 2e-9
 
 
-def test_without_eaik_the_answer_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    q = np.array([0.3, -0.4, 1.2, 0.5, -1.1, 2.0])
-    flange = FIVE.fkine(q)
-    assert eaik.installed(FIVE.geometry)
-    with_eaik = FIVE.ikine_all(flange)
-    monkeypatch.setitem(sys.modules, "eaik.IK_DH", None)
-    eaik._robot.cache_clear()
-    try:
-        assert not eaik.installed(FIVE.geometry)
-        np.testing.assert_allclose(FIVE.ikine_all(flange), with_eaik, rtol=0, atol=1e-9)
-    finally:
-        eaik._robot.cache_clear()
+@given(MODELS, FULL_TURNS, FULL_TURNS)
+def test_what_misses_a_pose_is_the_difference_of_the_forward_kinematics(
+    model: str, q: Array, other: Array
+) -> None:
+    any_arm = arm(model)
+    flange = any_arm.fkine(other)
+    expected = np.abs(any_arm.fkine(q) - flange).max()
+    a, b, c, d, e, f = q.tolist()
+    assert miss(any_arm.geometry, (a, b, c, d, e, f), flange.tolist()) == pytest.approx(
+        expected, abs=1e-13
+    )
 
 
 def test_a_pose_in_the_middle_of_the_workspace_has_eight_solutions() -> None:
@@ -146,37 +167,116 @@ def test_a_whole_path_is_solved_at_once() -> None:
             )
 
 
-@pytest.mark.parametrize("joint5", [0.0, math.pi, 1e-12, -1e-8])
-def test_at_the_wrist_singularity_joint_6_stays(joint5: float) -> None:
+@pytest.mark.parametrize("joint5", [0.0, math.pi, -math.pi, 1e-12, 9e-10, math.pi - 9e-10])
+@pytest.mark.parametrize("turned", [0.0, 1.0, -math.pi / 2, math.pi, 0.5])
+def test_at_the_wrist_singularity_joint_6_is_that_of_the_near_configuration(
+    joint5: float, turned: float
+) -> None:
     q = np.array([0.3, 0.4, 1.2, 0.5, joint5, 2.0])
+    near = q + turned * JOINT_6
     flange = FIVE.fkine(q)
-    found = FIVE.ikine(flange, q)
-    assert np.abs(residual(FIVE.geometry, found, flange)).max() < 1e-9
-    if abs(math.sin(joint5)) < 1e-9:
+    found = FIVE.ikine(flange, near)
+    assert found[5] == pytest.approx(near[5], abs=1e-6)
+    # Off the pose by what joint 5 was off the singularity, and not at all if joint 6 fits.
+    error = np.abs(residual(FIVE.geometry, found, flange)).max()
+    assert error < (1e-12 if turned == 0.0 else 1e-9)
+    if turned == 0.0:
+        np.testing.assert_allclose(found, q, atol=1e-9)
+
+
+def test_beside_the_wrist_singularity_the_pose_says_where_joint_6_is() -> None:
+    q = np.array([0.3, 0.4, 1.2, 0.5, -1e-8, 2.0])
+    flange = FIVE.fkine(q)
+    for turned in (0.0, 1.0):
+        found = FIVE.ikine(flange, q + turned * JOINT_6)
         np.testing.assert_allclose(found, q, atol=1e-6)
+        assert np.abs(residual(FIVE.geometry, found, flange)).max() < 1e-12
 
 
-def test_a_stretched_arm_is_reached() -> None:
-    q = np.array([0.3, 0.9, 0.0, 0.5, 1.0, 2.0])
+def test_at_the_wrist_singularity_joint_6_gives_way_where_the_arm_is_too_short_for_it() -> None:
+    # Stretched towards joint 4, so that joints 2 to 4 cannot turn about joint 5's place freely.
+    q = np.array([0.3, 0.9, 0.05, 0.1, 0.0, 0.4])
+    flange = FIVE.fkine(q)
+    near = q + 1.5 * JOINT_6
+    found = FIVE.ikine(flange, near)
+    assert np.abs(residual(FIVE.geometry, found, flange)).max() < 1e-9
+    assert 0.1 < near[5] - found[5] < 1.5
+    assert abs(found[2]) < 1e-3  # as far as the stretched arm allows
+
+
+def test_all_solutions_of_a_wrist_singularity_take_joint_6_as_zero_and_come_in_pairs() -> None:
+    flange = FIVE.fkine([0.3, 0.4, 1.2, 0.5, 0.0, 0.2])
+    found = FIVE.ikine_all(flange)
+    with_free_wrist = found[np.abs(np.sin(found[:, 4])) < 1e-9]
+    assert len(with_free_wrist) == 4
+    np.testing.assert_allclose(with_free_wrist[:, 5], 0.0, atol=1e-9)
+    np.testing.assert_array_equal(with_free_wrist[0], with_free_wrist[1])
+    assert np.abs(residual(FIVE.geometry, found, flange)).max() < 1e-12
+
+
+@pytest.mark.parametrize("joint3", [0.0, 1e-9, -1e-7])
+def test_a_stretched_arm_is_reached(joint3: float) -> None:
+    q = np.array([0.3, 0.9, joint3, 0.5, 1.0, 2.0])
     flange = FIVE.fkine(q)
     found = FIVE.ikine(flange, q)
     assert np.abs(residual(FIVE.geometry, found, flange)).max() < 1e-9
     np.testing.assert_allclose(found, q, atol=1e-6)
+    # The two elbows meet: both are given, and hardly differ.
+    pairs = FIVE.ikine_all(flange)
+    pairs = pairs[np.abs(pairs[:, 2]) < 1e-6]
+    assert len(pairs) % 2 == 0
+    assert len(pairs) >= 2
+
+
+def test_a_pose_too_far_by_rounding_is_reached_by_the_stretched_arm() -> None:
+    q = np.array([0.3, 0.9, 0.0, 0.5, 1.0, 2.0])
+    flange, towards = FIVE.fkine(q), np.array([math.cos(0.3), math.sin(0.3), 0.0]) * math.sin(0.9)
+    towards += [0.0, 0.0, math.cos(0.9)]
+    near, far = flange.copy(), flange.copy()
+    near[:3, 3] += 5e-11 * towards
+    far[:3, 3] += 1e-8 * towards
+    found = FIVE.ikine(near, q)
+    assert np.abs(residual(FIVE.geometry, found, near)).max() < 1e-9
+    assert found[2] == pytest.approx(0.0, abs=1e-6)
+    # The wrist can no longer be reached by this elbow and wrist, whatever the other branches do.
+    others = FIVE.ikine_all(far)
+    assert not (np.abs(others[:, 2]) < 1e-3).any()
+
+
+def test_at_the_shoulder_singularity_both_shoulders_are_the_same() -> None:
+    geometry = FIVE.geometry
+    # The wrist's centre over the cylinder of radius d2 about joint 1: nothing is ahead.
+    q2, q3 = 0.4, 1.2
+    ahead = geometry.a2 * math.sin(q2) + geometry.a3 * math.sin(q2 + q3)
+    q4 = math.pi + math.asin(ahead / geometry.d5) - q2 - q3 if ahead < geometry.d5 else None
+    if q4 is None:
+        q3 = -2 * q2 - 0.3
+        ahead = geometry.a2 * math.sin(q2) + geometry.a3 * math.sin(q2 + q3)
+        q4 = math.asin(-ahead / geometry.d5) - q2 - q3
+    q = np.array([0.3, q2, q3, q4, 1.0, 2.0])
+    assert FIVE.singularity(q).shoulder < 1e-12
+    flange = FIVE.fkine(q)
+    found = FIVE.ikine(flange, q)
+    assert np.abs(residual(geometry, found, flange)).max() < 1e-9
+    np.testing.assert_allclose(found, q, atol=1e-5)
+    assert np.abs(wrap(FIVE.ikine_all(flange)[:, 0] - 0.3)).max() < 1e-5
 
 
 def test_turns_are_added_where_limits_allow() -> None:
-    lower, upper = np.full(6, -2 * math.pi), np.full(6, 2 * math.pi)
-    q = np.array([0.5, -0.5, 3.0, 3.0, -3.0, 0.0])
-    near = np.array([6.0, -6.0, -3.0, 9.9, -9.9, 0.1])
-    wrapped = wrap_near(q, near, lower, upper)
-    expected = [0.5, -0.5, 3.0 - 2 * math.pi, 3.0, -3.0, 0.0]
-    np.testing.assert_allclose(wrapped, expected)
+    lower, upper = [-2 * math.pi] * 6, [2 * math.pi] * 6
+    q = [0.5, -0.5, 3.0, 3.0, -3.0, 0.0]
+    near = [6.0, -6.0, -3.0, 9.9, -9.9, 0.1]
+    wrapped = nearest_turns(q, near, lower, upper)
+    assert wrapped == pytest.approx([0.5, -0.5, 3.0 - 2 * math.pi, 3.0, -3.0, 0.0])
     # The nearest turn is outside of ±2π for the first two; for 5 rad it is not.
-    assert wrap_near(np.array([-1.0] * 6), np.full(6, 5.0), lower, upper)[0] == pytest.approx(
-        2 * math.pi - 1.0
+    assert nearest_turns([-1.0] * 6, [5.0] * 6, lower, upper) == pytest.approx(
+        [2 * math.pi - 1.0] * 6
     )
-    narrow = wrap_near(q, near, np.full(6, -1.0), np.full(6, 1.0))
-    assert np.isnan(narrow).tolist() == [False, False, True, True, True, False]
+    assert nearest_turns(q, near, [-1.0] * 6, [1.0] * 6) is None
+    # At a limit, but for rounding: it stays there.
+    assert nearest_turns([math.pi + 1e-12] * 6, near, [-math.pi] * 6, [math.pi] * 6) is not None
+    beyond = nearest_turns([2 * math.pi + 1e-12] * 6, [9.0] * 6, lower, upper)
+    assert beyond == upper
 
 
 def test_out_of_reach_says_by_how_much() -> None:
@@ -213,8 +313,6 @@ def test_how_far_out_of_reach_is_never_exaggerated() -> None:
 def test_joint_limits_and_jumps_are_refused() -> None:
     q = np.array([0.3, 0.4, 1.2, 0.5, -1.1, 2.0])
     flange = FIVE.fkine(q)
-    import dataclasses  # noqa: PLC0415  # only here
-
     stiff = dataclasses.replace(FIVE, lower=(-0.01,) * 6, upper=(0.01,) * 6)
     with pytest.raises(Unreachable, match="only outside its joint limits"):
         stiff.ikine(flange, q)
@@ -245,3 +343,27 @@ def test_a_grid_of_the_workspace_round_trips(model: str) -> None:
     assert error.max() < 1e-12
     off = np.abs(wrap(found - grid[:, None])).max(axis=-1)
     assert np.nanmin(off, axis=1).max() < 1e-9
+
+
+@pytest.mark.parametrize("near", [[0.0] * 5, [[0.0] * 6] * 2, [0.0] * 5 + [math.nan]])
+def test_what_is_no_configuration_is_refused(near: Any) -> None:
+    with pytest.raises(ParameterError, match=r"q_near|\[rad\]"):
+        FIVE.ikine(FIVE.fkine([0.3, 0.4, 1.2, 0.5, -1.1, 2.0]), near)
+
+
+@pytest.mark.parametrize("place", [(i, j) for i in range(3) for j in range(4)])
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_matrix_that_is_not_finite_is_refused(place: tuple[int, int], value: float) -> None:
+    flange = FIVE.fkine([0.3, 0.4, 1.2, 0.5, 0.0, 2.0])
+    flange[place] = value
+    for solve in (FIVE.ikine_all, lambda pose: FIVE.ikine(pose, np.zeros(6))):
+        with pytest.raises(ParameterError, match="flange"):
+            solve(flange)
+
+
+def test_a_matrix_that_lost_digits_is_reached_as_well_as_it_can_be() -> None:
+    q = np.array([0.3, 0.4, 1.2, 0.5, -1.1, 2.0])
+    flange = FIVE.fkine(q).round(7)
+    found = FIVE.ikine(flange, q)
+    assert np.abs(residual(FIVE.geometry, found, flange)).max() < 1e-9
+    np.testing.assert_allclose(found, q, atol=1e-6)

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from aioduco._wire import idl
-from aioduco.api import ranges
 from aioduco.errors import ParameterError
+from aioduco.models import ranges
 from aioduco.models.rules import (
     Choice,
     Duration,

@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco.api import ranges
 from aioduco.errors import ParameterError
+from aioduco.models import ranges
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.rules import (
     Choice,

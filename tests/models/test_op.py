@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from aioduco._wire import rpc
 from aioduco.errors import ParameterError
 from aioduco.models.op import (
-    Event,
+    ControllerEvent,
     Op,
     Output,
     PointOp,
@@ -82,7 +82,7 @@ def test_each_trigger_goes_into_its_own_fields(
         target = part["target"]
         assert getattr(wire, f"trig_value_{number}") is part["value"]
         index, name = getattr(wire, f"trig_io_{number}"), getattr(wire, f"trig_event_{number}")
-        if isinstance(target, Event):
+        if isinstance(target, ControllerEvent):
             assert (index, name) == (0, target.name)
         else:
             assert (index, name) == (target.index, "")

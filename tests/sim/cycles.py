@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.sim.world import World
+from aioduco.sim.physics.world import World
 
 if TYPE_CHECKING:
     import pytest
 
     from aioduco.models.rotation import Array
-    from aioduco.sim.planner.mover import SetPoint
+    from aioduco.sim.planner.path import JointSetPoint
 
 
 class Cycles:
@@ -20,17 +20,17 @@ class Cycles:
     """
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self._rows: list[tuple[SetPoint, Array]] = []
+        self._rows: list[tuple[JointSetPoint, Array]] = []
         step = World.step
 
-        def record(world: World, setpoint: SetPoint) -> None:
+        def record(world: World, setpoint: JointSetPoint) -> None:
             step(world, setpoint)
             self._rows.append((setpoint, world.q))
 
         monkeypatch.setattr(World, "step", record)
 
     @property
-    def points(self) -> list[SetPoint]:
+    def points(self) -> list[JointSetPoint]:
         """Set-points."""
         return [point for point, _ in self._rows.copy()]
 

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aioduco.kinematics import arm
-from aioduco.sim.controller import Controller, Drive, Sensed
-from aioduco.sim.execution import ProgramError
+from aioduco.sim.cabinet.script import ProgramError
+from aioduco.sim.controller.state_machine import Controller
+from aioduco.sim.cycle import DriveCommand, SensedState
 from aioduco.sim.force.control import ForceControl
-from aioduco.sim.planner.errors import PlanError
-from aioduco.sim.planner.mover import SetPoint
+from aioduco.sim.planner.path import JointSetPoint, PlanError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -52,7 +52,7 @@ class FakeMover:
 
     def __init__(self, q: Vector) -> None:
         FakeMover.latest = self
-        self.setpoint = SetPoint.at_rest(np.array(q))
+        self.setpoint = JointSetPoint.at_rest(np.array(q))
         self.fraction = 1.0
         self.axes: dict[int, float] = {}
         self.paused = False
@@ -97,7 +97,7 @@ class FakeMover:
         if self._active is not None:
             key, planned = self._active
             q = self.setpoint.q + (planned.target - self.setpoint.q) / self._left
-            self.setpoint = SetPoint.at_rest(q)
+            self.setpoint = JointSetPoint.at_rest(q)
             self._left -= 1
             if not self._left:
                 events.append(
@@ -165,7 +165,7 @@ class FakeRun:
 
 @dataclass(frozen=True)
 class _Tick:
-    setpoint: SetPoint
+    setpoint: JointSetPoint
     events: tuple[tuple[int, str, str], ...]
 
 
@@ -184,7 +184,7 @@ class Bench:
         self.wrench = np.zeros(6)
         self.external = np.zeros(6)
         self.cycle = 0
-        self.drive: Drive | None = None
+        self.drive: DriveCommand | None = None
 
     @property
     def time(self) -> float:
@@ -199,7 +199,7 @@ class Bench:
         for _ in range(cycles):
             self.cycle += 1
             still = np.zeros(6)
-            sensed = Sensed(self.time, self.time, self.q, still, self.wrench, self.external)
+            sensed = SensedState(self.time, self.time, self.q, still, self.wrench, self.external)
             drive = self.controller.tick(sensed)
             if not drive.brake:
                 self.q = drive.setpoint.q

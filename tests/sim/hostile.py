@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 from thriftpy2.thrift import TType
 
 from aioduco._wire import idl
-from aioduco.testing.messages import Kind, Message, MessageParser
+from aioduco.testing.message_parser import Message, MessageParser, MessageType
 
 from .raw import RawClient, encode
 
@@ -197,7 +197,7 @@ class Fuzzer:
             outcome.wrong += [
                 f"batch {number}: {answer.name}: {answer.body!r}"
                 for answer in answers[:odd]
-                if answer.kind is not Kind.REPLY and b" is not simulated" not in answer.body
+                if answer.kind is not MessageType.REPLY and b" is not simulated" not in answer.body
             ]
             if ended and seqids != list(range(1, odd + 1)):
                 outcome.wrong.append(f"batch {number}: answers of {seqids}, of {odd} calls")

@@ -9,8 +9,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from aioduco.models.enums import TaskState
-from aioduco.sim.buses import CanPort, SerialPort
-from aioduco.sim.modbus import Gripper, ModbusSlave, RtuSlave, crc16
+from aioduco.sim.cabinet.modbus import Gripper, ModbusSlave, RtuSlave, crc16
+from aioduco.sim.cabinet.ports import CanPort, SerialPort
 
 if TYPE_CHECKING:
     from collections.abc import Callable

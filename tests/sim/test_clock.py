@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco.sim.clock import LoopTimes, Pace
+from aioduco.sim.clock import CycleSchedule, LoopTimes
 
 
 def test_cycles_are_due_on_an_absolute_schedule() -> None:
-    pace = Pace(0.001, 1.0)
+    pace = CycleSchedule(0.001, 1.0)
     pace.begin(100.0)
     # Each cycle is 0.3 ms late; the next one is due as if it had not been.
     for n in range(1, 50):
@@ -20,7 +20,7 @@ def test_cycles_are_due_on_an_absolute_schedule() -> None:
 
 
 def test_another_speed_begins_the_schedule_anew() -> None:
-    pace = Pace(0.001, math.inf)
+    pace = CycleSchedule(0.001, math.inf)
     pace.begin(0.0)
     pace.change(math.inf, 5.0, idle=False)
     assert pace.delay(5.0) == 0.0
@@ -32,13 +32,13 @@ def test_another_speed_begins_the_schedule_anew() -> None:
 
 @given(speed=st.floats(0.01, 1000.0))
 def test_speed_divides_the_period(speed: float) -> None:
-    pace = Pace(0.001, speed)
+    pace = CycleSchedule(0.001, speed)
     pace.begin(0.0)
     assert pace.delay(0.0) == pytest.approx(0.001 / speed)
 
 
 def test_as_fast_as_possible_never_waits_but_idles_in_real_time() -> None:
-    pace = Pace(0.001, math.inf)
+    pace = CycleSchedule(0.001, math.inf)
     pace.begin(0.0)
     assert pace.delay(0.0) == 0.0
     pace.begin(0.0, idle=True)
@@ -48,7 +48,7 @@ def test_as_fast_as_possible_never_waits_but_idles_in_real_time() -> None:
 
 
 def test_what_cannot_be_caught_up_is_given_up_and_counted() -> None:
-    pace = Pace(0.001, 1.0)
+    pace = CycleSchedule(0.001, 1.0)
     pace.begin(0.0)
     assert pace.delay(0.05) < 0.0
     assert pace.slipped == 0.0
@@ -61,7 +61,7 @@ def test_what_cannot_be_caught_up_is_given_up_and_counted() -> None:
 @pytest.mark.parametrize("speed", [0.0, -1.0, math.nan])
 def test_a_speed_is_above_zero(speed: float) -> None:
     with pytest.raises(ValueError, match="above 0"):
-        Pace(0.001, speed)
+        CycleSchedule(0.001, speed)
 
 
 def test_statistics_of_no_cycle_are_zero_and_of_a_thousand_are_percentiles() -> None:

@@ -11,12 +11,13 @@ import pytest
 import aioduco
 from aioduco.kinematics import Arm, arm, models
 from aioduco.models.enums import RobotState, SafetyState, TaskState
-from aioduco.sim.collision import LEVELS, SMOOTHING, Observer
-from aioduco.sim.planner.mover import Mover, SetPoint
+from aioduco.sim.controller.monitoring import LEVELS, SMOOTHING, CollisionDetector
+from aioduco.sim.physics.world import World
+from aioduco.sim.planner.mover import Mover
+from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.planner.segments import joint_move
 from aioduco.sim.scene import Box
 from aioduco.sim.simulator import READY, Simulator
-from aioduco.sim.world import World
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -34,7 +35,7 @@ LEFT = (1.2, *READY[1:])
 # -- the observer ------------------------------------------------------------------------------
 
 
-def observed(observer: Observer, external: list[float], cycles: int) -> list[int]:
+def observed(observer: CollisionDetector, external: list[float], cycles: int) -> list[int]:
     start = 0.0 if observer._time is None else observer._time  # where the last torques ended
     return [
         observer.update(start + 0.001 * i, np.array(external)) for i in range(1, cycles + 1)
@@ -43,7 +44,7 @@ def observed(observer: Observer, external: list[float], cycles: int) -> list[int
 
 @pytest.mark.parametrize("level", [1, 2, 3, 4, 5])
 def test_a_torque_beyond_the_levels_share_is_a_collision(level: int) -> None:
-    observer = Observer(EFFORT)
+    observer = CollisionDetector(EFFORT)
     observer.level = level
     below, above = 0.95 * LEVELS[level], 1.2 * LEVELS[level]
     assert not any(observed(observer, [0, 0, 0, 0, -50.0 * below, 0], 200))
@@ -58,12 +59,12 @@ def test_levels_are_more_sensitive_one_after_the_other() -> None:
 
 
 def test_the_joint_with_the_largest_share_is_named() -> None:
-    observer = Observer(EFFORT)
+    observer = CollisionDetector(EFFORT)
     assert observed(observer, [60.0, 0, 0, 0, 0, 45.0], 100)[-1] == 6
 
 
 def test_level_0_sees_torques_and_no_collision() -> None:
-    observer = Observer(EFFORT)
+    observer = CollisionDetector(EFFORT)
     observer.level = 0
     assert not any(observed(observer, [1e3] * 6, 100))
     assert observer.torque == pytest.approx([1e3] * 6, rel=1e-3)
@@ -72,7 +73,7 @@ def test_level_0_sees_torques_and_no_collision() -> None:
 
 
 def test_a_blow_of_a_cycle_is_smoothed() -> None:
-    observer = Observer(EFFORT)
+    observer = CollisionDetector(EFFORT)
     observer.level = 5
     assert not any(observed(observer, [0.0] * 6, 10))
     assert observed(observer, [50.0] * 6, 1) == [0]
@@ -104,7 +105,7 @@ def test_a_push_is_observed_as_the_torques_it_makes() -> None:
     push = np.array([20.0, -10.0, 5.0, 0.5, 1.0, -0.5])
     world.push(push.tolist())
     for _ in range(1000):
-        world.step(SetPoint.at_rest(HOME))
+        world.step(JointSetPoint.at_rest(HOME))
     made = FIVE.jacobian(world.q).T @ push
     np.testing.assert_allclose(world.external_torque, made, atol=0.1)
     # At rest the target is the weight, and the drives give what is left.
@@ -115,14 +116,14 @@ def test_a_load_that_was_not_told_is_a_torque_from_outside() -> None:
     world = World(FIVE, q=HOME)
     world.carry(2.0)
     for _ in range(1000):
-        world.step(SetPoint.at_rest(HOME))
+        world.step(JointSetPoint.at_rest(HOME))
     weight = np.array([0.0, 0.0, -2.0 * 9.81, 0.0, 0.0, 0.0])
     np.testing.assert_allclose(world.external_torque, FIVE.jacobian(HOME).T @ weight, atol=0.1)
     sagged = np.abs(world.q - HOME).max()
     assert 1e-4 < sagged < 0.02
     world.tell(2.0)
     for _ in range(1000):
-        world.step(SetPoint.at_rest(HOME))
+        world.step(JointSetPoint.at_rest(HOME))
     np.testing.assert_allclose(world.external_torque, np.zeros(6), atol=0.01)
     assert np.abs(world.q - HOME).max() < 1e-5
 

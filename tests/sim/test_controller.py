@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from aioduco.models.enums import OperationMode, SafetyState, TaskState
-from aioduco.sim.motion import CAPACITY
+from aioduco.sim.controller.motion_queue import CAPACITY
 
 from .fakes import Bench, FakeMover, impossible, leg
 

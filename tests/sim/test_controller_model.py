@@ -5,6 +5,7 @@ from __future__ import annotations
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+from quick import examples
 
 from aioduco.models.enums import OperationMode, RobotState, SafetyState, TaskState
 
@@ -157,4 +158,4 @@ class Commands(RuleBasedStateMachine):
 
 
 TestCommands = Commands.TestCase
-TestCommands.settings = settings(max_examples=40, stateful_step_count=25, deadline=None)
+TestCommands.settings = settings(max_examples=examples(40), stateful_step_count=25, deadline=None)

@@ -6,14 +6,14 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from aioduco.sim import Simulator, simulator
-from aioduco.sim.world import World
+from aioduco.sim.physics.world import World
 
 from .conftest import Program, Wire
 
 if TYPE_CHECKING:
     import pytest
 
-    from aioduco.sim.planner.mover import SetPoint
+    from aioduco.sim.planner.path import JointSetPoint
 
 FINISHED = 4
 POSE = [0.492, 0.1945, 0.442, math.pi, 0.0, -math.pi / 2]
@@ -36,7 +36,7 @@ class Traced(World):
 
     steps: list[bytes]
 
-    def step(self, setpoint: SetPoint) -> None:
+    def step(self, setpoint: JointSetPoint) -> None:
         super().step(setpoint)
         parts = (setpoint.q, setpoint.qd, self.q, self.qd, self.qdd, self.torque, self.wrench)
         self.steps.append(b"".join(part.tobytes() for part in parts))

@@ -13,7 +13,7 @@ from aioduco.models.enums import TaskState
 from aioduco.models.external_axis import ExternalAxis, ExternalAxisScheme
 from aioduco.models.op import Op, output
 from aioduco.models.pose import Pose
-from aioduco.sim.external_axes import Axis
+from aioduco.sim.cabinet.axis_schemes import Axis
 from aioduco.sim.simulator import READY, Simulator
 
 from .raw import RawClient

@@ -10,9 +10,8 @@ from pathlib import Path
 import pytest
 
 from aioduco._wire import idl
-from aioduco._wire.rpc import Handler, RpcClient
-from aioduco.sim.handlers import Handlers
-from aioduco.sim.handlers.service import NOT_PUBLIC
+from aioduco._wire.rpc import Functions
+from aioduco.sim.handlers import NOT_PUBLIC, Handlers
 
 HERE = Path(__file__).parent
 LEDGER = (HERE.parents[1] / "docs" / "fidelity.md").read_text(encoding="utf-8")
@@ -91,7 +90,7 @@ def test_the_index_leads_to_tables() -> None:
 @pytest.mark.parametrize("name", sorted(idl.functions()))
 def test_each_function_is_simulated_or_refused_with_a_reason(name: str) -> None:
     """What no section of the handlers has is left to the generated client, which refuses it."""
-    left = getattr(Handlers, name) is getattr(RpcClient, name)
+    left = getattr(Handlers, name) is getattr(Functions, name)
     assert left is (name in NOT_PUBLIC)
     assert left is (name in REFUSED)
 
@@ -99,7 +98,7 @@ def test_each_function_is_simulated_or_refused_with_a_reason(name: str) -> None:
 @pytest.mark.parametrize("name", sorted(set(idl.functions()) - set(NOT_PUBLIC)))
 def test_each_handler_takes_what_the_wire_brings(name: str) -> None:
     ours = inspect.signature(getattr(Handlers, name)).parameters
-    theirs = inspect.signature(getattr(Handler, name)).parameters
+    theirs = inspect.signature(getattr(Functions, name)).parameters
     assert list(ours) == list(theirs)
 
 

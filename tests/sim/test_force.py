@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from aioduco.kinematics import arm
 from aioduco.models.enums import SafetyState, TaskState
 from aioduco.models.pose import Pose
-from aioduco.sim.cycle import Sensed
-from aioduco.sim.following import Following
+from aioduco.sim.controller.force_tasks import FC_MOVE
+from aioduco.sim.controller.motion_queue import Following
+from aioduco.sim.cycle import SensedState
 from aioduco.sim.force.conditions import Condition, Conditions
-from aioduco.sim.force.control import ForceControl, Guard, Law
-from aioduco.sim.force.sensor import Axes, Sensor
-from aioduco.sim.force.tasks import FC_MOVE
-from aioduco.sim.planner.mover import SetPoint
-from aioduco.sim.planner.standing import Standing
+from aioduco.sim.force.control import AdmittanceLaw, ForceControl, ForceGuard
+from aioduco.sim.force.sensor import ForceAxes, ForceSensor
+from aioduco.sim.planner.follower import StandingFollower
+from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.refusal import Rejected
 
 from .fakes import CYCLE, HOME, Bench, leg
@@ -32,7 +32,7 @@ ZEROS = np.zeros(6)
 X, Z, ALL, NONE = (
     tuple(flag == "1" for flag in text) for text in ("100000", "001000", "1" * 6, "0" * 6)
 )
-FLANGE = Axes(np.eye(4), np.eye(4))
+FLANGE = ForceAxes(np.eye(4), np.eye(4))
 DAMPING = (1000.0,) * 3 + (57.0,) * 3
 CAP = (0.05,) * 3 + (0.2,) * 3
 
@@ -41,22 +41,22 @@ def wrench(*force: float) -> Vector:
     return np.array([*force, *[0.0] * (6 - len(force))])
 
 
-def law(direction: tuple[bool, ...] = Z, axes: Axes = FLANGE, **other: Any) -> Law:
+def law(direction: tuple[bool, ...] = Z, axes: ForceAxes = FLANGE, **other: Any) -> AdmittanceLaw:
     nothing = (0.0,) * 6
     usual = {"target": nothing, "damping": DAMPING, "cap": CAP, "band": nothing}
-    return Law(direction, axes=axes, **{**usual, **other})
+    return AdmittanceLaw(direction, axes=axes, **{**usual, **other})
 
 
 class Arm:
     """Force control whose drives are where they are told to be."""
 
-    def __init__(self, law: Law | None, q: Vector = READY) -> None:
+    def __init__(self, law: AdmittanceLaw | None, q: Vector = READY) -> None:
         self.control = ForceControl(FIVE, CYCLE)
         self.control.law = law
-        self.rest = SetPoint.at_rest(q)
+        self.rest = JointSetPoint.at_rest(q)
         self.control.start(self.rest)
         self.drives = self.rest
-        self.points: list[SetPoint] = []
+        self.points: list[JointSetPoint] = []
         self.time = 0.0
 
     def run(self, force: Vector, cycles: int, *, giving: bool = True) -> Any:
@@ -64,7 +64,7 @@ class Arm:
         outcome = None
         for _ in range(cycles):
             self.time += CYCLE
-            sensed = Sensed(self.time, 0.0, self.drives.q, self.drives.qd, force, ZEROS)
+            sensed = SensedState(self.time, 0.0, self.drives.q, self.drives.qd, force, ZEROS)
             self.drives, outcome = self.control.tick(self.rest, sensed, giving=giving)
             self.points.append(self.drives)
             if outcome is not None:
@@ -83,7 +83,7 @@ class Arm:
 
 
 def test_a_known_load_is_taken_out_in_every_orientation() -> None:
-    sensor = Sensor().carrying(2.0, (0.0, 0.05, 0.1))
+    sensor = ForceSensor().carrying(2.0, (0.0, 0.05, 0.1))
     for angles in ((0, 0, 90, 0, -90, 0), (10, 20, 60, 30, 40, 50)):
         turn = FIVE.fkine(np.radians(angles))[:3, :3]
         weight = turn.T @ [0.0, 0.0, -2.0 * 9.81]
@@ -95,7 +95,7 @@ def test_a_known_load_is_taken_out_in_every_orientation() -> None:
 
 
 def test_taring_sets_readings_and_takes_the_rest_for_a_force_from_outside() -> None:
-    sensor = Sensor().carrying(1.0, (0.0, 0.0, 0.0))
+    sensor = ForceSensor().carrying(1.0, (0.0, 0.0, 0.0))
     signal = wrench(3.0, -2.0, 25.0)
     tared = sensor.tared(signal, DOWN, Z, (0.0, 0.0, 5.0, 0.0, 0.0, 0.0))
     assert tared.reading(signal) == pytest.approx([3.0, -2.0, 5.0, 0.0, 0.0, 0.0])
@@ -107,7 +107,7 @@ def test_taring_sets_readings_and_takes_the_rest_for_a_force_from_outside() -> N
 
 
 def test_a_wrong_load_is_felt_as_a_force_once_the_hand_has_turned() -> None:
-    heavy = Sensor().carrying(1.0, (0.0, 0.0, 0.0)).tared(wrench(0.0, 0.0, 2 * 9.81), DOWN)
+    heavy = ForceSensor().carrying(1.0, (0.0, 0.0, 0.0)).tared(wrench(0.0, 0.0, 2 * 9.81), DOWN)
     assert heavy.external(wrench(0.0, 0.0, 2 * 9.81), DOWN)[2] == pytest.approx(0.0)
     assert heavy.external(wrench(0.0, 0.0, -2 * 9.81), np.eye(3))[2] == pytest.approx(-2 * 9.81)
 
@@ -118,10 +118,10 @@ def test_forces_are_given_at_the_tip_and_along_the_axes() -> None:
     felt = [10.0, 20.0, 30.0, 0.0, 0.0, 0.0]
     about = np.cross([0.0, 0.1, 0.2], felt[:3])
     into = tip[:3, :3].T
-    tool = Axes(tip, wobj).seen(felt, DOWN)
+    tool = ForceAxes(tip, wobj).seen(felt, DOWN)
     assert tool == pytest.approx([*into @ felt[:3], *into @ -about])
     into = wobj[:3, :3].T @ DOWN
-    work = Axes(tip, wobj, of_tool=False).seen(felt, DOWN)
+    work = ForceAxes(tip, wobj, of_tool=False).seen(felt, DOWN)
     assert work == pytest.approx([*into @ felt[:3], *into @ -about])
 
 
@@ -163,7 +163,7 @@ def test_only_directions_that_are_on_give_way() -> None:
 
 def test_a_torque_turns_the_tool_about_its_tip() -> None:
     tip = Pose(0.0, 0.0, 0.15, 0.0, 0.0, 0.0).matrix
-    turning = Arm(law(ALL, Axes(tip, np.eye(4))))
+    turning = Arm(law(ALL, ForceAxes(tip, np.eye(4))))
     turning.run(wrench(0.0, 0.0, 0.0, 0.0, 5.7, 0.0), 2000)
     start, end = FIVE.fkine(turning.rest.q) @ tip, FIVE.fkine(turning.drives.q) @ tip
     assert end[:3, 3] == pytest.approx(start[:3, 3], abs=1e-6)
@@ -173,7 +173,7 @@ def test_a_torque_turns_the_tool_about_its_tip() -> None:
 
 def test_directions_of_the_work_object_stay_where_they_are() -> None:
     wobj = Pose(0.0, 0.0, 0.0, 0.0, 0.0, math.pi / 4).matrix
-    along = Arm(law(X, Axes(np.eye(4), wobj, of_tool=False)))
+    along = Arm(law(X, ForceAxes(np.eye(4), wobj, of_tool=False)))
     push = DOWN.T @ wobj[:3, :3] @ [20.0, 0.0, 0.0]
     along.run(wrench(*push), 1000)
     way = wobj[:3, :3].T @ DOWN @ along.moved
@@ -202,7 +202,7 @@ def test_an_offset_is_carried_along_a_motion() -> None:
     offset = pressed.moved
     speed = np.full(6, 0.05)
     for i in range(1, 400):
-        pressed.rest = SetPoint(READY + speed * i * CYCLE, speed, ZEROS)
+        pressed.rest = JointSetPoint(READY + speed * i * CYCLE, speed, ZEROS)
         pressed.run(ZEROS, 1)
     wanted, reached = FIVE.fkine(pressed.rest.q), FIVE.fkine(pressed.drives.q)
     # It stays where it is in the base, whatever the tool does; a little came as it faded.
@@ -230,7 +230,7 @@ def test_joints_that_cannot_follow_slow_down_and_say_so() -> None:
 @pytest.mark.parametrize("force", [40.5, -40.5, math.nan])
 def test_a_force_beyond_the_guard_is_told(force: float) -> None:
     guarded = Arm(law(NONE))
-    guarded.control.guard = Guard(Z, (10.0, 10.0, 40.0, 1.0, 1.0, 1.0), FLANGE)
+    guarded.control.guard = ForceGuard(Z, (10.0, 10.0, 40.0, 1.0, 1.0, 1.0), FLANGE)
     assert guarded.run(wrench(500.0, 500.0, math.copysign(39.5, force)), 5) is None
     outcome = guarded.run(wrench(0, 0, force), 1, giving=False)
     assert outcome.verdict == "guard"
@@ -240,8 +240,8 @@ def test_a_force_beyond_the_guard_is_told(force: float) -> None:
 def test_the_guard_counts_the_load_or_not() -> None:
     for with_load, verdict in ((True, "guard"), (False, None)):
         carrying = Arm(law(NONE))
-        carrying.control.sensor = Sensor().carrying(5.0, (0.0, 0.0, 0.0))
-        carrying.control.guard = Guard(Z, (40.0,) * 6, FLANGE, with_load)
+        carrying.control.sensor = ForceSensor().carrying(5.0, (0.0, 0.0, 0.0))
+        carrying.control.guard = ForceGuard(Z, (40.0,) * 6, FLANGE, with_load)
         outcome = carrying.run(wrench(0, 0, 5.0 * 9.81), 3)
         assert (outcome and outcome.verdict) == verdict
 
@@ -365,7 +365,7 @@ def started(direction: tuple[bool, ...] = Z) -> Bench:
 
 
 def fc_move(bench: Bench) -> int:
-    following = Following.behind(FC_MOVE, lambda q: Standing(FIVE, q, CYCLE))
+    following = Following.behind(FC_MOVE, lambda q: StandingFollower(FIVE, q, CYCLE))
     return bench.controller.follow(FC_MOVE, following)
 
 
@@ -465,7 +465,7 @@ def test_the_sensor_is_tared_as_the_arm_is_enabled() -> None:
 def test_the_emergency_stop_of_the_guard_cuts_the_power() -> None:
     bench = started()
     id_ = fc_move(bench)
-    bench.controller.force.control.guard = Guard(Z, (40.0,) * 6, FLANGE)
+    bench.controller.force.control.guard = ForceGuard(Z, (40.0,) * 6, FLANGE)
     bench.tick(10)
     bench.wrench = wrench(0.0, 0.0, 41.0)
     bench.tick()

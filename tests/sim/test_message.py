@@ -9,12 +9,12 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from aioduco._wire import idl, rpc
-from aioduco.sim.server.message import (
+from aioduco.sim.server.processor import (
     CALL,
     MAX_DEPTH,
     MAX_ELEMENTS,
     MAX_MESSAGE,
-    Inbox,
+    CallInbox,
     Malformed,
     Message,
 )
@@ -51,7 +51,7 @@ LONGEST = call(
 def test_each_function_of_the_wire_is_measured_exactly(name: str) -> None:
     function = idl.functions()[name]
     encoded = call(name, *(zero() for zero in function.zeros))
-    inbox = Inbox()
+    inbox = CallInbox()
     inbox.feed(encoded + STOP)
     message = inbox.take()
     assert message is not None
@@ -63,7 +63,7 @@ def test_each_function_of_the_wire_is_measured_exactly(name: str) -> None:
 
 @pytest.mark.parametrize("size", [1, 2, 7, 1000])
 def test_a_message_that_comes_in_pieces_is_the_same(size: int) -> None:
-    inbox = Inbox()
+    inbox = CallInbox()
     found = []
     for at in range(0, 2 * len(LONGEST), size):
         inbox.feed((LONGEST * 2)[at : at + size])
@@ -75,7 +75,7 @@ def test_a_message_that_comes_in_pieces_is_the_same(size: int) -> None:
 
 
 def test_a_thousand_points_of_a_track_pass() -> None:
-    inbox = Inbox()
+    inbox = CallInbox()
     inbox.feed(call("trackEnqueueOp", [rpc.PointOp([0.1] * 6) for _ in range(1000)], False))
     assert inbox.take() is not None
 
@@ -103,7 +103,7 @@ def test_a_thousand_points_of_a_track_pass() -> None:
     ],
 )
 def test_what_no_client_sends_is_refused_before_it_is_waited_for(data: bytes, reason: str) -> None:
-    inbox = Inbox()
+    inbox = CallInbox()
     inbox.feed(data)
     with pytest.raises(Malformed, match=reason):
         inbox.take()
@@ -111,7 +111,7 @@ def test_what_no_client_sends_is_refused_before_it_is_waited_for(data: bytes, re
 
 def test_a_message_beyond_the_limit_is_refused_although_each_part_is_small() -> None:
     text = field(11, struct.pack(">i", 1000) + bytes(1000))
-    inbox = Inbox()
+    inbox = CallInbox()
     inbox.feed(HEAD)
     for _ in range(MAX_MESSAGE // len(text)):
         inbox.feed(text)
@@ -123,7 +123,7 @@ def test_a_message_beyond_the_limit_is_refused_although_each_part_is_small() -> 
 
 def test_small_lists_of_lists_add_up_to_the_limit_of_elements() -> None:
     inner = b"\x0c" + struct.pack(">i", MAX_ELEMENTS // 2) + bytes(MAX_ELEMENTS // 2)
-    inbox = Inbox()
+    inbox = CallInbox()
     inbox.feed(HEAD + field(15, b"\x0f\x00\x00\x00\x02" + inner + inner))
     with pytest.raises(Malformed, match="elements"):
         inbox.take()
@@ -133,7 +133,7 @@ def test_small_lists_of_lists_add_up_to_the_limit_of_elements() -> None:
 @example(data=STOP, cut=3)
 def test_any_bytes_pass_whole_or_are_refused(data: bytes, cut: int) -> None:
     def messages(parts: list[bytes]) -> list[Message | None]:
-        inbox, found = Inbox(), list[Message | None]()
+        inbox, found = CallInbox(), list[Message | None]()
         try:
             for part in parts:
                 inbox.feed(part)
@@ -152,7 +152,7 @@ def test_any_bytes_pass_whole_or_are_refused(data: bytes, cut: int) -> None:
 def test_a_changed_byte_never_reads_beyond_the_message(at: int, byte: int) -> None:
     data = bytearray(LONGEST)
     data[at] = byte
-    inbox = Inbox()
+    inbox = CallInbox()
     inbox.feed(bytes(data))
     try:
         message = inbox.take()

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from aioduco._wire.rpc import Op
 from aioduco.kinematics import arm
 from aioduco.models.enums import SafetyState, TaskState
-from aioduco.sim.cycle import Sensed
-from aioduco.sim.force.control import ForceControl, Law
-from aioduco.sim.force.sensor import Axes
+from aioduco.sim.cycle import SensedState
+from aioduco.sim.force.control import AdmittanceLaw, ForceControl
+from aioduco.sim.force.sensor import ForceAxes
+from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.segments import line_move
 from aioduco.sim.scene import Rod, Table, mjcf_of
 from aioduco.sim.simulator import Simulator
-from aioduco.sim.world import World
 
 from .conftest import Program, Wire
 
@@ -69,7 +69,9 @@ class Cell:
         self.control = ForceControl(model, CYCLE)
         self.control.sensor = self.control.sensor.tared(self.world.wrench, DOWN)
         usual = {"direction": Z, "damping": DAMPING, "cap": CAP, "band": NOTHING}
-        self.control.law = Law(target=target, axes=Axes(tip, np.eye(4)), **{**usual, **law})
+        self.control.law = AdmittanceLaw(
+            target=target, axes=ForceAxes(tip, np.eye(4)), **{**usual, **law}
+        )
         self.control.start(self.mover.setpoint)
         self.time = 0.0
         self.forces: list[list[float]] = []
@@ -83,7 +85,7 @@ class Cell:
             cycles += 1
             self.time += CYCLE
             world = self.world
-            sensed = Sensed(self.time, 0.0, world.q, world.qd, world.wrench, ZEROS)
+            sensed = SensedState(self.time, 0.0, world.q, world.qd, world.wrench, ZEROS)
             point, outcome = self.control.tick(self.mover.tick().setpoint, sensed, giving=True)
             assert outcome is None
             world.step(point)

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from aioduco.models.enums import ProgramState, TaskState
-from aioduco.sim.execution import ProgramError
-from aioduco.sim.script import Steps, read
+from aioduco.sim.cabinet.script import ProgramError, read
+from aioduco.sim.controller.programs import ProgramRun
+from aioduco.sim.controller.tasks import TaskTable
 from aioduco.sim.simulator import READY, Simulator
-from aioduco.sim.tasks import TaskTable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator
@@ -321,7 +321,7 @@ def test_one_call_in_a_cycle_and_sleeping_keeps_time() -> None:
         return 0
 
     script: list[list[Any]] = [["getQueueSize"], ["sleep", 0.005], ["robotmoving"]]
-    steps = Steps("timed", script, make, TaskTable())
+    steps = ProgramRun("timed", script, make, TaskTable())
     made = []
     for _ in range(12):
         over = steps.go_on(0.001)
@@ -345,7 +345,9 @@ def test_how_far_a_program_is_read_ahead(
         return ids[-1]
 
     script = [["movel", [0.0] * 6, 0.1, 1.0, 0.05]] * 5
-    steps = Steps("blends", script, make, tasks, ahead=lambda: ahead, progress=lambda: progress)
+    steps = ProgramRun(
+        "blends", script, make, tasks, ahead=lambda: ahead, progress=lambda: progress
+    )
     for _ in range(10):
         assert not steps.go_on(0.001)
     assert len(ids) == known
@@ -362,6 +364,6 @@ def test_a_generator_that_yields_nonsense() -> None:
     def nonsense() -> Generator[list[Any], Any, None]:
         yield []
 
-    steps = Steps("nonsense", nonsense, lambda _name, _values: 0, TaskTable())
+    steps = ProgramRun("nonsense", nonsense, lambda _name, _values: 0, TaskTable())
     with pytest.raises(ProgramError, match="is no call"):
         steps.go_on(0.001)

@@ -10,7 +10,7 @@ import pytest
 
 from aioduco._wire.rpc import RealTimeControlData
 from aioduco.models.enums import SafetyState, TaskState
-from aioduco.sim.planner.fifo import CAPACITY
+from aioduco.sim.planner.track_pool import CAPACITY
 from aioduco.sim.simulator import READY, Simulator
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ import pytest
 
 from aioduco.models.enums import ProgramState, TaskState
 from aioduco.models.pose import Pose
-from aioduco.sim.recording import BY_POSITION, BY_TIME, CAPACITY, Recorder, Track
+from aioduco.sim.cabinet.project import CAPACITY, RecordedTrack
+from aioduco.sim.controller.recorder import BY_POSITION, BY_TIME, Recorder
 from aioduco.sim.simulator import READY, Simulator
 
 from .fakes import Bench
@@ -133,8 +134,8 @@ def test_one_recording_at_a_time(program: Program) -> None:
 
 
 def test_a_recorder_of_a_standing_arm() -> None:
-    recorder, kept = Recorder(), list[Track]()
-    recorder.start(Track("", ""), BY_POSITION, 0.1, tuple, kept.append)
+    recorder, kept = Recorder(), list[RecordedTrack]()
+    recorder.start(RecordedTrack("", ""), BY_POSITION, 0.1, tuple, kept.append)
     assert not any(recorder.tick(0.001 * n, np.zeros(6)) for n in range(100))
     recorder.stop()
     assert len(kept[0].joints) == 1
@@ -142,8 +143,8 @@ def test_a_recorder_of_a_standing_arm() -> None:
 
 
 def test_a_restart_ends_the_recording() -> None:
-    bench, kept = Bench().enabled(), list[Track]()
-    bench.controller.recorder.start(Track("", ""), BY_TIME, 0.01, tuple, kept.append)
+    bench, kept = Bench().enabled(), list[RecordedTrack]()
+    bench.controller.recorder.start(RecordedTrack("", ""), BY_TIME, 0.01, tuple, kept.append)
     bench.tick(15)
     assert bench.ended(bench.controller.change_power("power_off")) == TaskState.FINISHED
     assert not kept
@@ -230,7 +231,7 @@ def test_wrong_replays(cell: Simulator, program: Program) -> None:
         assert program.replay(*args) == TaskState.PARAMETER_MISMATCH
     program.disable(True)
     assert program.replay("t", 50, 0) == TaskState.ILLEGAL
-    cell.cabinet.project.tracks["gone"] = Track("gone", "", [tuple(START)], [(0.0,) * 6])
+    cell.cabinet.project.tracks["gone"] = RecordedTrack("gone", "", [tuple(START)], [(0.0,) * 6])
     program.enable(True)
     assert program.replay("gone", 50, 1) == TaskState.ILLEGAL
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from aioduco.models.enums import TaskState
-from aioduco.sim.outputs import LEVEL, Outputs, Pulses
+from aioduco.sim.cabinet.signals import LEVEL, Outputs, Pulses
+from aioduco.sim.cabinet.values import SystemValues, UndefinedValue
 from aioduco.sim.simulator import Simulator
-from aioduco.sim.values import SystemValues, UndefinedValue
 
 from .conftest import OUT_OF_RANGE
 

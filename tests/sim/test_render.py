@@ -11,10 +11,10 @@ import pytest
 from aioduco.errors import ParameterError, RenderError
 from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
-from aioduco.sim.camera import Camera, towards
-from aioduco.sim.film import Film
 from aioduco.sim.scene import Box
 from aioduco.sim.simulator import Simulator
+from aioduco.sim.view.camera import Camera, towards
+from aioduco.sim.view.film import Film
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from aioduco.sim.refusal import Refusal
-from aioduco.sim.runtime import Runtime
+from aioduco.sim.runtime import SimulationRuntime
 
 from .fakes import HOME, FakeMover, controller_of, leg
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from aioduco.sim.planner.mover import SetPoint
+    from aioduco.sim.planner.path import JointSetPoint
 
     Vector = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ class Follower:
         self.broken = False
         self.braked: list[bool] = []
 
-    def step(self, setpoint: SetPoint) -> None:
+    def step(self, setpoint: JointSetPoint) -> None:
         if self.broken:
             raise FloatingPointError("the arm fell apart")
         self.steps += 1
@@ -72,28 +72,28 @@ def arm() -> Follower:
 
 
 @pytest.fixture
-def runtime(arm: Follower) -> Iterator[Runtime]:
+def runtime(arm: Follower) -> Iterator[SimulationRuntime]:
     controller = controller_of(FakeMover)
-    runtime = Runtime(controller, arm, speed=math.inf)
+    runtime = SimulationRuntime(controller, arm, speed=math.inf)
     runtime.start()
     yield runtime
     runtime.close()
 
 
-def enable(runtime: Runtime) -> None:
+def enable(runtime: SimulationRuntime) -> None:
     for name in ("power_on", "enable"):
         with runtime.command() as controller:
             id_ = controller.change_power(name)
         assert runtime.wait(id_) == 4
 
 
-def test_a_command_is_seen_at_once(runtime: Runtime) -> None:
+def test_a_command_is_seen_at_once(runtime: SimulationRuntime) -> None:
     with runtime.command() as controller:
         controller.set_speed(30)
     assert runtime.snapshot.view.speed == 30
 
 
-def test_a_snapshot_never_changes(runtime: Runtime) -> None:
+def test_a_snapshot_never_changes(runtime: SimulationRuntime) -> None:
     enable(runtime)
     before = runtime.snapshot
     q, time_ = before.q.copy(), before.time
@@ -105,7 +105,9 @@ def test_a_snapshot_never_changes(runtime: Runtime) -> None:
     assert runtime.snapshot.time > time_
 
 
-def test_while_nothing_happens_time_passes_without_physics(runtime: Runtime, arm: Follower) -> None:
+def test_while_nothing_happens_time_passes_without_physics(
+    runtime: SimulationRuntime, arm: Follower
+) -> None:
     assert runtime.wait_until(lambda: runtime.snapshot.time > 0.5, 10.0)
     steps = arm.steps
     begin = time.monotonic()
@@ -118,7 +120,7 @@ def test_while_nothing_happens_time_passes_without_physics(runtime: Runtime, arm
     assert arm.steps > steps
 
 
-def test_brakes_are_told_when_they_change(runtime: Runtime, arm: Follower) -> None:
+def test_brakes_are_told_when_they_change(runtime: SimulationRuntime, arm: Follower) -> None:
     enable(runtime)
     assert runtime.wait_until(lambda: arm.braked[-1] is False, 10.0)
     with runtime.command() as controller:
@@ -127,13 +129,13 @@ def test_brakes_are_told_when_they_change(runtime: Runtime, arm: Follower) -> No
     assert arm.braked == [True, False, True]
 
 
-def test_a_wait_for_what_never_comes_ends_in_simulated_time(runtime: Runtime) -> None:
+def test_a_wait_for_what_never_comes_ends_in_simulated_time(runtime: SimulationRuntime) -> None:
     begin = runtime.snapshot.time
     assert not runtime.wait_until(lambda: False, 0.2)
     assert runtime.snapshot.time >= begin + 0.2
 
 
-def test_a_predicate_may_wait_for_the_controller(runtime: Runtime) -> None:
+def test_a_predicate_may_wait_for_the_controller(runtime: SimulationRuntime) -> None:
     enable(runtime)
 
     def moved() -> bool:
@@ -144,7 +146,7 @@ def test_a_predicate_may_wait_for_the_controller(runtime: Runtime) -> None:
     assert runtime.wait_until(moved, 10.0)
 
 
-def test_a_command_that_fails_leaves_the_controller_usable(runtime: Runtime) -> None:
+def test_a_command_that_fails_leaves_the_controller_usable(runtime: SimulationRuntime) -> None:
     def fail() -> None:
         with runtime.command() as controller:
             controller.set_speed(40)
@@ -158,7 +160,7 @@ def test_a_command_that_fails_leaves_the_controller_usable(runtime: Runtime) -> 
 
 def test_closing_lets_go_of_waiters(arm: Follower) -> None:
     controller = controller_of(FakeMover)
-    runtime = Runtime(controller, arm, speed=1.0)
+    runtime = SimulationRuntime(controller, arm, speed=1.0)
     runtime.start()
     id_ = controller.tasks.new("never")
     ended = threading.Event()
@@ -179,7 +181,7 @@ def test_closing_lets_go_of_waiters(arm: Follower) -> None:
 
 
 def test_physics_that_fail_are_answered_by_errors_and_not_by_old_states(
-    runtime: Runtime, arm: Follower, caplog: pytest.LogCaptureFixture
+    runtime: SimulationRuntime, arm: Follower, caplog: pytest.LogCaptureFixture
 ) -> None:
     with caplog.at_level(logging.CRITICAL):
         enable(runtime)
@@ -196,7 +198,7 @@ def test_physics_that_fail_are_answered_by_errors_and_not_by_old_states(
 
 def test_statistics_of_a_loop_in_real_time(arm: Follower) -> None:
     controller = controller_of(FakeMover)
-    runtime = Runtime(controller, arm, speed=1.0)
+    runtime = SimulationRuntime(controller, arm, speed=1.0)
     runtime.start()
     try:
         enable(runtime)

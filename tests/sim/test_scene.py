@@ -12,11 +12,21 @@ import pytest
 from aioduco.errors import ParameterError, SceneError
 from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
-from aioduco.sim.mounting import gravity, mounting_of
-from aioduco.sim.planner.mover import SetPoint
-from aioduco.sim.scene import Box, Cylinder, Pad, Rod, Sphere, Table, Thing, mjcf_of
+from aioduco.sim.physics.world import World
+from aioduco.sim.planner.path import JointSetPoint
+from aioduco.sim.scene import (
+    Box,
+    Cylinder,
+    Pad,
+    Rod,
+    Sphere,
+    Table,
+    Thing,
+    gravity,
+    mjcf_of,
+    mounting_of,
+)
 from aioduco.sim.simulator import READY, Simulator
-from aioduco.sim.world import World
 from aioduco.testing.waiting import eventually
 
 if TYPE_CHECKING:
@@ -33,7 +43,7 @@ TIP = FIVE.fkine(HOME)[:3, 3] - [0.0, 0.0, 0.1]
 
 
 def hold(world: World, pose: Pose, cycles: int = 1500) -> None:
-    setpoint = SetPoint.at_rest(FIVE.ikine(pose.matrix, HOME))
+    setpoint = JointSetPoint.at_rest(FIVE.ikine(pose.matrix, HOME))
     for _ in range(cycles):
         world.step(setpoint)
 

@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from aioduco.sim.collision import LEVELS
+from aioduco.sim.controller.monitoring import LEVELS
 
 PAGE = Path(__file__).parents[2] / "docs" / "scene.md"
 

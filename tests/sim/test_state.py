@@ -16,10 +16,10 @@ from aioduco.kinematics import arm, models
 from aioduco.kinematics.forward import bias_acceleration, fkine, jacobian
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Joints, Pose
-from aioduco.sim.frames import Frames, UnknownName
-from aioduco.sim.signals import Bank, Signals
+from aioduco.sim.cabinet.signals import Bank, Signals
+from aioduco.sim.cabinet.tools import FrameTable, UnknownName
+from aioduco.sim.physics.tip import tip_motion
 from aioduco.sim.simulator import READY, Simulator
-from aioduco.sim.tip import tip
 
 from .conftest import OUT_OF_RANGE
 
@@ -36,7 +36,7 @@ def test_a_tip_moves_as_the_jacobian_says(
     q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, model: str
 ) -> None:
     geometry = arm(model).geometry
-    found = tip(geometry, q, qd, qdd, np.eye(4))
+    found = tip_motion(geometry, q, qd, qdd, np.eye(4))
     jacobian_ = jacobian(geometry, q)
     assert Pose.of(found.pose).almost_equal(Pose.from_matrix(fkine(geometry, q)))
     assert found.speed == pytest.approx(jacobian_ @ qd, abs=1e-9)
@@ -58,7 +58,7 @@ def test_a_tip_beside_the_flange_moves_as_differences_say(
         pose: np.ndarray = fkine(geometry, q + qd * t + qdd * t * t / 2) @ offset
         return pose[:3, 3]
 
-    found = tip(geometry, q, qd, qdd, offset)
+    found = tip_motion(geometry, q, qd, qdd, offset)
     assert found.pose[:3] == pytest.approx(at(0.0), abs=1e-12)
     assert found.speed[:3] == pytest.approx((at(h) - at(-h)) / (2 * h), abs=1e-4)
     bent = (at(h) - 2 * at(0.0) + at(-h)) / h**2
@@ -165,7 +165,7 @@ def test_a_tool_that_makes_no_sense_changes_nothing(
 
 
 def test_names_that_are_not_defined_list_those_that_are() -> None:
-    frames = Frames()
+    frames = FrameTable()
     with pytest.raises(UnknownName, match="there are: default"):
         frames.tool("gripper")
     with pytest.raises(UnknownName, match="there are: default"):

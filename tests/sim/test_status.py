@@ -11,8 +11,8 @@ import pytest
 
 from aioduco._wire.rpc import IOStatus, Op, RobotStatus
 from aioduco.models.enums import RobotState
+from aioduco.sim.physics.temperature import AMBIENT, Temperatures
 from aioduco.sim.simulator import READY, Simulator
-from aioduco.sim.warmth import AMBIENT, Warmth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -108,7 +108,7 @@ def test_lists_may_be_empty_just_after_connecting(cell: Simulator, program: Prog
 
 def test_temperatures_follow_the_load_slowly() -> None:
     effort = [100.0, 100.0, 50.0, 10.0, 10.0, 10.0]
-    warmth = Warmth(effort)
+    warmth = Temperatures(effort)
     torque = np.array([100.0, 50.0, 0.0, 0.0, 0.0, -10.0])
     warmth.tick(600.0, torque, powered=True)
     rise = 1.0 - math.exp(-1.0)
@@ -117,7 +117,7 @@ def test_temperatures_follow_the_load_slowly() -> None:
     assert warmth.boards[0] - AMBIENT == pytest.approx(25.0, abs=0.5)
     assert warmth.boards[2] - AMBIENT == pytest.approx(5.0, abs=0.1)
     # Steps make no difference, and it cools down as it warmed up.
-    steps = Warmth(effort)
+    steps = Temperatures(effort)
     for _ in range(600):
         steps.tick(1.0, torque, powered=True)
     assert steps.joints == pytest.approx(warmth.joints)

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, invariant, rule
 
 from aioduco.models.enums import TaskState
-from aioduco.sim.tasks import FIRST_ID, TaskTable
+from aioduco.sim.controller.tasks import FIRST_ID, TaskTable
 
 RUNNING = st.sampled_from([TaskState.IDLE, TaskState.RUNNING, TaskState.PAUSED])
 ENDED = st.sampled_from([state for state in TaskState if state.ended])

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from aioduco.kinematics import Arm, arm, models
-from aioduco.sim.planner.mover import Mover, SetPoint
+from aioduco.sim.physics.world import World
+from aioduco.sim.planner.mover import Mover
+from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.planner.segments import joint_move
 from aioduco.sim.simulator import READY
-from aioduco.sim.world import World
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
@@ -84,5 +85,5 @@ def test_an_arm_that_is_blocked_pushes_and_does_not_fly_apart(any_arm: Arm, into
     assert (np.abs(world.torque) <= np.array(any_arm.effort) * (1 + 1e-9)).all()
     world.brake(True)
     for _ in range(500):
-        world.step(SetPoint.at_rest(world.q))
+        world.step(JointSetPoint.at_rest(world.q))
     assert np.abs(world.qd).max() < 0.05

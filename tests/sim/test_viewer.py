@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from aioduco.errors import RenderError
-from aioduco.sim import viewer
-from aioduco.sim.camera import Camera
 from aioduco.sim.simulator import Simulator
+from aioduco.sim.view import viewer
+from aioduco.sim.view.camera import Camera
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager

@@ -11,9 +11,10 @@ import pytest
 from aioduco.kinematics import Arm, arm, models
 from aioduco.kinematics.bodies import ROTOR, bodies
 from aioduco.models.pose import Pose
-from aioduco.sim.planner.mover import Mover, SetPoint
+from aioduco.sim.physics.world import World
+from aioduco.sim.planner.mover import Mover
+from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.planner.segments import arc_move, joint_move, line_move
-from aioduco.sim.world import World
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
@@ -42,7 +43,7 @@ def follow(world: World, mover: Mover) -> tuple[Array, Array]:
 
 
 def stand(world: World, cycles: int = 400) -> None:
-    setpoint = SetPoint.at_rest(world.q)
+    setpoint = JointSetPoint.at_rest(world.q)
     for _ in range(cycles):
         world.step(setpoint)
 
@@ -176,7 +177,7 @@ def test_brakes_hold_the_arm_without_power(any_arm: Arm) -> None:
     world = World(any_arm, q=q)
     world.brake(True)
     assert world.braked
-    elsewhere = SetPoint.at_rest(HOME)
+    elsewhere = JointSetPoint.at_rest(HOME)
     for _ in range(5000):
         world.step(elsewhere)
     assert np.abs(world.q - q).max() < 1e-6
@@ -234,7 +235,7 @@ def test_a_push_at_the_flange_is_felt_and_resisted() -> None:
     idle = world.torque
     push = np.array([20.0, -10.0, 5.0, 0.5, 1.0, -0.5])
     world.push(push.tolist())
-    hold = SetPoint.at_rest(q)
+    hold = JointSetPoint.at_rest(q)
     for _ in range(1000):
         world.step(hold)
     turn = world.flange()[:3, :3]
@@ -265,7 +266,7 @@ def test_the_floor_stops_the_arm() -> None:
 
 def test_torques_end_at_the_limits_of_the_drives() -> None:
     world = World(FIVE, q=HOME)
-    jump = SetPoint.at_rest(HOME + 1.0)
+    jump = JointSetPoint.at_rest(HOME + 1.0)
     for _ in range(50):
         world.step(jump)
         assert (np.abs(world.torque) <= np.array(FIVE.effort) * (1 + 1e-9)).all()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from aioduco.streaming.endpoint import Endpoint
+from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.servo import Servo
 from aioduco.testing import RecordingServer, eventually
 
@@ -28,16 +28,16 @@ class Controller:
     stops: list[str] = field(default_factory=list)
 
     @property
-    def endpoint(self) -> Endpoint:
+    def endpoint(self) -> StreamEndpoint:
         async def stop(ending: str) -> None:
             self.stops.append(ending or "stop")
 
-        return Endpoint(self.server.host, self.server.port, stop)
+        return StreamEndpoint(self.server.host, self.server.port, stop)
 
     @staticmethod
-    def nowhere() -> Endpoint:
+    def nowhere() -> StreamEndpoint:
         """For streams that are made but never opened."""
-        return Endpoint("127.0.0.1", 1)
+        return StreamEndpoint("127.0.0.1", 1)
 
     @property
     def servo(self) -> Servo:

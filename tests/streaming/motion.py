@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco.streaming.space import Config, Space
+    from aioduco.streaming.shared.space import Config, Space
 
 
 class Peaks(NamedTuple):

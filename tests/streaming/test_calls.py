@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from aioduco._wire import codec, idl
 from aioduco._wire.rpc import Op, PointOp, RealTimeControlData
-from aioduco.streaming.calls import Batch, Point, element_tail
+from aioduco.streaming.worker.encoding import Batch, Point, element_tail
 
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection

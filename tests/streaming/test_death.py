@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from aioduco.errors import LaneFailed
+from aioduco.streaming.options import LaneOptions
 from aioduco.streaming.servo import Servo
 from aioduco.streaming.session import Session
-from aioduco.streaming.settings import LaneOptions
 from aioduco.testing import eventually, eventually_async, no_leaks
 
 from .conftest import HERE, Controller
@@ -27,13 +27,13 @@ PROGRAM = """
 import sys
 import anyio
 from aioduco.streaming.servo import Servo
-from aioduco.streaming.endpoint import Endpoint
-from aioduco.streaming.settings import LaneOptions
+from aioduco.streaming.endpoint import StreamEndpoint
+from aioduco.streaming.options import LaneOptions
 
 here = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
 
 async def main(host, port, lane):
-    stream = Servo(Endpoint(host, int(port))).joints(
+    stream = Servo(StreamEndpoint(host, int(port))).joints(
         v=1.0, a=5.0, rate=500, options=LaneOptions(lane=lane)
     )
     async with stream:

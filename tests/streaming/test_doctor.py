@@ -9,8 +9,8 @@ import pytest
 from aioduco.errors import StreamLost
 from aioduco.streaming.doctor import RATES, Examination, examine, holdable
 from aioduco.streaming.report import StreamStatistics, plot
-from aioduco.streaming.source import Reason, State
-from aioduco.streaming.statistics import Percentiles
+from aioduco.streaming.shared.histogram import Percentiles
+from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.testing import no_leaks
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ NOTHING = Percentiles(0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 def figures(late: float, work: float) -> StreamStatistics:
     return StreamStatistics(
-        state=State.ENDED,
+        state=StreamState.ENDED,
         reason=Reason.CLOSED,
         ticks=1000,
         sent=0,

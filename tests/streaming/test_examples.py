@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from moments import complaints
 
 from aioduco.sim import Simulator
 from aioduco.testing import eventually
@@ -46,7 +47,7 @@ def run(name: str, *arguments: str) -> str:
         text=True,
         timeout=50,
     )
-    assert (done.stderr, done.returncode) == ("", 0)
+    assert (complaints(done.stderr), done.returncode) == ("", 0)
     return done.stdout
 
 
@@ -95,15 +96,15 @@ def test_teleoperation_by_keys_from_a_pipe() -> None:
         )
         assert program.stdin is not None
         assert program.stdout is not None
-        assert "q ends" in program.stdout.readline()
+        assert "q ends" in program.stdout.readline(), program.communicate()
         before = sim.joints.array
         program.stdin.write("w")
         program.stdin.flush()
         eventually(lambda: np.abs(sim.joints.array - before).max() > 5e-3)
         # One key, not held: it stands again.
         eventually(Standing(sim))
-        said, complaints = program.communicate("q", timeout=20)
-        assert (complaints, program.returncode) == ("", 0)
+        said, errors = program.communicate("q", timeout=20)
+        assert (complaints(errors), program.returncode) == ("", 0)
         assert "the tool stands at Pose(" in said
         assert not sim.view.moving
 

@@ -22,9 +22,10 @@ from aioduco.errors import (
     StreamLost,
     StreamRefused,
     StreamStarved,
+    StreamStopped,
 )
 from aioduco.sim import Simulator
-from aioduco.streaming.settings import LaneOptions
+from aioduco.streaming.options import LaneOptions
 from aioduco.testing import (
     ApplicationError,
     Cut,
@@ -71,7 +72,7 @@ def proxy(sim: Simulator) -> Iterator[FaultProxy]:
 
 @pytest.fixture
 async def robot(proxy: FaultProxy) -> AsyncIterator[aioduco.Robot]:
-    async with aioduco.connect(proxy.host, proxy.port) as robot:
+    async with aioduco.connect(proxy.host, proxy.port, unanswered_timeout=0.5) as robot:
         await robot.recover()
         await robot.motion.movej2(START, v=3.0, a=20.0)
         yield robot
@@ -175,7 +176,8 @@ async def test_without_a_heartbeat_a_stream_ends(sim: Simulator, proxy: FaultPro
         proxy.on("rpc_heartbeat", DropRequest(), times=None, skip=5)
         with pytest.raises(StreamError) as caught:
             await run(robot, "servoj", THREAD, count=20_000)
-        assert isinstance(caught.value, (StreamStarved, StreamRefused))
+        # whichever is seen first: no answer here, a refusal, or the task that it stopped
+        assert isinstance(caught.value, (StreamStarved, StreamRefused, StreamStopped))
         await see_it_stand(sim)
         proxy.clear()
 
@@ -252,6 +254,11 @@ def _runs(pid: int) -> bool:
 # -- cancellation ------------------------------------------------------------------------------
 
 
+def losses(robot: aioduco.Robot) -> int:
+    assert robot.heartbeat is not None
+    return robot.heartbeat.losses
+
+
 @pytest.mark.parametrize("how", ["scope", "task"])
 @lanes
 async def test_cancelled_at_any_await(
@@ -272,13 +279,16 @@ async def test_cancelled_at_any_await(
     while run is None or run.struck:
         await eventually_async(lambda: not sim.moving)
         start = sim.joints[0]
-        before = Resources.now()
+        before, lost = Resources.now(), losses(robot)
         run = await cancel_at(program, at, how=how)
         assert not sim.view.moving, run
         assert run.error is None
-        assert not robot._supervisor.keeper.streams
+        assert not robot._supervisor.stop_coordinator.streams
+        # A heartbeat that was lost meanwhile, on a busy machine, goes over a new connection.
         await eventually_async(
-            lambda before=before: not Resources.now().beyond(before),  # type: ignore[misc]
+            lambda before=before, lost=lost: (  # type: ignore[misc]
+                losses(robot) > lost or not Resources.now().beyond(before)
+            ),
             what=lambda before=before: str(Resources.now().beyond(before)),  # type: ignore[misc]
         )
         at += step

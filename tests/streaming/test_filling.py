@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco.streaming.filling import Depth, Pooled, Todo
-from aioduco.streaming.source import Reason, State
+from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.worker.buffered import Depth, PoolStates, Todo
 
 # -- the realtime queue ------------------------------------------------------------------------
 
@@ -51,8 +51,8 @@ def test_a_queue_ends_when_it_holds_nothing_but_rest() -> None:
 # -- the track pool ----------------------------------------------------------------------------
 
 
-def following() -> Pooled:
-    pool = Pooled(10, 50, hold=1.0)
+def following() -> PoolStates:
+    pool = PoolStates(10, 50, hold=1.0)
     assert pool.may_begin(10, 256)
     pool.begin()
     return pool
@@ -65,17 +65,17 @@ def following() -> Pooled:
 def test_a_pool_begins_with_enough_points_or_all_of_them(
     waiting: int, capacity: int, closing: bool, begins: bool
 ) -> None:
-    pool = Pooled(10, 50, hold=1.0)
+    pool = PoolStates(10, 50, hold=1.0)
     if closing:
         pool.close()
     assert pool.may_begin(waiting, capacity) is begins
 
 
 def test_a_pool_closed_before_anything_came_ends() -> None:
-    pool = Pooled(10, 50, hold=1.0)
+    pool = PoolStates(10, 50, hold=1.0)
     pool.close()
     assert not pool.may_begin(0, 256)
-    assert (pool.state, pool.reason) == (State.ENDED, Reason.CLOSED)
+    assert (pool.state, pool.reason) == (StreamState.ENDED, Reason.CLOSED)
 
 
 def test_a_pool_is_filled_up_to_its_high_mark_when_below_its_low_one() -> None:
@@ -88,9 +88,9 @@ def test_a_pool_that_ran_dry_is_resumed_by_the_next_points() -> None:
     assert pool.look(5, 0, 0.0) is Todo.FOLLOW
     assert pool.look(0, 0, 0.1) is Todo.WAIT
     assert pool.look(0, 0, 0.2) is Todo.WAIT
-    assert (pool.state, pool.drained, pool.starved) == (State.HOLDING, 1, 2)
+    assert (pool.state, pool.drained, pool.starved) == (StreamState.HOLDING, 1, 2)
     assert pool.look(0, 20, 0.3) is Todo.RESUME
-    assert pool.state is State.FOLLOWING
+    assert pool.state is StreamState.FOLLOWING
     assert pool.look(20, 0, 0.4) is Todo.FOLLOW
 
 
@@ -99,7 +99,7 @@ def test_a_pool_that_stays_dry_ends() -> None:
     assert pool.look(0, 0, 5.0) is Todo.WAIT
     assert pool.look(0, 0, 6.0) is Todo.WAIT
     assert pool.look(0, 0, 6.1) is Todo.EMPTY
-    assert (pool.state, pool.reason) == (State.DECELERATING, Reason.STARVED)
+    assert (pool.state, pool.reason) == (StreamState.DECELERATING, Reason.STARVED)
 
 
 def test_a_closed_pool_that_runs_dry_has_not_starved() -> None:
@@ -125,8 +125,8 @@ def test_there_is_no_way_back_from_the_end_and_the_first_reason_stays(steps: lis
                 pool.brake(Reason.ABORTED)
             case "end":
                 pool.end(Reason.STOPPED)
-            case "look" | "dry" if pool.state < State.DECELERATING:
+            case "look" | "dry" if pool.state < StreamState.DECELERATING:
                 pool.look(0 if step == "dry" else 5, 0, now)
-        assert pool.state >= before or before is State.HOLDING
+        assert pool.state >= before or before is StreamState.HOLDING
         assert reason in (Reason.NONE, pool.reason)
         before, reason = pool.state, pool.reason

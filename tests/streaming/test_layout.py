@@ -1,31 +1,33 @@
-"""What a lane's process may load, and which parts know neither clock nor file."""
+"""What a worker's process loads, and which parts know neither clock nor file."""
 
 from __future__ import annotations
 
 import ast
-import subprocess
-import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
 import aioduco.streaming
+from aioduco import _spawn
+
+from .conftest import HERE
+
+if TYPE_CHECKING:
+    from .conftest import Controller
 
 FOLDER = Path(aioduco.streaming.__file__).parent
 PURE = [
-    "config",
+    "shared/config",
     "ends",
-    "filling",
     "gains",
-    "jerk",
     "joint_trajectory",
-    "limits",
-    "rates",
+    "worker/limiter",
     "sampling",
-    "source",
-    "space",
-    "statistics",
-    "upsample",
+    "shared/space",
+    "shared/histogram",
+    "shared/state",
+    "worker/interpolation",
 ]
 IMPURE = {"time", "os", "socket", "threading", "select", "mmap", "signal", "anyio", "pathlib"}
 
@@ -45,19 +47,58 @@ def test_pure_parts_know_no_clock_and_no_file(name: str) -> None:
     assert not imported(FOLDER / f"{name}.py") & IMPURE
 
 
-def test_a_lane_loads_nothing_of_the_face() -> None:
-    """The package's own `__init__` aside, which every import of a part of it runs."""
-    script = (
-        "import sys, types, importlib.util\n"
-        "spec = importlib.util.find_spec('aioduco')\n"
-        "package = types.ModuleType('aioduco')\n"
-        "package.__path__ = list(spec.submodule_search_locations)\n"
-        "sys.modules['aioduco'] = package\n"
-        "import aioduco.streaming.lane\n"
-        "print(*sorted({'anyio', 'asyncio', 'ruckig', 'aioduco.streaming.stream',"
-        " 'aioduco.api'} & set(sys.modules)))\n"
-    )
-    shown = subprocess.run(
-        [sys.executable, "-c", script], check=True, capture_output=True, text=True
-    )
-    assert shown.stdout.split() == []
+#: what no worker has a use for: the program's side of the package, and what that stands on
+UNUSED = {
+    "anyio",
+    "asyncio",
+    "concurrent.futures",
+    "numpy",
+    "logging.config",
+    "multiprocessing",
+    "subprocess",
+}
+#: of this package, all that a worker may load beside what is below `worker` and `shared`
+USED = {
+    "aioduco",
+    "aioduco._version",
+    "aioduco._wire",
+    "aioduco.errors",
+    "aioduco.scheduling",
+    "aioduco.streaming",
+}
+OF_THE_WIRE = {"handoff", "lane", "worker", "pool", "blocking", "messages", "source"}
+
+#: MB of a worker at its largest; it was 48 with numpy and thriftpy2's parser
+MOST = 34.0
+
+#: stands before what each process of the package runs first
+RECORDER = """
+import atexit, pathlib, sys
+atexit.register(lambda: pathlib.Path({path!r}).write_text(" ".join(sys.modules)))
+"""
+
+
+async def test_a_worker_loads_what_it_needs_and_stays_small(
+    controller: Controller, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A real one, started as each is, with limits of jerk; at its exit it tells what it loaded."""
+    record = tmp_path / "modules"
+    monkeypatch.setattr(_spawn, "_BEGIN", RECORDER.format(path=str(record)) + _spawn._BEGIN)
+    stream = controller.servo.joints(v=1.0, a=5.0, source_rate=100, upsample="ruckig")
+    async with stream:
+        await stream.send(HERE)
+    loaded = set(record.read_text().split())
+    assert {"aioduco.streaming.worker.main", "ruckig"} <= loaded
+    assert loaded & UNUSED == set()
+    ours = {name for name in loaded if name.partition(".")[0] == "aioduco"}
+    beyond = {
+        name
+        for name in ours - USED
+        if not name.startswith(
+            ("aioduco.streaming.worker", "aioduco.streaming.shared", "aioduco._wire.")
+        )
+    }
+    assert beyond == set()
+    assert not {f"aioduco._wire.{name}" for name in OF_THE_WIRE} & ours
+    megabytes = stream.statistics().memory / 1e6
+    assert 0 < megabytes <= MOST

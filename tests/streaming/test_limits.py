@@ -9,10 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco.streaming.jerk import JerkLimiter
-from aioduco.streaming.limits import Limiter, Limits
-from aioduco.streaming.rates import Rates
-from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE, Config, Space
+from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Config, Limits, Space
+from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, Rates
 
 from .motion import peaks
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco.streaming.pacing import Schedule, sleep_until
+from aioduco.streaming.worker.clock import Schedule, sleep_until
 
 PERIOD = 1000
 

@@ -19,9 +19,9 @@ from aioduco.errors import (
     StreamStopped,
 )
 from aioduco.models.op import Op, output
+from aioduco.streaming.options import LaneOptions
 from aioduco.streaming.realtime import CYCLE, RealtimeStreams
-from aioduco.streaming.settings import LaneOptions
-from aioduco.streaming.source import Reason, State
+from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.track import TrackStreams
 from aioduco.testing import eventually, eventually_async, no_leaks
 
@@ -114,7 +114,7 @@ async def test_a_stall_of_the_event_loop_does_not_reach_the_controller(
     count = 700
     trajectory = [near(0.02 * (1 - math.cos(math.pi * n / 350))) for n in range(count + 1)]
     opened = RealtimeStreams(controller.endpoint).stream(
-        "joint_position", v=1.0, a=50.0, depth=100, options=PROCESS
+        "joint_position", v=1.0, a=50.0, depth=100, options=LaneOptions(timeout=20.0)
     )
     async with opened as stream, anyio.create_task_group() as tasks:
         tasks.start_soon(stream.play, trajectory)
@@ -222,7 +222,7 @@ def test_torques_and_unknown_modes_are_refused(mode: Any) -> None:
 # -- track pool --------------------------------------------------------------------------------
 
 
-class TrackPool:
+class PoolDrive:
     """A pool that is followed at so many points per look at it."""
 
     def __init__(self, controller: Controller, per_look: int) -> None:
@@ -273,7 +273,7 @@ class TrackPool:
 async def test_the_pool_stays_between_its_marks_and_every_point_arrives(
     controller: Controller, options: LaneOptions
 ) -> None:
-    pool = TrackPool(controller, per_look=30)
+    pool = PoolDrive(controller, per_look=30)
     path = [near(1e-4 * n) for n in range(900)]
     opened = TrackStreams(controller.endpoint).stream(
         "joints", speed=0.5, acc=1.0, low=50, high=200, options=options
@@ -289,7 +289,7 @@ async def test_the_pool_stays_between_its_marks_and_every_point_arrives(
 
 
 async def test_a_path_of_poses_with_outputs(controller: Controller) -> None:
-    pool = TrackPool(controller, per_look=5)
+    pool = PoolDrive(controller, per_look=5)
     start = [0.5, 0.1, 0.4, 3.0, 0.0, 1.0]
     opened = TrackStreams(controller.endpoint).stream(
         "pose", speed=0.2, acc=0.5, tool="gun", wobj="part", operations=True, options=THREAD
@@ -305,14 +305,14 @@ async def test_a_path_of_poses_with_outputs(controller: Controller) -> None:
 
 
 async def test_a_pool_that_ran_dry_is_started_again(controller: Controller) -> None:
-    pool = TrackPool(controller, per_look=1000)
+    pool = PoolDrive(controller, per_look=1000)
     opened = TrackStreams(controller.endpoint).stream(
         "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, options=THREAD
     )
     async with opened as stream:
         for n in range(20):
             await stream.send(near(1e-4 * n))
-        await eventually_async(lambda: stream.state is State.HOLDING)
+        await eventually_async(lambda: stream.state is StreamState.HOLDING)
         for n in range(20, 40):
             await stream.send(near(1e-4 * n))
         await eventually_async(lambda: len(pool.points) == 40)
@@ -321,7 +321,7 @@ async def test_a_pool_that_ran_dry_is_started_again(controller: Controller) -> N
 
 
 async def test_a_program_that_feeds_no_more_ends_the_track(controller: Controller) -> None:
-    TrackPool(controller, per_look=1000)
+    PoolDrive(controller, per_look=1000)
     opened = TrackStreams(controller.endpoint).stream(
         "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, hold=0.05, options=THREAD
     )
@@ -339,7 +339,7 @@ async def test_a_program_that_feeds_no_more_ends_the_track(controller: Controlle
 
 
 async def test_leaving_by_an_error_empties_the_pool(controller: Controller) -> None:
-    pool = TrackPool(controller, per_look=1)
+    pool = PoolDrive(controller, per_look=1)
 
     async def program() -> None:
         opened = TrackStreams(controller.endpoint).stream(
@@ -358,7 +358,7 @@ async def test_leaving_by_an_error_empties_the_pool(controller: Controller) -> N
 
 
 async def test_a_full_pool_is_said(controller: Controller) -> None:
-    pool = TrackPool(controller, per_look=1)
+    pool = PoolDrive(controller, per_look=1)
     pool.points = [None] * 950
     controller.server.answer("trackClearQueue", 4)
 
@@ -374,7 +374,7 @@ async def test_a_full_pool_is_said(controller: Controller) -> None:
 
 
 async def test_a_track_that_begins_elsewhere_is_refused(controller: Controller) -> None:
-    pool = TrackPool(controller, per_look=1)
+    pool = PoolDrive(controller, per_look=1)
 
     async def program() -> None:
         opened = TrackStreams(controller.endpoint).stream(

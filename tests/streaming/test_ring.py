@@ -12,11 +12,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco.streaming.ring import Ring
+from aioduco.streaming.shared.ring import Ring
 
 PRODUCER = """
 import mmap, os, sys, time
-from aioduco.streaming.ring import Ring
+from aioduco.streaming.shared.ring import Ring
 
 descriptor, capacity, count, latest = map(int, sys.argv[1:])
 memory = mmap.mmap(descriptor, os.fstat(descriptor).st_size)

@@ -6,11 +6,13 @@ import os
 import signal
 import threading
 from collections.abc import Awaitable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import anyio
 import numpy as np
 import pytest
+from moments import streamed_in_time
 
 import aioduco
 from aioduco.errors import (
@@ -23,9 +25,9 @@ from aioduco.errors import (
 )
 from aioduco.models.pose import Pose
 from aioduco.sim import Simulator
-from aioduco.streaming.joint_trajectory import Feedback, JointTrajectory
-from aioduco.streaming.settings import LaneOptions
-from aioduco.streaming.source import State
+from aioduco.streaming.joint_trajectory import Feedback, JointTrajectory, TrajectoryResult
+from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.shared.state import StreamState
 from aioduco.testing import ApplicationError, FaultProxy, eventually, eventually_async, no_leaks
 
 from .robot_motions import KINDS, START, WAY
@@ -44,6 +46,12 @@ FOLLOWED = ["servoj", "speedj", "joint_position", "track joints"]
 def sim() -> Iterator[Simulator]:
     with Simulator() as sim:
         yield sim
+
+
+async def ready(robot: aioduco.Robot) -> None:
+    await robot.rearm_heartbeat()
+    await robot.recover()
+    await robot.motion.movej2(START, v=3.0, a=20.0)
 
 
 @pytest.fixture
@@ -121,7 +129,7 @@ async def ended_by(
 
         tasks.start_soon(feeding)
         await eventually_async(lambda: np.abs(sim.joints.array - START.array).max() > 5e-3)
-        assert opened.state is State.FOLLOWING
+        assert opened.state is StreamState.FOLLOWING
         if isinstance(ending := end(), Awaitable):
             await ending
         assert opened.quiet
@@ -152,7 +160,7 @@ async def test_so_do_the_others(robot: aioduco.Robot, sim: Simulator, way: str) 
     async with no_leaks():
         await ended_by(robot, sim, "servoj", end)
     await eventually_async(lambda: not sim.moving)
-    assert not robot._supervisor.keeper.streams
+    assert not robot._supervisor.stop_coordinator.streams
     await robot.stop()
 
 
@@ -174,9 +182,9 @@ async def test_a_stop_while_it_is_being_opened(robot: aioduco.Robot) -> None:
                     raise AssertionError("entered")
 
         tasks.start_soon(opening)
-        await eventually_async(lambda: len(robot._supervisor.keeper.streams) == 1)
+        await eventually_async(lambda: len(robot._supervisor.stop_coordinator.streams) == 1)
         await robot.stop()
-    assert stream.state is State.ENDED
+    assert stream.state is StreamState.ENDED
 
 
 async def test_leaving_the_robot_ends_it(sim: Simulator) -> None:
@@ -194,7 +202,7 @@ async def test_leaving_the_robot_ends_it(sim: Simulator) -> None:
 async def test_a_stop_does_not_wait_for_a_lane_that_hangs(
     robot: aioduco.Robot, sim: Simulator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("aioduco.supervision.keeper._SILENCE", 0.2)
+    monkeypatch.setattr("aioduco.supervision.stop_coordinator._SILENCE", 0.2)
     async with no_leaks():
         stream = robot.servo.joints(v=1.0, a=8.0)
 
@@ -312,13 +320,18 @@ async def test_a_trajectory_through_the_queue_or_servoj(
 ) -> None:
     seen: list[Feedback] = []
     start = START.array
-    result = await robot.motion.follow_joint_trajectory(
-        JointTrajectory([start, start + 0.1, start], [0.0, 0.4, 0.8]),
-        v=1.5,
-        a=20.0,
-        feedback=seen.append,
-        through=through,  # type: ignore[arg-type]
-    )
+
+    async def follow() -> TrajectoryResult:
+        seen.clear()
+        return await robot.motion.follow_joint_trajectory(
+            JointTrajectory([start, start + 0.1, start], [0.0, 0.4, 0.8]),
+            v=1.5,
+            a=20.0,
+            feedback=seen.append,
+            through=through,  # type: ignore[arg-type]
+        )
+
+    result = await streamed_in_time(follow, partial(ready, robot))
     assert np.abs(result.goal_error).max() <= 0.01
     assert np.abs(result.path_error).max() <= 0.02
     assert max(each.actual[0] for each in seen) == pytest.approx(0.1, abs=0.01)
@@ -343,16 +356,20 @@ async def test_a_cancelled_trajectory_leaves_a_standing_arm(
     robot: aioduco.Robot, sim: Simulator
 ) -> None:
     start = START.array
-    with anyio.CancelScope() as scope:
 
-        def half_way(feedback: Feedback) -> None:
-            if feedback.time > 0.3:
-                scope.cancel()
+    async def follow() -> bool:
+        with anyio.CancelScope() as scope:
 
-        await robot.motion.follow_joint_trajectory(
-            JointTrajectory([start, start + 0.2], [0.0, 0.6]), v=1.5, a=20.0, feedback=half_way
-        )
-    assert scope.cancelled_caught
+            def half_way(feedback: Feedback) -> None:
+                if feedback.time > 0.3:
+                    scope.cancel()
+
+            await robot.motion.follow_joint_trajectory(
+                JointTrajectory([start, start + 0.2], [0.0, 0.6]), v=1.5, a=20.0, feedback=half_way
+            )
+        return scope.cancelled_caught
+
+    assert await streamed_in_time(follow, partial(ready, robot))
     assert not sim.view.moving
     assert 0.02 < sim.joints[0] < 0.19
 

@@ -24,10 +24,10 @@ from aioduco.errors import (
     StreamStopped,
 )
 from aioduco.models.pose import Pose
-from aioduco.streaming.endpoint import Endpoint
+from aioduco.streaming.endpoint import StreamEndpoint
+from aioduco.streaming.options import LaneOptions
 from aioduco.streaming.servo import Servo
-from aioduco.streaming.settings import LaneOptions
-from aioduco.streaming.source import Reason, State
+from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.testing import eventually_async, no_leaks
 
 from .conftest import HERE, Controller
@@ -60,7 +60,7 @@ async def test_every_set_point_arrives_in_order_and_the_stream_ends_at_the_last(
     fresh = [point for point, _ in itertools.groupby(points)]
     assert fresh == sent
     assert statistics.sent == len(points)
-    assert statistics.state is State.ENDED
+    assert statistics.state is StreamState.ENDED
     assert statistics.reason is Reason.CLOSED
     assert statistics.round_trip.samples == len(points)
     assert controller.server.received("servoj")[0].args[1:] == (
@@ -322,7 +322,7 @@ async def test_a_controller_that_answers_no_more_ends_the_stream_and_is_told_to_
     def servoj(*_: object) -> int:
         stuck[0] -= 1
         if stuck[0] < 0:
-            gate.wait(20)
+            gate.wait(2)  # twenty time-outs; until then the lane waits for what is overdue
         return 1001
 
     controller.server.answer("servoj", servoj)
@@ -345,7 +345,7 @@ async def test_a_controller_that_answers_no_more_ends_the_stream_and_is_told_to_
 async def test_no_controller_is_said_before_anything_happens() -> None:
     with socket.create_server(("127.0.0.1", 0)) as closed:
         port = closed.getsockname()[1]
-    stream = Servo(Endpoint("127.0.0.1", port)).joints(v=1.0, a=5.0)
+    stream = Servo(StreamEndpoint("127.0.0.1", port)).joints(v=1.0, a=5.0)
     async with no_leaks():
         with pytest.raises(StreamLost, match="cannot connect"):
             async with stream:

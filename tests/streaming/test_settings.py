@@ -10,8 +10,8 @@ import pytest
 
 from aioduco.errors import ParameterError
 from aioduco.streaming.gains import ServoGains
+from aioduco.streaming.options import Feeding, LaneOptions
 from aioduco.streaming.servo import Servo
-from aioduco.streaming.settings import Feeding, LaneOptions
 
 from .conftest import HERE, Controller
 

@@ -9,12 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco.streaming.limits import Limits
-from aioduco.streaming.rates import Rates
-from aioduco.streaming.ring import SetPoint
-from aioduco.streaming.source import Reason, Source, State
-from aioduco.streaming.space import JOINT_SPACE, Config
-from aioduco.streaming.upsample import Follower
+from aioduco.streaming.shared.ring import SetPoint
+from aioduco.streaming.shared.space import JOINT_SPACE, Config, Limits
+from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.worker.limiter import Rates
+from aioduco.streaming.worker.setpoints import Follower, SetpointSource
 
 PERIOD = 0.01
 HOLD = 0.1
@@ -26,7 +25,7 @@ class Bench:
     """A source, what it is fed with, and what it gave."""
 
     def __init__(self, *, rates: bool = False, paced: bool = True, way: str = "none") -> None:
-        self.source = Source(
+        self.source = SetpointSource(
             JOINT_SPACE,
             PERIOD,
             hold=HOLD,
@@ -51,7 +50,7 @@ class Bench:
         self._number += 1
         return SetPoint(self._number, self._number * round(PERIOD * 1e9), self.fed.pop(0), b"")
 
-    def step(self, *points: float, ticks: int = 1) -> State:
+    def step(self, *points: float, ticks: int = 1) -> StreamState:
         self.fed += [(value,) * 6 for value in points]
         for _ in range(max(ticks, len(points))):
             self.given.append(self.source.step(self.take))
@@ -63,27 +62,27 @@ class Bench:
 
     def to_the_end(self) -> None:
         for _ in range(10_000):
-            if self.step() is State.ENDED:
+            if self.step() is StreamState.ENDED:
                 return
         raise AssertionError(f"not ended: {self.source.state}")
 
 
 def test_nothing_is_sent_before_the_first_set_point() -> None:
     bench = Bench()
-    assert bench.step(ticks=50) is State.WAITING
+    assert bench.step(ticks=50) is StreamState.WAITING
     assert bench.given == [None] * 50
 
 
 def test_set_points_pass_in_order_one_per_tick() -> None:
     bench = Bench()
     ramp = [0.0005 * n * n for n in range(8)]
-    assert bench.step(*ramp) is State.FOLLOWING
+    assert bench.step(*ramp) is StreamState.FOLLOWING
     assert bench.given == [(value,) * 6 for value in ramp]
 
 
 def test_a_first_set_point_too_far_ends_and_nothing_is_sent() -> None:
     bench = Bench()
-    assert bench.step(0.11) is State.ENDED
+    assert bench.step(0.11) is StreamState.ENDED
     assert bench.source.reason is Reason.TOO_FAR
     assert bench.given == [None]
 
@@ -91,10 +90,10 @@ def test_a_first_set_point_too_far_ends_and_nothing_is_sent() -> None:
 def test_late_set_points_lead_to_holding_and_back() -> None:
     bench = Bench()
     bench.step(0.0, 0.001, 0.002)
-    assert bench.step(ticks=5) is State.HOLDING
+    assert bench.step(ticks=5) is StreamState.HOLDING
     assert 1 <= bench.source.starved < 5
     assert bench.last == (0.002,) * 6
-    assert bench.step(0.003) is State.FOLLOWING
+    assert bench.step(0.003) is StreamState.FOLLOWING
     assert bench.source.reason is Reason.NONE
 
 
@@ -102,7 +101,7 @@ def test_starving_longer_than_the_hold_time_decelerates_and_ends() -> None:
     bench = Bench()
     bench.step(*[0.005 * n for n in range(20)])
     seen = [bench.step() for _ in range(12)]
-    assert State.HOLDING in seen
+    assert StreamState.HOLDING in seen
     assert bench.source.reason is Reason.STARVED
     bench.to_the_end()
     assert bench.given[-1] is None or bench.given[-1] == bench.last
@@ -122,7 +121,7 @@ def test_closing_follows_what_was_sent_to_its_end(way: str) -> None:
 def test_closing_before_the_first_set_point_ends_at_once() -> None:
     bench = Bench()
     bench.source.close()
-    assert bench.step() is State.ENDED
+    assert bench.step() is StreamState.ENDED
     assert bench.source.reason is Reason.CLOSED
     assert bench.given == [None]
 
@@ -160,14 +159,14 @@ def test_the_first_reason_stays() -> None:
     bench.source.brake(Reason.ABORTED)
     bench.source.end(Reason.STOPPED)
     assert bench.source.reason is Reason.STARVED
-    assert bench.source.state is State.ENDED
+    assert bench.source.state is StreamState.ENDED
 
 
 def test_a_stream_of_speeds_keeps_its_speed_then_ramps_to_zero() -> None:
     bench = Bench(rates=True)
     bench.step(*[0.5] * 10)
     assert bench.last == (0.5,) * 6
-    assert bench.step(ticks=5) is State.HOLDING
+    assert bench.step(ticks=5) is StreamState.HOLDING
     assert bench.last == (0.5,) * 6
     bench.to_the_end()
     assert bench.source.reason is Reason.STARVED
@@ -217,7 +216,7 @@ def test_whatever_happens_limits_hold_and_the_end_is_final(
                 bench.source.brake(Reason.ABORTED)
             case "end":
                 bench.source.end(Reason.STOPPED)
-        if ended_at is None and bench.source.state is State.ENDED:
+        if ended_at is None and bench.source.state is StreamState.ENDED:
             ended_at = len(bench.given)
     if ended_at is not None:
         assert all(point is None for point in bench.given[ended_at:])

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE
+from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE
 
 ANGLE = st.floats(-2 * math.pi, 2 * math.pi)
 NEAR_VERTICAL = st.sampled_from([math.pi / 2, -math.pi / 2]).flatmap(

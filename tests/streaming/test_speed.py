@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from aioduco.errors import ParameterError, StreamStarved
-from aioduco.streaming.settings import LaneOptions
+from aioduco.streaming.options import LaneOptions
 from aioduco.streaming.speed import Speed
 
 from .conftest import Controller

@@ -8,7 +8,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aioduco.streaming.statistics import Histogram
+from aioduco.streaming.shared.histogram import Histogram
 
 VALUES = st.lists(st.integers(0, 2**41), min_size=1, max_size=300)
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy.interpolate import BPoly, CubicHermiteSpline, PchipInterpolator
 
+from aioduco.api.motion.trajectory import follow
 from aioduco.errors import (
     FirstPointTooFar,
     GoalToleranceViolated,
@@ -25,11 +26,10 @@ from aioduco.streaming.joint_trajectory import (
     Tolerances,
     TrajectoryResult,
 )
+from aioduco.streaming.options import LaneOptions
 from aioduco.streaming.realtime import CYCLE
 from aioduco.streaming.sampling import Spline, sampled
-from aioduco.streaming.settings import LaneOptions
-from aioduco.streaming.space import JOINT_SPACE, POSE_SPACE
-from aioduco.streaming.trajectory import follow
+from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE
 
 from .conftest import HERE, Controller, Cycles
 

@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aioduco.streaming.limits import Limits
-from aioduco.streaming.space import JOINT_SPACE, Config
-from aioduco.streaming.upsample import UPSAMPLING, Cubic, Follower, Held, Linear
+from aioduco.streaming.shared.config import UPSAMPLING
+from aioduco.streaming.shared.space import JOINT_SPACE, Config, Limits
+from aioduco.streaming.worker.interpolation import Cubic, Linear, ZeroOrderHold
+from aioduco.streaming.worker.setpoints import Follower
 
 from .motion import peaks
 
@@ -112,7 +113,7 @@ def test_every_way_brakes_to_rest_where_it_is(way: str, target: Config, ticks: i
 
 @given(step=st.floats(-1, 1))
 def test_a_single_step_is_not_overshot(step: float) -> None:
-    for kind in (Held, Linear, Cubic):
+    for kind in (ZeroOrderHold, Linear, Cubic):
         reference = kind(JOINT_SPACE, PERIOD, ZERO)
         target = (step,) * 6
         for _ in range(5):

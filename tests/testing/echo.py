@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Self
 
-from aioduco.testing.messages import Kind, Message, MessageError, MessageParser
+from aioduco.testing.message_parser import Message, MessageError, MessageParser, MessageType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -61,7 +61,7 @@ class EchoServer:
             while data := sock.recv(4096):
                 for message in parser.feed(data):
                     self.received.append(message)
-                    sock.sendall(replace(message, kind=Kind.REPLY).encode())
+                    sock.sendall(replace(message, kind=MessageType.REPLY).encode())
         self.rest.append(parser.pending)
         self._open.discard(sock)
         self.ended += 1
@@ -71,7 +71,7 @@ def call(name: str = "read_word_reg", seqid: int = 1, payload: str = "") -> Mess
     """A call that carries a text by which it is known again."""
     text = payload.encode()
     body = b"\x0b\x00\x01" + len(text).to_bytes(4, "big") + text + b"\x00"
-    return Message(Kind.CALL, name, seqid, body)
+    return Message(MessageType.CALL, name, seqid, body)
 
 
 def replies(sock: socket.socket) -> Iterator[Message]:

@@ -36,7 +36,7 @@ from aioduco.testing import (
     eventually,
     no_leaks,
 )
-from aioduco.testing.messages import Kind, Message, application_error
+from aioduco.testing.message_parser import Message, MessageType, application_error
 
 from .echo import EchoServer, call, replies
 
@@ -72,7 +72,7 @@ def exchange(client: socket.socket, message: Message) -> Message:
 
 
 def reply_to(message: Message) -> Message:
-    return replace(message, kind=Kind.REPLY)
+    return replace(message, kind=MessageType.REPLY)
 
 
 def nothing_comes(client: socket.socket) -> bool:
@@ -261,7 +261,7 @@ RIGHT = reply_to(ASKED)
         (WrongSeqid(), replace(RIGHT, seqid=4).encode()),
         (WrongSeqid(2**31 - 1), replace(RIGHT, seqid=-(2**31) + 4).encode()),
         (WrongMethod("stop"), replace(RIGHT, name="stop").encode()),
-        (WrongKind(), replace(RIGHT, kind=Kind.CALL).encode()),
+        (WrongKind(), replace(RIGHT, kind=MessageType.CALL).encode()),
         (ApplicationError(6, "no", forward=True), application_error(ASKED, 6, "no").encode()),
     ],
     ids=repr,
@@ -374,12 +374,18 @@ def test_faults_for_a_method_count_its_calls_only(
     kinds = [
         exchange(client, call(name)).kind for name in ["movej2", "stop", "movej2", "stop", "movej2"]
     ]
-    assert kinds == [Kind.REPLY, Kind.REPLY, Kind.EXCEPTION, Kind.REPLY, Kind.EXCEPTION]
-    assert exchange(client, call("movej2")).kind is Kind.REPLY
+    assert kinds == [
+        MessageType.REPLY,
+        MessageType.REPLY,
+        MessageType.EXCEPTION,
+        MessageType.REPLY,
+        MessageType.EXCEPTION,
+    ]
+    assert exchange(client, call("movej2")).kind is MessageType.REPLY
     proxy.on("stop", ApplicationError(), times=None)
-    assert {exchange(client, call("stop")).kind for _ in range(5)} == {Kind.EXCEPTION}
+    assert {exchange(client, call("stop")).kind for _ in range(5)} == {MessageType.EXCEPTION}
     proxy.clear()
-    assert exchange(client, call("stop")).kind is Kind.REPLY
+    assert exchange(client, call("stop")).kind is MessageType.REPLY
 
 
 def test_a_plan_with_the_same_seed_does_the_same(proxy: FaultProxy) -> None:

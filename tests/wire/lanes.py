@@ -6,7 +6,7 @@ import threading
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
-from aioduco._wire.lane import Lane
+from aioduco._wire.lane import WireLane
 from aioduco.testing import no_leaks
 
 from .servers import PATIENCE, Peer, ScriptedServer
@@ -21,11 +21,13 @@ SHORT = 0.1
 
 
 @asynccontextmanager
-async def opened(*scripts: Script, **options: Any) -> AsyncIterator[tuple[Lane, ScriptedServer]]:
+async def opened(
+    *scripts: Script, **options: Any
+) -> AsyncIterator[tuple[WireLane, ScriptedServer]]:
     """A lane and its server; when they are closed, nothing is left of either."""
     async with no_leaks():
         with ScriptedServer(*scripts) as server:
-            lane = Lane("test", server.host, server.port, **options)
+            lane = WireLane("test", server.host, server.port, **options)
             await lane.open()
             try:
                 yield lane, server

@@ -15,8 +15,8 @@ from thriftpy2.thrift import TType
 from thriftpy2.transport import TCyMemoryBuffer
 
 from aioduco._wire import idl, rpc
-from aioduco.testing.messages import Message as Raw
-from aioduco.testing.messages import MessageParser, application_error
+from aioduco.testing.message_parser import Message as Raw
+from aioduco.testing.message_parser import MessageParser, application_error
 
 _protocol: Any = TCyBinaryProtocol
 

@@ -13,9 +13,10 @@ import pytest
 from anyio.lowlevel import checkpoint
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from quick import examples
 
 from aioduco._wire.connection import Connection
-from aioduco._wire.lane import Lane
+from aioduco._wire.lane import WireLane
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco._wire.worker import Worker
 from aioduco.errors import CallTimeout, ConnectionLost, NotSent, OutcomeUnknown
@@ -47,7 +48,7 @@ def start(call: Coroutine[Any, Any, Any]) -> asyncio.Task[Any]:
     return asyncio.get_running_loop().create_task(call)
 
 
-async def works(lane: Lane) -> None:
+async def works(lane: WireLane) -> None:
     """The lane is as good as new."""
     figures = lane.statistics()
     assert figures.waiting == 0
@@ -250,7 +251,7 @@ async def test_a_call_cancelled_while_it_connects() -> None:
         await works(lane)
 
 
-def connecting(lane: Lane) -> bool:
+def connecting(lane: WireLane) -> bool:
     connection = lane._pool.workers[0].connection
     return connection is not None and connection.state is ConnectionState.NEW
 
@@ -258,7 +259,7 @@ def connecting(lane: Lane) -> bool:
 async def test_opening_a_lane_is_cancelled() -> None:
     with black_hole() as (host, port):
         async with no_leaks():
-            lane = Lane("test", host, port, connect_timeout=PATIENCE)
+            lane = WireLane("test", host, port, connect_timeout=PATIENCE)
             async with anyio.create_task_group() as group:
                 group.start_soon(lane.open)
                 await eventually_async(lambda: lane.statistics().busy == 1)
@@ -268,7 +269,7 @@ async def test_opening_a_lane_is_cancelled() -> None:
 async def test_closing_a_lane_goes_on_when_it_is_cancelled() -> None:
     async with no_leaks():
         with ScriptedServer(silent) as server:
-            lane = Lane("test", server.host, server.port)
+            lane = WireLane("test", server.host, server.port)
             await lane.open()
             with anyio.CancelScope() as scope:
                 scope.cancel()
@@ -308,7 +309,7 @@ async def test_random_cancellations_never_mix_answers_up() -> None:
     wrong = []
     answered = cancelled = 0
 
-    async def caller(lane: Lane) -> None:
+    async def caller(lane: WireLane) -> None:
         nonlocal answered, cancelled
         for _ in range(120):
             number = chance.randrange(1_000_000)
@@ -346,7 +347,9 @@ async def cancel_after(ticks: int, scope: anyio.CancelScope) -> None:
 
 
 @settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=examples(40),
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 @given(
     size=st.integers(1, 3),
@@ -356,7 +359,7 @@ def test_any_pattern_of_cancellations(size: int, plan: list[int | None]) -> None
     """Commands and reads side by side; each is sent at most once, and answered truly or not."""
     outcomes: dict[int, Any] = {}
 
-    async def call(lane: Lane, number: int, ticks: int | None) -> None:
+    async def call(lane: WireLane, number: int, ticks: int | None) -> None:
         with anyio.CancelScope() as scope:
             async with anyio.create_task_group() as group:
                 if ticks is not None:

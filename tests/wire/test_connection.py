@@ -13,9 +13,9 @@ import pytest
 
 from aioduco._wire import codec, idl, rpc
 from aioduco._wire.connection import Connection, ConnectionStatistics
+from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco._wire.framing import MAX_REPLY
 from aioduco._wire.lifecycle import ConnectionState, Progress
-from aioduco._wire.stream import Stream
 from aioduco.errors import (
     CallTimeout,
     ConnectError,
@@ -160,7 +160,7 @@ def test_a_refused_port() -> None:
 
 @pytest.mark.parametrize("host", ["x" * 70, "a..b"])
 def test_a_host_that_cannot_be(host: str) -> None:
-    with pytest.raises(ConnectError, match="unknown host"):
+    with pytest.raises(ConnectError, match=r"unknown host|must be a name or an address"):
         Connection(host, 7003).open()
 
 
@@ -169,7 +169,7 @@ def test_an_unknown_host(monkeypatch: pytest.MonkeyPatch) -> None:
         raise socket.gaierror(socket.EAI_NONAME, "Name or service not known")
 
     monkeypatch.setattr(socket, "getaddrinfo", unknown)
-    with pytest.raises(ConnectError, match="unknown host"):
+    with pytest.raises(ConnectError, match=r"unknown host|must be a name or an address"):
         Connection("arm.example", 7003).open()
 
 
@@ -264,8 +264,8 @@ def test_a_drip_feeding_controller_does_not_stretch_the_deadline() -> None:
         begin = time.monotonic()
         with pytest.raises(CallTimeout):
             connection.call("get_tcp_pose", (), SHORT)
-        # as long again, and a busy machine, but not the minutes that the bytes would take
-        assert time.monotonic() - begin < 20 * SHORT
+        # not the minutes that the bytes would take
+        assert time.monotonic() - begin < PATIENCE
         server.wait_finished(1)
 
 
@@ -368,7 +368,7 @@ def test_an_interrupt_in_mid_call_poisons(monkeypatch: pytest.MonkeyPatch) -> No
         def interrupted(*_: object) -> bytes:
             raise KeyboardInterrupt
 
-        monkeypatch.setattr(Stream, "receive", interrupted)
+        monkeypatch.setattr(DeadlineSocket, "receive", interrupted)
         with pytest.raises(KeyboardInterrupt):
             connection.rpc.stop(True)
         assert connection.state is ConnectionState.POISONED
@@ -471,20 +471,20 @@ def test_abandon_is_seen_at_every_moment_of_a_handshake(
     """Nothing is there yet that could be shut down, and the handshake would take for ever."""
     with black_hole() as (host, port):
         connection = Connection(host, port, connect_timeout=PATIENCE * 10)
-        made, connect = Stream.__init__, Stream.connect
+        made, connect = DeadlineSocket.__init__, DeadlineSocket.connect
 
-        def slow_make(stream: Stream, *args: int) -> None:
+        def slow_make(stream: DeadlineSocket, *args: int) -> None:
             connection.abandon("enough")
             made(stream, *args)
 
-        def slow_connect(stream: Stream, address: Any, deadline: float) -> None:
+        def slow_connect(stream: DeadlineSocket, address: Any, deadline: float) -> None:
             connection.abandon("enough")
             connect(stream, address, deadline)
 
         if moment == "before the socket is there":
-            monkeypatch.setattr(Stream, "__init__", slow_make)
+            monkeypatch.setattr(DeadlineSocket, "__init__", slow_make)
         else:
-            monkeypatch.setattr(Stream, "connect", slow_connect)
+            monkeypatch.setattr(DeadlineSocket, "connect", slow_connect)
         begin = time.monotonic()
         with pytest.raises(ConnectionLost, match="given up while it was made: enough"):
             connection.open()
@@ -506,14 +506,14 @@ def test_an_answer_that_comes_with_an_abandon_is_not_given(
 ) -> None:
     """Whoever abandoned the call has told its caller that the answer is lost."""
     with connected() as (connection, _):
-        receive = Stream.receive
+        receive = DeadlineSocket.receive
 
-        def late(stream: Stream, deadline: float | None) -> bytes:
+        def late(stream: DeadlineSocket, deadline: float | None) -> bytes:
             data = receive(stream, deadline)
             connection.abandon("cancelled")
             return data
 
-        monkeypatch.setattr(Stream, "receive", late)
+        monkeypatch.setattr(DeadlineSocket, "receive", late)
         with pytest.raises(OutcomeUnknown, match="cancelled"):
             connection.rpc.stop(True)
         assert connection.state is ConnectionState.POISONED

@@ -13,7 +13,7 @@ from thriftpy2.thrift import TType
 from aioduco._wire import codec, idl, rpc
 from aioduco._wire.framing import MAX_REPLY, Malformed, StructScanner
 from aioduco.errors import ControllerError, ParameterError, UnknownFunction
-from aioduco.testing.messages import Kind, Message
+from aioduco.testing.message_parser import Message, MessageType
 
 from .servers import exception, reply
 
@@ -56,7 +56,7 @@ def answers(draw: st.DrawFn) -> tuple[Message, Any]:
     name = draw(st.sampled_from(VALUED))
     entry = FUNCTIONS[name].result.thrift_spec[0]
     value = draw(values(entry[0], entry[2] if len(entry) > 3 else None))
-    return Message(Kind.CALL, name, draw(st.integers(1, 2**31 - 1)), b""), value
+    return Message(MessageType.CALL, name, draw(st.integers(1, 2**31 - 1)), b""), value
 
 
 @given(answers(), st.data())
@@ -132,7 +132,7 @@ def fits(value: Any, kind: int, shape: Any) -> bool:
 
 def result(name: str, body: bytes, seqid: int = 1) -> bytes:
     """A reply with this encoded result struct."""
-    return Message(Kind.REPLY, name, seqid, body).encode()
+    return Message(MessageType.REPLY, name, seqid, body).encode()
 
 
 DOUBLES = "get_tcp_pose"
@@ -224,7 +224,7 @@ def test_a_wrong_version_is_not_waited_out() -> None:
 
 
 def test_application_errors() -> None:
-    call = Message(Kind.CALL, "movej2", 9, b"")
+    call = Message(MessageType.CALL, "movej2", 9, b"")
     for code, kind in ((1, UnknownFunction), (6, ControllerError)):
         data = exception(call, code, "不行")
         reader = codec.ReplyReader(FUNCTIONS["movej2"], 9)

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from aioduco._wire import codec, handoff, idl
-from aioduco._wire.handoff import AwaitedCall, BlockingCall, Deadlines, Home
-from aioduco._wire.source import Source
-from aioduco._wire.worker import Dropped, Worker
+from aioduco._wire.connection_factory import ConnectionFactory
+from aioduco._wire.handoff import AwaitedCall, BlockingCall, Deadlines, OwnerLoop
+from aioduco._wire.worker import AbandonOutcome, Worker
 from aioduco.errors import ConnectionLost
 from aioduco.testing import eventually, eventually_async, no_leaks
 
@@ -32,8 +32,8 @@ def nothing(*_: object) -> None:
 # Deadlines
 
 
-def awaited(home: Home, deadline: float | None) -> AwaitedCall:
-    return AwaitedCall(home, STOP, ARGUMENTS, deadline, nothing)
+def awaited(owner_loop: OwnerLoop, deadline: float | None) -> AwaitedCall:
+    return AwaitedCall(owner_loop, STOP, ARGUMENTS, deadline, nothing)
 
 
 async def test_a_call_expires_at_its_deadline_and_once_more_after_the_grace(
@@ -42,11 +42,11 @@ async def test_a_call_expires_at_its_deadline_and_once_more_after_the_grace(
     monkeypatch.setattr(handoff, "GRACE", 0.02)
     seen: list[tuple[AwaitedCall, bool, float]] = []
     deadlines = Deadlines(lambda call, again: seen.append((call, again, time.monotonic())))
-    home = Home()
+    owner_loop = OwnerLoop()
     begin = time.monotonic()
-    never = awaited(home, None)
-    later = awaited(home, begin + 0.06)
-    sooner = awaited(home, begin + 0.03)
+    never = awaited(owner_loop, None)
+    later = awaited(owner_loop, begin + 0.06)
+    sooner = awaited(owner_loop, begin + 0.03)
     for call in (never, later, sooner):
         deadlines.add(call)
     await eventually_async(lambda: len(seen) == 4)
@@ -69,9 +69,9 @@ async def test_a_call_expires_at_its_deadline_and_once_more_after_the_grace(
 async def test_a_call_that_is_over_does_not_expire() -> None:
     seen: list[AwaitedCall] = []
     deadlines = Deadlines(lambda call, _: seen.append(call))
-    home = Home()
-    over = awaited(home, time.monotonic() + 0.01)
-    other = awaited(home, time.monotonic() + 0.03)
+    owner_loop = OwnerLoop()
+    over = awaited(owner_loop, time.monotonic() + 0.01)
+    other = awaited(owner_loop, time.monotonic() + 0.03)
     deadlines.add(over)
     deadlines.add(other)
     deadlines.discard(over)
@@ -84,13 +84,13 @@ def test_deadlines_go_on_with_another_loop() -> None:
     """The timer of a loop that was closed rings no more."""
     seen: list[AwaitedCall] = []
     deadlines = Deadlines(lambda call, _: seen.append(call))
-    home = Home()
+    owner_loop = OwnerLoop()
 
     async def first() -> None:
-        deadlines.add(awaited(home, time.monotonic() + 0.01))
+        deadlines.add(awaited(owner_loop, time.monotonic() + 0.01))
 
     async def second() -> None:
-        call = awaited(home, time.monotonic() + 0.05)
+        call = awaited(owner_loop, time.monotonic() + 0.05)
         deadlines.add(call)
         await eventually_async(lambda: call in seen)
 
@@ -104,7 +104,7 @@ def test_deadlines_go_on_with_another_loop() -> None:
 @pytest.fixture
 def worker() -> Iterator[tuple[Worker, ScriptedServer]]:
     with no_leaks(), ScriptedServer() as server:
-        made = Source("test", server.host, server.port, PATIENCE, None).worker()
+        made = ConnectionFactory("test", server.host, server.port, PATIENCE, None).worker()
         yield made, server
         made.dismiss()
         assert made.join(PATIENCE)
@@ -189,8 +189,8 @@ def test_abandoning_a_call_that_is_over_leaves_the_next_one_alone(
     call = blocking()
     made.submit(call)
     assert call.wait(PATIENCE)
-    assert made.abandon(call, "too late") is Dropped.OVER
-    assert made.abandon(None, "nothing is under way") is Dropped.OVER
+    assert made.abandon(call, "too late") is AbandonOutcome.OVER
+    assert made.abandon(None, "nothing is under way") is AbandonOutcome.OVER
     assert made.claim()
     again = blocking()
     made.submit(again)

@@ -10,7 +10,7 @@ from typing import Any
 import anyio
 import pytest
 
-from aioduco._wire.lane import Lane, LaneState
+from aioduco._wire.lane import LaneState, WireLane
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import (
     ConnectError,
@@ -20,8 +20,9 @@ from aioduco.errors import (
     OutcomeUnknown,
     ParameterError,
 )
+from aioduco.reporting import reporter
 from aioduco.testing import eventually_async, no_leaks
-from aioduco.trace import CallFinished, ConnectionEnded, ConnectionOpened, Event
+from aioduco.trace import CallFinished, ConnectionEnded, ConnectionOpened, TraceEvent
 
 from .lanes import SHORT, Gate, opened
 from .servers import PATIENCE, Peer, ScriptedServer, black_hole, exception, honest
@@ -32,7 +33,7 @@ from .servers import PATIENCE, Peer, ScriptedServer, black_hole, exception, hone
 async def test_states_and_repr_of_a_life() -> None:
     async with no_leaks():
         with ScriptedServer() as server:
-            lane = Lane("poll", server.host, server.port, size=2)
+            lane = WireLane("poll", server.host, server.port, size=2)
             address = f"{server.host}:{server.port}"
             assert repr(lane) == f"<Lane poll {address} NEW, 0 of 2 busy, 0 waiting>"
             with pytest.raises(ConnectionLost, match=r"stop was not sent, since <Lane .* NEW"):
@@ -92,7 +93,7 @@ async def test_a_lane_that_cannot_open_leaves_nothing() -> None:
     with socket.create_server(("127.0.0.1", 0)) as closed:
         host, port = closed.getsockname()
     async with no_leaks():
-        lane = Lane("test", host, port)
+        lane = WireLane("test", host, port)
         with pytest.raises(ConnectError, match="refused"):
             await lane.open()
         assert lane.state is LaneState.CLOSED
@@ -101,14 +102,14 @@ async def test_a_lane_that_cannot_open_leaves_nothing() -> None:
 async def test_a_lane_whose_controller_does_not_answer_the_handshake() -> None:
     with black_hole() as (host, port):
         async with no_leaks():
-            lane = Lane("test", host, port, connect_timeout=SHORT)
+            lane = WireLane("test", host, port, connect_timeout=SHORT)
             with pytest.raises(ConnectError, match="no answer in time"):
                 await lane.open()
 
 
 async def test_a_lane_left_open_warns_and_its_threads_end() -> None:
     with ScriptedServer() as server, no_leaks():
-        lane = Lane("test", server.host, server.port)
+        lane = WireLane("test", server.host, server.port)
         await lane.open()
         # the timer of the last deadline still knows the lane
         lane._deadlines.stop()
@@ -226,7 +227,7 @@ async def test_functions_that_block_may_take_longer_than_the_lanes_limit() -> No
 
 
 async def test_the_hook_sees_connections_and_calls() -> None:
-    seen: list[Event] = []
+    seen: list[TraceEvent] = []
 
     def script(peer: Peer) -> None:
         for answer in (7, None):
@@ -241,6 +242,7 @@ async def test_the_hook_sees_connections_and_calls() -> None:
             await lane.rpc.pause(True)
         lane.call_from_thread("stop", (False,), PATIENCE)
         peer = (server.host, server.port)
+    assert reporter.flush(10.0)
     opened_first, first, second, third = seen[0], seen[1], seen[2], seen[3]
     assert isinstance(opened_first, ConnectionOpened)
     assert opened_first.peer == peer
@@ -265,12 +267,12 @@ async def test_the_hook_sees_connections_and_calls() -> None:
 
 
 async def test_a_hook_that_fails_disturbs_no_call(caplog: pytest.LogCaptureFixture) -> None:
-    def hook(_: Event) -> None:
+    def hook(_: TraceEvent) -> None:
         raise ValueError("a mistake")
 
     async with opened(trace=hook) as (lane, _):
         assert await lane.rpc.stop(True) == 0
-    assert "the trace hook failed" in caplog.text
+    await eventually_async(lambda: "the trace hook failed" in caplog.text)
     assert "a mistake" in caplog.text
 
 

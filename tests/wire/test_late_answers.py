@@ -16,7 +16,7 @@ from thriftpy2.rpc import make_client
 from thriftpy2.transport import TCyBufferedTransportFactory
 
 from aioduco._wire import idl
-from aioduco._wire.lane import Lane
+from aioduco._wire.lane import WireLane
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import (
     CallTimeout,
@@ -26,7 +26,7 @@ from aioduco.errors import (
     ProtocolError,
 )
 from aioduco.testing import eventually_async, no_leaks
-from aioduco.testing.messages import Kind, Message
+from aioduco.testing.message_parser import Message, MessageType
 
 from .lanes import SHORT, opened
 from .servers import PATIENCE, Peer, ScriptedServer, honest, reply
@@ -127,7 +127,7 @@ def wrong_function(peer: Peer, raw: Message) -> None:
 
 
 def wrong_kind(peer: Peer, raw: Message) -> None:
-    peer.send(Message(Kind.CALL, raw.name, raw.seqid, b"\x00").encode())
+    peer.send(Message(MessageType.CALL, raw.name, raw.seqid, b"\x00").encode())
 
 
 def garbage(peer: Peer, raw: Message) -> None:
@@ -145,7 +145,7 @@ def http(peer: Peer, raw: Message) -> None:
 def gigabytes(peer: Peer, raw: Message) -> None:
     peer.send(
         Message(
-            Kind.REPLY, raw.name, raw.seqid, b"\x0b\x00\x00\x7f\xff\xff\xff" + b"x" * 99
+            MessageType.REPLY, raw.name, raw.seqid, b"\x0b\x00\x00\x7f\xff\xff\xff" + b"x" * 99
         ).encode()
     )
 
@@ -230,7 +230,7 @@ async def test_bytes_that_nobody_asked_for_cost_no_call(call: tuple[str, Any]) -
         assert server.connections == 2
 
 
-def idle_connection_has_news(lane: Lane) -> bool:
+def idle_connection_has_news(lane: WireLane) -> bool:
     """Whether something came on the lane's connection, or its end did."""
     connection = lane._pool.workers[0].connection
     assert connection is not None
@@ -351,7 +351,7 @@ async def test_a_connection_that_ends_in_the_answer(end: Script, call: tuple[str
             assert server.names == [call[0]]
 
 
-def answering(lane: Lane) -> bool:
+def answering(lane: WireLane) -> bool:
     connection = lane._pool.workers[0].connection
     return connection is not None and connection.progress == 2
 
@@ -364,7 +364,7 @@ async def test_a_stop_whose_second_try_finds_nobody_says_that_it_was_sent() -> N
 
     async with no_leaks():
         with ScriptedServer(script) as server:
-            lane = Lane("test", server.host, server.port, connect_timeout=SHORT)
+            lane = WireLane("test", server.host, server.port, connect_timeout=SHORT)
             await lane.open()
             with pytest.raises(OutcomeUnknown) as raised:
                 await lane.call(*STOP, PATIENCE)
@@ -376,7 +376,7 @@ async def test_a_lane_comes_back_with_its_controller() -> None:
     async with no_leaks():
         with ScriptedServer() as server:
             host, port = server.host, server.port
-            lane = Lane("test", host, port)
+            lane = WireLane("test", host, port)
             await lane.open()
             assert await lane.call(*STOP) == 0
         for _ in range(2):

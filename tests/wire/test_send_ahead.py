@@ -13,9 +13,9 @@ import pytest
 
 from aioduco._wire import codec, idl
 from aioduco._wire.connection import Connection
+from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco._wire.lifecycle import ConnectionState, Progress
-from aioduco._wire.stream import Stream
-from aioduco._wire.worker import Dropped
+from aioduco._wire.worker import AbandonOutcome
 from aioduco.errors import OutcomeUnknown
 from aioduco.testing import eventually_async, no_leaks
 
@@ -25,7 +25,7 @@ from .servers import PATIENCE, Peer, ScriptedServer, honest
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from aioduco._wire.lane import Lane
+    from aioduco._wire.lane import WireLane
 
 STOP = idl.functions()["stop"]
 BLOCK = codec.encode(STOP, (True,))
@@ -83,7 +83,7 @@ def test_the_connection_is_not_free_until_the_answer_is_there() -> None:
 
 
 @contextmanager
-def unheard(lane: Lane) -> Iterator[None]:
+def unheard(lane: WireLane) -> Iterator[None]:
     """Keep what the lane's thread is given from it until the block is left."""
     (worker,) = lane._pool.workers
     inbox, worker._inbox = worker._inbox, SimpleQueue()
@@ -130,7 +130,7 @@ async def test_a_stop_that_was_sent_is_not_called_unsent() -> None:
                     tasks.start_soon(lane.rpc.stop, True)
                     await eventually_async(lambda: server.names == ["stop"])
                     (worker,) = lane._pool.workers
-                    assert worker.abandon(None, "a test") is Dropped.UNKNOWN
+                    assert worker.abandon(None, "a test") is AbandonOutcome.UNKNOWN
                     scope.cancel()
         gate.open()
         assert await lane.rpc.stop(True) == 0
@@ -142,7 +142,7 @@ async def test_a_connection_that_does_not_take_it_at_once_is_replaced(
     monkeypatch: pytest.MonkeyPatch, taken: int
 ) -> None:
     async with opened() as (lane, server):
-        monkeypatch.setattr(Stream, "send_at_once", lambda *_: taken)
+        monkeypatch.setattr(DeadlineSocket, "send_at_once", lambda *_: taken)
         assert await lane.rpc.stop(True) == 0
         assert server.names == ["stop"]
         assert server.connections == 2

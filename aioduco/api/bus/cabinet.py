@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api import ranges
 from aioduco.api.bus.octets import octets, written
 from aioduco.api.section import Section, done
+from aioduco.models import ranges
 
 if TYPE_CHECKING:
     from aioduco.models.rules import BytesLike, Whole

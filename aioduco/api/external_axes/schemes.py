@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from aioduco.api import ranges
 from aioduco.api.section import Section, done
+from aioduco.models import ranges
 from aioduco.models.external_axis import (
     ExternalAxis,
     ExternalAxisScheme,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api import ranges
 from aioduco.api.points import points_with_outputs
 from aioduco.api.section import Section
 from aioduco.errors import ParameterError
+from aioduco.models import ranges
 from aioduco.models.op import wire_op
 from aioduco.models.pose import Pose
 

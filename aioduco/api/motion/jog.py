@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api import ranges
 from aioduco.api.section import Section
 from aioduco.errors import ParameterError
+from aioduco.models import ranges
 from aioduco.models.jog import Jog, JogDirections
 
 if TYPE_CHECKING:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api import ranges
 from aioduco.api.section import Section
+from aioduco.models import ranges
 from aioduco.models.op import wire_op
-from aioduco.supervision.course import Course
+from aioduco.supervision.task_state import JointEta
 
 if TYPE_CHECKING:
     from aioduco.models.op import Op
@@ -59,7 +59,7 @@ class JointMotions(Section):
         return self._motion(
             lambda rpc: rpc.movej2(q, v_, a_, r_, False, op_, def_acc_),
             r_,
-            course=Course(q, v_, None if def_acc_ else a_),
+            eta=JointEta(q, v_, None if def_acc_ else a_),
         )
 
     def movej_pose2(

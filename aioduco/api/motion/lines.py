@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api import ranges
 from aioduco.api.section import Section
+from aioduco.models import ranges
 from aioduco.models.op import wire_op
 
 if TYPE_CHECKING:

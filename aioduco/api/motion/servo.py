@@ -8,20 +8,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api import ranges
 from aioduco.api.section import Section
+from aioduco.models import ranges
 
 if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.supervision.command import MotionCommand
 
-__all__ = ["Servo"]
+__all__ = ["ServoMotions"]
 
 #: the vendor's own; the manual gives the first two
 _KP, _KD, _SMOOTH_VEL, _SMOOTH_ACC = 200.0, 25.0, 10.0, 1.0
 
 
-class Servo(Section):
+class ServoMotions(Section):
     """Set-points that the arm goes to by its own planning, each taking over from the last.
 
     A set-point of another kind waits until the arm is at the last one of the present kind. One

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from aioduco.api import ranges
 from aioduco.api.section import Section, done, settled
+from aioduco.models import ranges
 
 if TYPE_CHECKING:
     from aioduco.models.jog import JogFrame

@@ -11,6 +11,7 @@ import numpy as np
 import typer
 from rich.console import Console
 
+import aioduco
 from aioduco.cli import extras
 from aioduco.cli.demo import session, view
 from aioduco.cli.demo.report import Report
@@ -51,7 +52,7 @@ def demo(
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before a real arm moves.")] = False,
 ) -> None:
     """Make a small pick and place, show it, and say how well it went."""
-    extras.need(*(() if no_plot else ("cli",)), *(() if host else ("sim",)))
+    extras.need(*(() if host else ("sim",)), *(() if no_plot else ("plot",)))
     arm = extras.arm(model)
     console = Console(stderr=result == OUTPUT)
     plan = Plan.for_reach(arm.reach, careful=host is not None)
@@ -86,7 +87,8 @@ def _perform(
     shown = view.view_for(console)
     shown.open(report)
     try:
-        return anyio.run(session.perform, host, port, plan, report, shown)
+        robot = aioduco.connect(host, port, state_rate=session.SAMPLES)
+        return anyio.run(session.perform, robot, plan, report, shown)
     finally:
         shown.close()
 
@@ -110,7 +112,7 @@ def _ask(host: str, port: int, model: str, plan: Plan, console: Console) -> None
 
 
 def _warning(controller: str, model: str, plan: Plan, found: Found) -> str:
-    """What someone must know who lets the arm move."""
+    """The warning before the arm moves."""
     now, start = found.status.joints.array, plan.start.array
     far = np.rad2deg(np.abs(start - now))
     joint = int(far.argmax())

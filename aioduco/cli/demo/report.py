@@ -16,7 +16,7 @@ SCHEMA = 1
 
 
 @dataclass(slots=True)
-class Track:
+class StatusRecording:
     """Samples of the robot's status, one row each, on one clock.
 
     Attributes:
@@ -125,7 +125,7 @@ class Report:
     simulated: bool
     speed: float = 1.0
     motions: list[MotionRecord] = field(default_factory=list)
-    track: Track = field(default_factory=Track)
+    track: StatusRecording = field(default_factory=StatusRecording)
     error: str = ""
 
     @property

@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from aioduco.cli.demo.script import Plan
     from aioduco.cli.demo.view import View
     from aioduco.models.state import RobotStates, RobotStatus
+    from aioduco.robot import Robot
 
-__all__ = ["Found", "look", "perform"]
+__all__ = ["SAMPLES", "Found", "look", "perform"]
 
 SAMPLES = 100.0  # of the arm, a second
 
@@ -58,17 +59,14 @@ async def look(host: str, port: int) -> Found:
         return Found(await robot.state.get_robot_state(), await robot.state.getRobotStatus(), arm)
 
 
-async def perform(
-    host: str, port: int, plan: Plan, report: Report, view: View
-) -> signal.Signals | None:
+async def perform(robot: Robot, plan: Plan, report: Report, view: View) -> signal.Signals | None:
     """Connect, bring the arm up, and go through the choreography.
 
     Args:
-        host: address of the controller.
-        port: its port.
+        robot: the robot, not connected yet: what it needs is loaded before the event loop runs.
         plan: where to and how fast.
         report: where the result is written, an error included.
-        view: what is told while it runs.
+        view: shows the progress while it runs.
 
     Returns:
         The signal that ended it, with the arm stopped; None if none did.
@@ -80,7 +78,7 @@ async def perform(
         await listening.start(_end_on_signal, work, told, view)
         with work:
             try:
-                await _perform(host, port, plan, report, view)
+                await _perform(robot, plan, report, view)
             except* DucoError as group:
                 report.error = "; ".join(str(error) for error in _leaves(group))
         listening.cancel_scope.cancel()
@@ -89,8 +87,7 @@ async def perform(
     return told[0] if told else None
 
 
-async def _perform(host: str, port: int, plan: Plan, report: Report, view: View) -> None:
-    robot = aioduco.connect(host, port, state_rate=SAMPLES)
+async def _perform(robot: Robot, plan: Plan, report: Report, view: View) -> None:
     stage = Stage(robot, report, view)
     try:
         async with robot:

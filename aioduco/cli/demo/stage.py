@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from aioduco.models.state import RobotStatus
     from aioduco.robot import Robot
     from aioduco.supervision.command import MotionCommand
-    from aioduco.supervision.feed import Snapshot
+    from aioduco.supervision.state_feed import Snapshot
     from aioduco.supervision.task import Task
 
 __all__ = ["Running", "Stage"]
@@ -38,7 +38,7 @@ class Stage:
     Args:
         robot: the robot, connected.
         report: where the result is written.
-        view: what is told while it runs.
+        view: shows the progress while it runs.
     """
 
     def __init__(self, robot: Robot, report: Report, view: View) -> None:
@@ -100,7 +100,7 @@ class Stage:
             raise error
 
     def settle(self) -> None:
-        """Keep how the motions ended that nobody follows any more."""
+        """Keep the outcomes of motions that are no longer followed."""
         for running in tuple(self._live):
             self._settle(running, None)
 

@@ -31,7 +31,7 @@ _STYLES = {
 
 
 class View(Protocol):
-    """What the stage tells while it runs."""
+    """Shows the progress of the stage while it runs."""
 
     def open(self, report: Report) -> None:
         """The demonstration begins."""
@@ -89,7 +89,7 @@ class PlainView:
         self._line(text)
 
     def began(self, motion: MotionRecord) -> None:
-        """Print nothing: the line at its end says all."""
+        """Print nothing: one line at its end is enough."""
 
     def ended(self, motion: MotionRecord) -> None:
         """Print one line."""

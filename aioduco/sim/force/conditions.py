@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from aioduco.models.force import ForceLogic
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
@@ -16,8 +18,7 @@ Quantity: TypeAlias = Literal["pos", "vel", "ft"]
 Verdict: TypeAlias = Literal["met", "late"]
 
 QUANTITIES: tuple[Quantity, ...] = ("pos", "vel", "ft")
-_OFF, _AND = 0, 1
-_EARLY = 1e-9  # a time that is a sum of cycles is as good as there [s]
+_EARLY = 1e-9  # for the rounding of a time that is a sum of cycles [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +74,7 @@ class Conditions:
             now: gives the six numbers that changes are counted from.
         """
         pairs = zip(QUANTITIES, logic, strict=True)
-        self._logic = {quantity: how for quantity, how in pairs if how != _OFF}
+        self._logic = {quantity: how for quantity, how in pairs if how != ForceLogic.OFF}
         self._references = {quantity: tuple(now(quantity)) for quantity in self._logic}
         self._since.clear()
         self._began = time
@@ -106,7 +107,7 @@ class Conditions:
         }
         held = {each: self._held(each, time, now(each)) for each in logic}
         late = {each: not held[each] and self._is_late(each, time) for each in logic}
-        together = [each for each, how in logic.items() if how == _AND]
+        together = [each for each, how in logic.items() if how == ForceLogic.AND]
         groups = [[each] for each in logic if each not in together]
         if together:
             groups.append(together)

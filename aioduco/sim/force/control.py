@@ -15,19 +15,19 @@ import numpy as np
 from aioduco.kinematics.forward import frames
 from aioduco.models.rotation import rpy_from_matrix
 from aioduco.sim.force.conditions import Conditions
-from aioduco.sim.force.offset import Offset, OutOfReach, motion_of
-from aioduco.sim.force.sensor import DOWN, Axes, Sensor
+from aioduco.sim.force.offset import FlangeOffset, OutOfReach, motion_of
+from aioduco.sim.force.sensor import DOWN, ForceAxes, ForceSensor
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
-    from aioduco.sim.cycle import Sensed
+    from aioduco.sim.cycle import SensedState
     from aioduco.sim.force.conditions import Quantity
-    from aioduco.sim.planner.mover import SetPoint
+    from aioduco.sim.planner.path import JointSetPoint
 
-__all__ = ["ForceControl", "Guard", "Law", "Outcome", "Verdict"]
+__all__ = ["AdmittanceLaw", "ForceControl", "ForceGuard", "ForceOutcome", "Verdict"]
 
 #: time constant with which the arm takes on the speed that a force gives it [s]; an assumption
 _LAG = 0.01
@@ -36,13 +36,13 @@ _ACCELERATION = (5.0, 25.0)
 #: speed that counts as none while it fades away [m/s, rad/s]
 _FADED = 1e-4
 _NOTHING = (0.0,) * 6
-_PLAIN = Axes(np.eye(4), np.eye(4))
+_PLAIN = ForceAxes(np.eye(4), np.eye(4))
 _NAMES = ("along x", "along y", "along z", "about x", "about y", "about z")
 
 Verdict: TypeAlias = Literal["guard", "failed", "met", "late"]
 
 
-class Outcome(NamedTuple):
+class ForceOutcome(NamedTuple):
     """What a cycle came to, besides its set-point.
 
     Attributes:
@@ -56,7 +56,7 @@ class Outcome(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Law:
+class AdmittanceLaw:
     """How the tool gives way (fc_config): at (force - target) / damping.
 
     Attributes:
@@ -73,7 +73,7 @@ class Law:
     damping: tuple[float, ...]
     cap: tuple[float, ...]
     band: tuple[float, ...]
-    axes: Axes
+    axes: ForceAxes
 
     def speed(self, force: Sequence[float]) -> list[float]:
         """Give the speed of the tip along the axes [m/s, rad/s] for the force on it [N, N m]."""
@@ -88,7 +88,7 @@ class Law:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Guard:
+class ForceGuard:
     """Which forces are too large (fc_guard_act).
 
     Attributes:
@@ -100,7 +100,7 @@ class Guard:
 
     direction: tuple[bool, ...]
     limit: tuple[float, ...]
-    axes: Axes
+    axes: ForceAxes
     with_load: bool = True
 
     def exceeded(self, force: Sequence[float]) -> str:
@@ -127,13 +127,13 @@ class ForceControl:
         self, arm: Arm, cycle: float = 0.001, gravity: Sequence[float] | Array = DOWN
     ) -> None:
         self.active: bool = False
-        self.sensor: Sensor = Sensor(gravity=tuple(map(float, gravity)))
-        self.law: Law | None = None
-        self.guard: Guard | None = None
+        self.sensor: ForceSensor = ForceSensor(gravity=tuple(map(float, gravity)))
+        self.law: AdmittanceLaw | None = None
+        self.guard: ForceGuard | None = None
         self.conditions: Conditions = Conditions()
         self._arm = arm
         self._cycle = cycle
-        self._offset = Offset(arm, cycle)
+        self._offset = FlangeOffset(arm, cycle)
         self._twist: Sequence[float] = _NOTHING
         self._failed = False
 
@@ -150,12 +150,12 @@ class ForceControl:
         return self._failed
 
     @property
-    def setpoint(self) -> SetPoint:
+    def setpoint(self) -> JointSetPoint:
         """The latest set-point of the drives."""
         return self._offset.setpoint
 
     @property
-    def axes(self) -> Axes:
+    def axes(self) -> ForceAxes:
         """Those of fc_config; the flange's and the base's before it was called."""
         return _PLAIN if self.law is None else self.law.axes
 
@@ -164,12 +164,12 @@ class ForceControl:
         """Whether the drives are led somewhere else than the motions say."""
         return self._offset.shifted
 
-    def turn(self, sensed: Sensed) -> Array:
+    def turn(self, sensed: SensedState) -> Array:
         """Give the flange's rotation in the base frame. Shape (3, 3)."""
         rotation: Array = frames(self._arm.geometry, sensed.q)[6, :3, :3]
         return rotation
 
-    def start(self, setpoint: SetPoint) -> None:
+    def start(self, setpoint: JointSetPoint) -> None:
         """Begin where the motions are."""
         self.active, self._failed = True, False
         self._twist = _NOTHING
@@ -187,8 +187,8 @@ class ForceControl:
         self._offset.fold()
 
     def tick(
-        self, setpoint: SetPoint, sensed: Sensed, *, giving: bool
-    ) -> tuple[SetPoint, Outcome | None]:
+        self, setpoint: JointSetPoint, sensed: SensedState, *, giving: bool
+    ) -> tuple[JointSetPoint, ForceOutcome | None]:
         """Go on by one cycle.
 
         Args:
@@ -199,7 +199,7 @@ class ForceControl:
         flange = self._offset.flange
         external = self.sensor.external(sensed.wrench, flange)
         if message := self._guarded(sensed, external):
-            return self._offset.setpoint, Outcome("guard", message)
+            return self._offset.setpoint, ForceOutcome("guard", message)
         if self._failed:
             return self._offset.slow_down(), None
         self._give_way(external, giving=giving)
@@ -208,10 +208,10 @@ class ForceControl:
         except OutOfReach as exc:
             self._failed = True
             self._twist = _NOTHING
-            return self._offset.slow_down(), Outcome("failed", str(exc))
+            return self._offset.slow_down(), ForceOutcome("failed", str(exc))
         return drives, self._judge(sensed, running=giving)
 
-    def measure(self, quantity: Quantity, sensed: Sensed) -> list[float]:
+    def measure(self, quantity: Quantity, sensed: SensedState) -> list[float]:
         """Give what a condition looks at: the tip in the work object, its speed, the force on it.
 
         Position and speed are along the work object's axes, the force along those of fc_config.
@@ -232,14 +232,14 @@ class ForceControl:
         speeds: list[float] = [*(into @ linear).tolist(), *(into @ angular).tolist()]
         return speeds
 
-    def _guarded(self, sensed: Sensed, external: list[float]) -> str:
+    def _guarded(self, sensed: SensedState, external: list[float]) -> str:
         guard = self.guard
         if guard is None:
             return ""
         force = self.sensor.felt(sensed.wrench) if guard.with_load else external
         return guard.exceeded(guard.axes.seen(force, self._offset.flange))
 
-    def _judge(self, sensed: Sensed, *, running: bool) -> Outcome | None:
+    def _judge(self, sensed: SensedState, *, running: bool) -> ForceOutcome | None:
         if not running or self.conditions.verdict is not None:
             self.conditions.rest()
             return None
@@ -247,7 +247,7 @@ class ForceControl:
         if verdict is None:
             return None
         how = "hold" if verdict == "met" else "did not hold in time"
-        return Outcome(verdict, f"the conditions of fc_wait_logic {how}")
+        return ForceOutcome(verdict, f"the conditions of fc_wait_logic {how}")
 
     def _give_way(self, external: list[float], *, giving: bool) -> None:
         """Move the offset at the speed that the force gives the tip, as a light mass would."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.kinematics.forward import frames
-from aioduco.sim.planner.mover import SetPoint
+from aioduco.sim.planner.path import JointSetPoint
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["Offset", "OutOfReach", "motion_of"]
+__all__ = ["FlangeOffset", "OutOfReach", "motion_of"]
 
 _FASTER = 1.02  # share of a joint's largest speed that a set-point may have, for rounding
 _BRAKING = 0.5  # share of the drives' acceleration that slowing down uses
@@ -69,7 +69,7 @@ def _turned(a: float, b: float, c: float, time: float) -> Array:
     )
 
 
-class Offset:
+class FlangeOffset:
     """Adds what force control has moved the flange by to set-points, cycle by cycle.
 
     Args:
@@ -88,13 +88,13 @@ class Offset:
         self._speed = (0.0,) * 6
         self._twist: Sequence[float] = (0.0,) * 6
         self._none = True
-        self._last = SetPoint.at_rest(np.zeros(6))
+        self._last = JointSetPoint.at_rest(np.zeros(6))
         self._at: Array = np.zeros(6)
         self._chain: Array = frames(arm.geometry, self._at)
         self.flange: Array = _STRAIGHT
 
     @property
-    def setpoint(self) -> SetPoint:
+    def setpoint(self) -> JointSetPoint:
         """The latest set-point of the drives."""
         return self._last
 
@@ -103,7 +103,7 @@ class Offset:
         """Whether there is an offset."""
         return not self._none
 
-    def begin(self, setpoint: SetPoint) -> None:
+    def begin(self, setpoint: JointSetPoint) -> None:
         """Begin without an offset, at a set-point of the motions."""
         self.fold()
         self._twist = (0.0,) * 6
@@ -138,7 +138,7 @@ class Offset:
         self._speed = (u, v, w, a, b, c)
         self._none = False
 
-    def apply(self, setpoint: SetPoint) -> SetPoint:
+    def apply(self, setpoint: JointSetPoint) -> JointSetPoint:
         """Give the set-point of the drives for one of the motions.
 
         Raises:
@@ -172,21 +172,21 @@ class Offset:
             raise OutOfReach("force control comes to a singularity") from exc
         q, qd = guess + steps[:, 0], np.array(steps[:, 1], dtype=float)
         self._check(q, qd)
-        self._last = SetPoint(q, qd, (qd - last.qd) / self._cycle)
+        self._last = JointSetPoint(q, qd, (qd - last.qd) / self._cycle)
         self._speed = (0.0,) * 6
         self.flange = flange
         return self._last
 
-    def slow_down(self) -> SetPoint:
+    def slow_down(self) -> JointSetPoint:
         """Slow the joints down for one cycle, whatever the motions say."""
         last = self._last
         left = float((np.abs(last.qd) / self._hard).max())
         if left <= self._cycle:
-            self._last = SetPoint.at_rest(last.q + 0.5 * left * last.qd)
+            self._last = JointSetPoint.at_rest(last.q + 0.5 * left * last.qd)
         else:
             qd = last.qd * (1.0 - self._cycle / left)
             q = last.q + 0.5 * self._cycle * (last.qd + qd)
-            self._last = SetPoint(q, qd, -last.qd / left)
+            self._last = JointSetPoint(q, qd, -last.qd / left)
         return self._last
 
     def _frames(self, q: Array) -> Array:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from aioduco.sim.mounting import GRAVITY
+from aioduco.sim.scene import GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     Vector: TypeAlias = NDArray[np.float64]
     Matrix: TypeAlias = NDArray[np.float64]
 
-__all__ = ["DOWN", "Axes", "Sensor"]
+__all__ = ["DOWN", "ForceAxes", "ForceSensor"]
 
 DOWN = (0.0, 0.0, -GRAVITY)
 """Gravity along the axes of a base that stands on the floor [m/s²]."""
@@ -26,7 +26,7 @@ _NOTHING = (0.0,) * 6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Axes:
+class ForceAxes:
     """About which point forces are given, and along whose axes.
 
     Attributes:
@@ -61,7 +61,7 @@ class Axes:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sensor:
+class ForceSensor:
     """How the signal of the sensor is read. A value: to tare it makes another one.
 
     The signal is what the flange's surroundings apply to it, in its frame: force [N], then torque
@@ -107,7 +107,7 @@ class Sensor:
         a, b, c = self.centre
         return (x, y, z, b * z - c * y, c * x - a * z, a * y - b * x)
 
-    def carrying(self, mass: float, centre: Sequence[float]) -> Sensor:
+    def carrying(self, mass: float, centre: Sequence[float]) -> ForceSensor:
         """Give one that knows of a load [kg], and of its centre in the flange's frame [m]."""
         return replace(self, mass=mass, centre=tuple(centre))
 
@@ -117,7 +117,7 @@ class Sensor:
         flange: Matrix,
         direction: Sequence[bool] = (True,) * 6,
         value: Sequence[float] = _NOTHING,
-    ) -> Sensor:
+    ) -> ForceSensor:
         """Give one that reads certain values now, and takes them for forces from outside.
 
         Args:

@@ -1,77 +1,87 @@
-"""What the simulated controller answers: a class for each section of the manual.
+"""What the simulated controller answers to the calls of the wire, a class for each section.
 
-Together they are every function of the wire. What none of them has is refused by an application
-error with its reason, never answered by a made-up value.
+A handler checks the arguments of a call and makes a command of the controller of them, or reads a
+snapshot. The modules are called as the manual's sections, and as those of `aioduco.api`. May import
+`controller`, `cabinet`, `force`, `planner`, `physics`, `runtime` and `refusal`.
+
+A function whose data the vendor does not publish is refused by an application error with its
+reason, never answered by a made-up value.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
-from aioduco._wire import rpc
-from aioduco.sim.handlers.cabinet import CabinetHandlers
+from aioduco._wire.rpc import Functions
+from aioduco.sim.handlers.buses import BusHandlers
 from aioduco.sim.handlers.compound import CompoundHandlers
-from aioduco.sim.handlers.curves import CurveHandlers
 from aioduco.sim.handlers.external_axes import ExternalAxisHandlers
 from aioduco.sim.handlers.force import ForceHandlers
 from aioduco.sim.handlers.frames import FrameHandlers
-from aioduco.sim.handlers.log import LogHandlers
 from aioduco.sim.handlers.motion import MotionHandlers
-from aioduco.sim.handlers.offsets import OffsetHandlers
 from aioduco.sim.handlers.optimization import OptimizationHandlers
 from aioduco.sim.handlers.realtime import RealtimeHandlers
-from aioduco.sim.handlers.recording import RecordingHandlers
-from aioduco.sim.handlers.service import NOT_PUBLIC
 from aioduco.sim.handlers.servo import ServoHandlers
 from aioduco.sim.handlers.settings import SettingHandlers
+from aioduco.sim.handlers.signals import SignalHandlers
 from aioduco.sim.handlers.state import StateHandlers
 from aioduco.sim.handlers.system import SystemHandlers
 from aioduco.sim.handlers.track import TrackHandlers
 from aioduco.sim.handlers.velocity import VelocityHandlers
 from aioduco.sim.refusal import Refusal
 
-if TYPE_CHECKING:
-    from aioduco.sim.handlers.base import Context
+__all__ = ["NOT_PUBLIC", "Handlers"]
 
-__all__ = ["Handlers"]
+_PASSWORD = "the password and what it is for"
+_DRIVES = "the drives' parameters"
 
-
-def _refused(name: str, _args: tuple[Any, ...]) -> NoReturn:
-    raise Refusal(f"{name} is not simulated: the vendor does not publish {NOT_PUBLIC[name]}")
+#: by function, what of it is not public
+NOT_PUBLIC = {
+    "get_axis_motor_kt": "the motors' torque constants",
+    "get_axis_motor_rated_current": "the motors' rated currents",
+    "get_axis_ratio": "the gears' ratios",
+    "get_motor_pole_pair_number": "the motors' pole pairs",
+    "get_motor_stator_slots": "the motors' slots",
+    "get_pos_bias": "the encoders' biases",
+    "get_vibration_calibration_params": "the parameters of vibration control",
+    "set_kinematic_calibration_params": "the meaning of the parameters",
+    "set_kinematic_calibration_info": _PASSWORD,
+    "set_dynamic_calibration_info": _PASSWORD,
+    "set_vibration_calibration_info": _PASSWORD,
+    "save_kinematic_calibration_params": _PASSWORD,
+    "save_dynamic_calibration_params": _PASSWORD,
+    "upload_robot_param_to_toolboard": _PASSWORD,
+    "set_servo_config": _DRIVES,
+    "set_servo_file_params": _DRIVES,
+    "apply_servo_config": _DRIVES,
+    "set_pendant_type": "the types of pendants",
+    "change_recipe": "what a recipe is",
+}
 
 
 class Handlers(
     SystemHandlers,
     MotionHandlers,
-    OffsetHandlers,
-    CurveHandlers,
     CompoundHandlers,
     ExternalAxisHandlers,
     OptimizationHandlers,
     ServoHandlers,
     RealtimeHandlers,
     TrackHandlers,
-    RecordingHandlers,
     VelocityHandlers,
-    CabinetHandlers,
+    SignalHandlers,
+    BusHandlers,
     ForceHandlers,
     FrameHandlers,
     StateHandlers,
     SettingHandlers,
-    LogHandlers,
-    rpc.RpcClient,
+    Functions,
 ):
     """Every function of the wire.
 
-    The generated client stands at the end of the line: it has a method for each function, whose
-    every call here ends in a refusal.
+    The generated functions stand at the end of the line: what no section has ends in `_call`,
+    which refuses it.
     """
 
-    def __init__(self, context: Context) -> None:
-        super().__init__(context)
-        rpc.RpcClient.__init__(self, _refused)
-
-
-def handlers(context: Context) -> rpc.Handler:
-    """The handlers, as what a server wants: this line is the proof that none is missing."""
-    return Handlers(context)
+    def _call(self, name: str, args: tuple[Any, ...]) -> NoReturn:  # noqa: ARG002  # as above
+        raise Refusal(f"{name} is not simulated: the vendor does not publish {NOT_PUBLIC[name]}")

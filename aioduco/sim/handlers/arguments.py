@@ -1,4 +1,4 @@
-"""What arguments of tasks may be; a wrong one ends the task as the real controller ends it."""
+"""Checks of arguments; a wrong one ends the task in the state that the real controller gives it."""
 
 from __future__ import annotations
 
@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING
 from aioduco.errors import ParameterError
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Pose
-from aioduco.sim.frames import UnknownName
-from aioduco.sim.handlers.base import mismatch
+from aioduco.sim.cabinet.tools import UnknownName
 from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco.sim.frames import Frames, Tool, WorkObject
+    from aioduco.sim.cabinet.tools import FrameTable, Tool, WorkObject
 
 
 #: the largest distance in a pose: far beyond every arm, and still a number to compute with [m]
@@ -24,6 +23,11 @@ _FARTHEST = 1000.0
 _HEAVIEST, _ARM = 35.0, 10.0
 #: the largest angle in a pose (manual 1.3.5), and what rounding adds to it [rad]
 _TURNS = 2.0 * math.pi + 1e-9
+
+
+def mismatch(message: str) -> Rejected:
+    """A parameter is wrong."""
+    return Rejected(TaskState.PARAMETER_MISMATCH, message)
 
 
 def number(name: str, value: float, low: float, high: float, unit: str) -> float:
@@ -69,7 +73,7 @@ def load(name: str, values: Sequence[float]) -> tuple[float, ...]:
 def joints(name: str, values: Sequence[float]) -> tuple[float, ...]:
     """Six joint angles [rad], each from -2π to 2π.
 
-    A wrong number of them is illegal, a wrong value is a mismatch: so the controller does it.
+    As on the controller, a wrong number of them is ILLEGAL and a wrong value PARAMETER_MISMATCH.
     """
     if len(values) != 6:
         raise Rejected(TaskState.ILLEGAL, f"{name} has {len(values)} numbers, but must have 6")
@@ -85,7 +89,7 @@ def name_of(name: str, value: str, max_bytes: int) -> str:
     return value
 
 
-def tool(frames: Frames, name: str) -> Tool:
+def tool(frames: FrameTable, name: str) -> Tool:
     """A tool by name; the one in use for an empty name."""
     try:
         return frames.tool(name)
@@ -93,7 +97,7 @@ def tool(frames: Frames, name: str) -> Tool:
         raise Rejected(TaskState.ILLEGAL, str(exc)) from None
 
 
-def wobj(frames: Frames, name: str) -> WorkObject:
+def wobj(frames: FrameTable, name: str) -> WorkObject:
     """A work object by name; the one in use for an empty name."""
     try:
         return frames.wobj(name)

@@ -7,29 +7,49 @@ from typing import TYPE_CHECKING, TypeVar
 
 from aioduco.models.enums import TaskState
 from aioduco.sim.cabinet import Cabinet
-from aioduco.sim.handlers.answers import ZERO_OUT_OF_RANGE
 from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco.kinematics import Arm
-    from aioduco.sim.controller import Controller
-    from aioduco.sim.frames import Frames
-    from aioduco.sim.runtime import Runtime
-    from aioduco.sim.signals import Signals
+    from aioduco.sim.cabinet.signals import Signals
+    from aioduco.sim.cabinet.tools import FrameTable
+    from aioduco.sim.controller.state_machine import Controller
+    from aioduco.sim.runtime import SimulationRuntime
 
+
+__all__ = ["ZERO_OUT_OF_RANGE"]
 
 T = TypeVar("T")
-
-
-def mismatch(message: str) -> Rejected:
-    """A parameter is wrong."""
-    return Rejected(TaskState.PARAMETER_MISMATCH, message)
+#: functions of 1.3.7, whose first note says that they return 0 for an argument out of its range;
+#: the last two are on the wire, not in the manual, and like their neighbours
+ZERO_OUT_OF_RANGE = frozenset(
+    (
+        "set_digital_output_mode",
+        "set_standard_digital_out",
+        "set_tool_digital_out",
+        "set_standard_analog_voltage_out",
+        "set_standard_analog_current_out",
+        "write_bool_reg",
+        "write_word_reg",
+        "write_float_reg",
+        "set_wobj_offset",
+        "set_tool_data",
+        "speed",
+        "set_load_data",
+        "start_record_track",
+        "collision_detect",
+        "set_teach_speed",
+        "switch_mode",
+        "set_wobj",
+        "set_analog_output_mode",
+    )
+)
 
 
 @dataclass(frozen=True, slots=True)
-class Context:
+class HandlerContext:
     """What handlers act on.
 
     Attributes:
@@ -42,19 +62,19 @@ class Context:
     """
 
     arm: Arm
-    runtime: Runtime
+    runtime: SimulationRuntime
     signals: Signals
-    frames: Frames
+    frames: FrameTable
     series: str
     model: str
     serial: str
     cabinet: Cabinet = field(default_factory=Cabinet)
 
 
-class Section:
+class HandlerSection:
     """Base of the handlers of one section."""
 
-    def __init__(self, context: Context) -> None:
+    def __init__(self, context: HandlerContext) -> None:
         self._arm = context.arm
         self._runtime = context.runtime
         self._signals = context.signals
@@ -79,9 +99,9 @@ class Section:
         return int(self._runtime.wait(id_)) if block else id_
 
     def _senseless(self, name: str, reason: Exception, answer: T) -> T:
-        """The answer to arguments that make no sense, where it is no state of a task.
+        """Answer wrong arguments of a call that makes no task.
 
-        The reason is put on the error list, as that of a task is.
+        The reason goes to the error list, as that of a rejected task does.
         """
         with self._runtime.command() as controller:
             controller.note_error(f"{name}: {reason}")

@@ -5,23 +5,28 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from aioduco.models.enums import TaskState
-from aioduco.sim.handlers.base import Section, mismatch
-from aioduco.sim.modbus import Kind, NoAnswer, Signal
+from aioduco.sim.cabinet.modbus import ModbusKind, ModbusSignal, NoAnswer
+from aioduco.sim.handlers.arguments import mismatch
+from aioduco.sim.handlers.base import HandlerSection
 from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from aioduco.sim.buses import SerialPort
-    from aioduco.sim.controller import Controller
+    from aioduco.sim.cabinet.ports import SerialPort
+    from aioduco.sim.controller.state_machine import Controller
+
 
 Octets = list[int]
 #: no register and no coil has this value: it stands for "nothing was read"
 _NOT_READ = -1
 
 
-class SerialHandlers(Section):
-    """The RS-485 ports of the cabinet and of the tool. Bytes are signed on the wire."""
+class BusHandlers(HandlerSection):
+    """The RS-485 ports of the cabinet and of the tool, the CAN bus, the Modbus master.
+
+    Bytes are signed on the wire.
+    """
 
     def set_baudrate_485(self, value: int, block: bool) -> int:
         """设置 485 的波特率: the cabinet's port."""
@@ -121,10 +126,6 @@ class SerialHandlers(Section):
 
         return self._task(name, block, command)
 
-
-class CanHandlers(SerialHandlers):
-    """The CAN bus."""
-
     def set_baudrate_can(self, value: int, block: bool) -> int:
         """设置 CAN 的波特率."""
 
@@ -152,18 +153,16 @@ class CanHandlers(SerialHandlers):
         """The same; on the wire, not in the manual."""
         return self.write_raw_data_can(id, data)
 
-
-class ModbusHandlers(Section):
-    """The controller as a Modbus master."""
-
     def modbus_add_signal(
         self, ip: str, slave_number: int, signal_address: int, signal_type: int, signal_name: str
     ) -> int:
         """Define a signal; on the wire, not in the manual."""
 
         def change() -> None:
-            kind = Kind(signal_type)
-            self._cabinet.modbus.add(signal_name, Signal(ip, slave_number, signal_address, kind))
+            kind = ModbusKind(signal_type)
+            self._cabinet.modbus.add(
+                signal_name, ModbusSignal(ip, slave_number, signal_address, kind)
+            )
 
         return self._change("modbus_add_signal", change)
 
@@ -204,7 +203,7 @@ class ModbusHandlers(Section):
         """对多寄存器进行写操作; words are signed on the wire."""
         words = [word & 0xFFFF for word in word_list]
         return self._several(
-            "modbus_write_multiple_regs", slave_num, name, len, words, Kind.REGISTER
+            "modbus_write_multiple_regs", slave_num, name, len, words, ModbusKind.REGISTER
         )
 
     def modbus_write_multiple_coils(
@@ -216,10 +215,12 @@ class ModbusHandlers(Section):
     ) -> int:
         """对多线圈进行写操作."""
         coils = list(byte_list)
-        return self._several("modbus_write_multiple_coils", slave_num, name, len, coils, Kind.COIL)
+        return self._several(
+            "modbus_write_multiple_coils", slave_num, name, len, coils, ModbusKind.COIL
+        )
 
     def _several(
-        self, function: str, slave: int, name: str, length: int, values: list[int], kind: Kind
+        self, function: str, slave: int, name: str, length: int, values: list[int], kind: ModbusKind
     ) -> int:
         def change() -> None:
             if length != len(values):

@@ -7,23 +7,24 @@ from typing import TYPE_CHECKING
 
 from aioduco.models.enums import TaskState
 from aioduco.models.weave import WeavePlane, WeaveShape
+from aioduco.sim.controller.triggers import point_trigger
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.base import Section, mismatch
+from aioduco.sim.handlers.arguments import mismatch
+from aioduco.sim.handlers.base import HandlerSection
 from aioduco.sim.planner.weaving import Weave
 from aioduco.sim.refusal import Rejected
-from aioduco.sim.triggers import at_point
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco._wire.rpc import Op
-    from aioduco.sim.controller import Controller
+    from aioduco.sim.controller.state_machine import Controller
 
 _HIGHEST = 1e6  # stands for a frequency without a limit [Hz]
 _WIDEST = 10.0  # stands for an amplitude without a limit [m]
 
 
-class CompoundHandlers(Section):
+class CompoundHandlers(HandlerSection):
     """combine_motion_config, enable_combine_motion, disable_combine_motion."""
 
     def combine_motion_config(
@@ -50,7 +51,7 @@ class CompoundHandlers(Section):
                 raise mismatch("el_offset, az_offset and up_height must be finite")
             left, right = _dwells(time)
             for op in op_list:
-                at_point(op, self._signals)  # when they are due, no source says: only checked
+                point_trigger(op, self._signals)  # when they are due, no source says: only checked
             controller.weaving.chosen = Weave(
                 WeaveShape(type),
                 WeavePlane(ref_plane),

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from aioduco._wire.rpc import EAxissInfo
 from aioduco.models.enums import TaskState
-from aioduco.sim.external_axes import Axis
+from aioduco.sim.cabinet.axis_schemes import Axis
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.base import mismatch
+from aioduco.sim.handlers.arguments import mismatch
 from aioduco.sim.handlers.paths import PathSection
 from aioduco.sim.planner.segments import stay
 from aioduco.sim.refusal import Rejected
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco._wire.rpc import EAxisParam, EAxisSchemeParam, Op
-    from aioduco.sim.controller import Controller
-    from aioduco.sim.motion import Plan
+    from aioduco.sim.controller.motion_queue import Plan
+    from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.planner.segments import Segment
 
     Vector = NDArray[np.float64]

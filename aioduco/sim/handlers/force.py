@@ -6,21 +6,22 @@ import math
 from typing import TYPE_CHECKING
 
 from aioduco.models.enums import RobotState, TaskState
-from aioduco.sim.following import Following
+from aioduco.models.force import ForceFrame, ForceLogic, GuardedForce
+from aioduco.sim.controller.force_tasks import FC_MOVE
+from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.force.conditions import Condition
-from aioduco.sim.force.control import Guard, Law
-from aioduco.sim.force.sensor import Axes
-from aioduco.sim.force.tasks import FC_MOVE
+from aioduco.sim.force.control import AdmittanceLaw, ForceGuard
+from aioduco.sim.force.sensor import ForceAxes
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.arguments import number, numbers
-from aioduco.sim.handlers.base import Section, mismatch
-from aioduco.sim.planner.standing import Standing
+from aioduco.sim.handlers.arguments import mismatch, number, numbers
+from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.planner.follower import StandingFollower
 from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from aioduco.sim.controller import Controller
+    from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.force.conditions import Quantity
 
 _FORCE = 1000.0  # N, N m
@@ -29,7 +30,7 @@ _TURNING = 2 * math.pi  # rad/s
 _NO_SENSOR = "no force sensor is set up"
 
 
-class ForceHandlers(Section):
+class ForceHandlers(HandlerSection):
     """fc_start to fc_mode_is_active; those that make a task answer with its id."""
 
     def fc_start(self) -> int:
@@ -68,7 +69,7 @@ class ForceHandlers(Section):
             for i in range(6):
                 if on[i] and not damping[i] > 0.0:
                     raise mismatch(f"damp[{i}] is {damping[i]}, but must be above 0 where it is on")
-            controller.force.control.law = Law(
+            controller.force.control.law = AdmittanceLaw(
                 on,
                 _within("ref_ft", ref_ft, _FORCE),
                 damping,
@@ -87,7 +88,7 @@ class ForceHandlers(Section):
             if not controller.force.active:
                 raise Rejected(TaskState.ILLEGAL, "force control is off: call fc_start first")
             cycle = self._runtime.cycle
-            following = Following.behind(FC_MOVE, lambda q: Standing(self._arm, q, cycle))
+            following = Following.behind(FC_MOVE, lambda q: StandingFollower(self._arm, q, cycle))
             return controller.follow(FC_MOVE, following)
 
         return self._task(FC_MOVE, block, command)
@@ -105,9 +106,11 @@ class ForceHandlers(Section):
 
         def command(controller: Controller) -> int:
             on, limit = _directions(direction), _amounts("ref_ft", ref_ft)
-            _choice("force_property", force_property, (0, 1))
+            _choice("force_property", force_property, tuple(GuardedForce))
             axes = self._axes_of(tool, wobj, type)
-            controller.force.control.guard = Guard(on, limit, axes, force_property == 0)
+            controller.force.control.guard = ForceGuard(
+                on, limit, axes, force_property == GuardedForce.WITH_LOAD
+            )
             return controller.finish("fc_guard_act")
 
         return self._task("fc_guard_act", False, command)
@@ -182,7 +185,7 @@ class ForceHandlers(Section):
             if len(value) != 3:
                 raise mismatch(f"logic has {len(value)} numbers, but must have 3")
             for how in value:
-                _choice("logic", how, (0, 1, 2))
+                _choice("logic", how, tuple(ForceLogic))
             return controller.force.combine(value)
 
         return self._task("fc_wait_logic", False, command)
@@ -200,10 +203,10 @@ class ForceHandlers(Section):
 
     # -- what they share -----------------------------------------------------------------------
 
-    def _axes_of(self, tool: str, wobj: str, kind: int) -> Axes:
-        _choice("type", kind, (0, 1))
+    def _axes_of(self, tool: str, wobj: str, kind: int) -> ForceAxes:
+        _choice("type", kind, tuple(ForceFrame))
         tip = arguments.tool(self._frames, tool).matrix
-        return Axes(tip, arguments.wobj(self._frames, wobj).matrix, kind == 0)
+        return ForceAxes(tip, arguments.wobj(self._frames, wobj).matrix, kind == ForceFrame.TOOL)
 
     def _condition(
         self,

@@ -1,29 +1,31 @@
-"""Tools, work objects, and the controller's kinematics (manual 1.3.7)."""
+"""Tools, work objects and loads, and the controller's kinematics (manual 1.3.7)."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from aioduco.errors import Unreachable
 from aioduco.models.pose import Pose
-from aioduco.sim.frames import MAX_NAME, Tool
+from aioduco.sim.cabinet.tools import MAX_NAME, PointLoad, Tool, UnknownName
+from aioduco.sim.force.sensor import ForceAxes
 from aioduco.sim.handlers.arguments import joints, load, name_of, numbers, pose
-from aioduco.sim.handlers.carrying import CarryingSection
+from aioduco.sim.handlers.base import HandlerSection
 from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy as np
     from numpy.typing import NDArray
 
-    from aioduco.sim.controller import Controller
+    from aioduco.sim.controller.state_machine import Controller
 
     Matrix = NDArray[np.float64]
 
 
-class FrameHandlers(CarryingSection):
-    """set_tool_data to get_wobj, cal_fkine and cal_ikine."""
+class FrameHandlers(HandlerSection):
+    """set_tool_data to get_wobj, cal_fkine, cal_ikine, set_load_data, get_tcp_force."""
 
     def set_tool_data(
         self,
@@ -125,3 +127,44 @@ class FrameHandlers(CarryingSection):
             return given.matrix, given.inverse().matrix
         used = self._runtime.snapshot.view.wobj
         return used.matrix, used.inverse
+
+    def set_load_data(self, value: Sequence[float]) -> int:
+        """抓取负载 [kg, m], its centre of gravity in the tool's frame: it is mounted, too."""
+
+        def command(controller: Controller) -> int:
+            mass, *centre = load("value", value)
+            tool = controller.frames.tool().matrix
+            at = tool[:3, :3] @ centre + tool[:3, 3]
+            self._cabinet.held = PointLoad(mass, tuple(at.tolist()))
+            self._carry(controller)
+            return controller.finish("set_load_data")
+
+        return self._task("set_load_data", True, command)
+
+    def get_tcp_force(self) -> list[float]:
+        """Force and torque on the tool's tip along the base's axes [N, N m]."""
+        return self._external(ForceAxes(self._runtime.snapshot.view.tool.matrix, np.eye(4), False))
+
+    def get_tcp_force_tool(self, tool: str) -> list[float]:
+        """Force and torque on a tool's tip along its own axes [N, N m]."""
+        try:
+            matrix = self._frames.tool(tool).matrix
+        except UnknownName as exc:
+            return self._senseless("get_tcp_force_tool", exc, [])
+        return self._external(ForceAxes(matrix, np.eye(4)))
+
+    def _external(self, axes: ForceAxes) -> list[float]:
+        snapshot = self._runtime.snapshot
+        flange = self._arm.fkine(snapshot.q)[:3, :3]
+        return axes.seen(snapshot.view.sensor.external(snapshot.wrench, flange), flange)
+
+    def _carry(self, controller: Controller) -> None:
+        """Tell sensor and drives of the tool in use and of what it holds; both are mounted.
+
+        A tool that the simulator was given is there already, as heavy as it is.
+        """
+        mass, *centre = controller.frames.tool().payload
+        held = self._cabinet.held
+        both = PointLoad(mass, tuple(centre)).along(held)
+        controller.force.carry(both.mass, both.centre)
+        self._runtime.load(*(held if self._cabinet.tooled else both))

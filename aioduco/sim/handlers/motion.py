@@ -2,23 +2,44 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from aioduco.sim.controller.triggers import point_trigger
 from aioduco.sim.handlers import arguments
+from aioduco.sim.handlers.arguments import mismatch
 from aioduco.sim.handlers.paths import (
     DEFAULT_JOINT_ACCELERATION,
     PathSection,
+    blend,
+    near,
 )
+from aioduco.sim.planner.segments import line_move, spiral_move, spline_move
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
-    from aioduco._wire.rpc import Op
-    from aioduco.sim.motion import Plan
+    from numpy.typing import NDArray
+
+    from aioduco._wire.rpc import Op, PointOp
+    from aioduco.sim.cabinet.tools import Tool
+    from aioduco.sim.controller.motion_queue import Plan
+    from aioduco.sim.controller.state_machine import Controller
+    from aioduco.sim.planner.segments import Segment
+
+    Matrix = NDArray[np.float64]
+    Vector = NDArray[np.float64]
+
+_MOST_POINTS = 50
+_FINE_SPEED = (1e-5, 5.0, "m/s")
+_FINE_ACCELERATION = (1e-5, math.inf, "m/s²")
+_BY_PARAMETERS, _BY_END = 0, 1
 
 
 class MotionHandlers(PathSection):
-    """movej, movej2, movej_pose, movej_pose2, movel, movec."""
+    """movej to movec, circles, spirals and splines, lines by an offset, set_blend_ahead."""
 
     def movej2(
         self,
@@ -137,11 +158,278 @@ class MotionHandlers(PathSection):
 
         return self._motion("movec", plan, op, block)
 
-    # -- what they share -----------------------------------------------------------------------
-
     def _percent(self, v: float, a: float, def_acc: bool) -> tuple[float, float]:
         """Percent of the slowest joint's speed, and of the acceleration the controller chooses."""
         speed = arguments.positive("v", v, 100.0, "%") / 100.0 * min(self._arm.velocity)
         if def_acc:
             return speed, DEFAULT_JOINT_ACCELERATION
         return speed, arguments.positive("a", a, 100.0, "%") / 100.0 * DEFAULT_JOINT_ACCELERATION
+
+    # -- circles, spirals and splines -------------------------------------------------------------
+
+    def move_circle(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        mode: int,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """Once round the circle through p1 and p2."""
+
+        def plan() -> Plan:
+            pace = self._line_pace(v, a, def_acc)
+            return self._round(p1, p2, mode, q_near, tool, wobj, pace, r)
+
+        return self._motion("move_circle", plan, op, block)
+
+    def move_spiral(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        rev: float,
+        len: float,  # noqa: A002 - the name on the wire
+        r: float,
+        mode: int,
+        v: float,
+        a: float,
+        q_near: Sequence[float],
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """Along a spiral about the z axis of p1, to a radius and a height or to p2."""
+
+        def plan() -> Plan:
+            if mode not in (_BY_PARAMETERS, _BY_END):
+                raise mismatch(f"mode is {mode}, but must be 0 or 1")
+            base = arguments.wobj(self._frames, wobj)
+            centre = base.matrix @ arguments.pose("p1", p1).matrix
+            tip = arguments.tool(self._frames, tool).matrix
+            target = self._target("p2", p2, tool, wobj)[0] if mode == _BY_END else None
+            near(q_near)
+            turns = arguments.number("rev", rev, -1000.0, 1000.0, "turns")
+            axial = arguments.number("len", len, -10.0, 10.0, "m") if target is None else 0.0
+            end = arguments.number("r", r, 0.0, 10.0, "m") if target is None else 0.0
+            pace, manner = self._line_pace(v, a, def_acc), self._manner(wobj)
+            return lambda start: spiral_move(
+                self._arm,
+                start,
+                centre,
+                turns,
+                *pace,
+                axial=axial,
+                radius=end,
+                target=target,
+                tool=tip,
+                **manner,
+            )
+
+        return self._motion("move_spiral", plan, op, block)
+
+    def spline(
+        self,
+        pose_list: Sequence[Sequence[float]],
+        v: float,
+        a: float,
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        r: float,
+        def_acc: bool,
+    ) -> int:
+        """Along a smooth curve through up to 50 poses."""
+
+        def plan() -> Plan:
+            pace = self._line_pace(v, a, def_acc)
+            return self._spline(pose_list, pace, tool, wobj, r)
+
+        return self._motion("spline", plan, op, block)
+
+    def spline_op(
+        self,
+        pose_list: Sequence[PointOp],
+        v: float,
+        a: float,
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        r: float,
+        def_acc: bool,
+    ) -> int:
+        """The same, with what is triggered at each pose."""
+        fires: list[tuple[Matrix, Callable[[], None]]] = []
+
+        def plan() -> Plan:
+            poses = [point.pos for point in pose_list]
+            for point in pose_list:
+                fire = point_trigger(point.op, self._signals)
+                if fire is not None:
+                    place, _ = self._target("pose_list", point.pos, tool, wobj)
+                    fires.append((place[:3, 3], fire))
+            # The manual gives this function smaller least values than the other one.
+            pace = self._line_pace(v, a, def_acc, _FINE_SPEED, _FINE_ACCELERATION)
+            return self._spline(poses, pace, tool, wobj, r)
+
+        return self._motion("spline_op", plan, op, block, points=fires)
+
+    def _spline(
+        self,
+        poses: Sequence[Sequence[float]],
+        pace: tuple[float, float],
+        tool: str,
+        wobj: str,
+        r: float,
+    ) -> Plan:
+        if not 1 <= len(poses) <= _MOST_POINTS:
+            raise mismatch(f"pose_list has {len(poses)} poses, but must have 1 to {_MOST_POINTS}")
+        tip = arguments.tool(self._frames, tool).matrix
+        targets = [self._target("pose_list", p, tool, wobj)[0] for p in poses]
+        radius, manner = blend(r), self._manner(wobj)
+        return lambda start: spline_move(
+            self._arm, start, targets, *pace, radius, tool=tip, **manner
+        )
+
+    # -- lines by an offset from where the motion before ends -------------------------------------
+
+    def tcp_move(
+        self,
+        pose_offset: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        tool: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """By an offset in the tool's frame."""
+
+        def plan() -> Plan:
+            used = arguments.tool(self._frames, tool)
+            step = arguments.pose("pose_offset", pose_offset).matrix
+            return self._by(lambda tip: tip @ step, used, v, a, r, def_acc)
+
+        return self._motion("tcp_move", plan, op, block)
+
+    def tcp_move_2p(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """By the way from one pose to another, in the tool's frame: tip · p1⁻¹ · p2."""
+
+        def plan() -> Plan:
+            used = arguments.tool(self._frames, tool)
+            arguments.wobj(self._frames, wobj)  # it cancels out, but must exist
+            first, second = arguments.pose("p1", p1), arguments.pose("p2", p2)
+            step = first.inverse().matrix @ second.matrix
+            return self._by(lambda tip: tip @ step, used, v, a, r, def_acc, wobj)
+
+        return self._motion("tcp_move_2p", plan, op, block)
+
+    def wobj_move(
+        self,
+        pose_offset: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """By an offset along and about the axes of the work object."""
+
+        def plan() -> Plan:
+            step = arguments.pose("pose_offset", pose_offset).matrix
+            axes = arguments.wobj(self._frames, wobj).matrix[:3, :3]
+            used = self._frames.tool()
+            return self._by(lambda tip: _along(tip, axes, step), used, v, a, r, def_acc, wobj)
+
+        return self._motion("wobj_move", plan, op, block)
+
+    def wobj_move_2p(
+        self,
+        p1: Sequence[float],
+        p2: Sequence[float],
+        v: float,
+        a: float,
+        r: float,
+        tool: str,
+        wobj: str,
+        block: bool,
+        op: Op,
+        def_acc: bool,
+    ) -> int:
+        """By the way from one pose to another, along and about the axes of the work object."""
+
+        def plan() -> Plan:
+            used = arguments.tool(self._frames, tool)
+            axes = arguments.wobj(self._frames, wobj).matrix[:3, :3]
+            first, second = arguments.pose("p1", p1).matrix, arguments.pose("p2", p2).matrix
+            step = np.eye(4)
+            step[:3, 3] = second[:3, 3] - first[:3, 3]
+            step[:3, :3] = second[:3, :3] @ first[:3, :3].T
+            return self._by(lambda tip: _along(tip, axes, step), used, v, a, r, def_acc, wobj)
+
+        return self._motion("wobj_move_2p", plan, op, block)
+
+    def set_blend_ahead(self, per: int, num: int) -> int:
+        """How far programs read motions ahead; those that clients send are known as they come."""
+
+        def command(controller: Controller) -> int:
+            if not 0 <= per <= 100:
+                raise mismatch(f"per is {per}, but must be from 0 to 100 %")
+            # A client may leave it out, which is 0 on the wire and means 1.
+            if not 0 <= num <= 3:
+                raise mismatch(f"num is {num}, but must be from 1 to 3")
+            controller.read_ahead = per, max(num, 1)
+            return controller.finish("set_blend_ahead")
+
+        return self._task("set_blend_ahead", True, command)
+
+    def _by(
+        self,
+        moved: Callable[[Matrix], Matrix],
+        tool: Tool,
+        v: float,
+        a: float,
+        r: float,
+        def_acc: bool,
+        wobj: str = "",
+    ) -> Plan:
+        pace, radius, manner = self._line_pace(v, a, def_acc), blend(r), self._manner(wobj)
+
+        def from_there(start: Vector) -> Segment:
+            target = moved(self._arm.fkine(start) @ tool.matrix) @ tool.inverse
+            return line_move(self._arm, start, target, *pace, radius, tool=tool.matrix, **manner)
+
+        return from_there
+
+
+def _along(tip: Matrix, axes: Matrix, step: Matrix) -> Matrix:
+    """A tip moved and turned in place, along and about given axes."""
+    moved = tip.copy()
+    moved[:3, 3] += axes @ step[:3, 3]
+    moved[:3, :3] = axes @ step[:3, :3] @ axes.T @ tip[:3, :3]
+    return moved

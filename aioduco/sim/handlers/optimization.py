@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.sim.handlers.base import Section
+from aioduco.sim.handlers.base import HandlerSection
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from aioduco.sim.controller import Controller
-    from aioduco.sim.optimization import Optimization
+    from aioduco.sim.controller.motion_settings import OptimizationSwitches
+    from aioduco.sim.controller.state_machine import Controller
 
 
-class OptimizationHandlers(Section):
+class OptimizationHandlers(HandlerSection):
     """enable_speed_optimization to disable_vibration_control: for motions that come later."""
 
     def enable_speed_optimization(self) -> int:
         """开启速度优化."""
 
-        def on(flags: Optimization) -> None:
+        def on(flags: OptimizationSwitches) -> None:
             flags.speed = True
 
         return self._switch("enable_speed_optimization", on)
@@ -27,7 +27,7 @@ class OptimizationHandlers(Section):
     def disable_speed_optimization(self) -> int:
         """退出速度优化."""
 
-        def off(flags: Optimization) -> None:
+        def off(flags: OptimizationSwitches) -> None:
             flags.speed = False
 
         return self._switch("disable_speed_optimization", off)
@@ -35,7 +35,7 @@ class OptimizationHandlers(Section):
     def enable_acc_optimization(self) -> int:
         """开启加速度优化."""
 
-        def on(flags: Optimization) -> None:
+        def on(flags: OptimizationSwitches) -> None:
             flags.acceleration = True
 
         return self._switch("enable_acc_optimization", on)
@@ -43,7 +43,7 @@ class OptimizationHandlers(Section):
     def disable_acc_optimization(self) -> int:
         """退出加速度优化."""
 
-        def off(flags: Optimization) -> None:
+        def off(flags: OptimizationSwitches) -> None:
             flags.acceleration = False
 
         return self._switch("disable_acc_optimization", off)
@@ -51,7 +51,7 @@ class OptimizationHandlers(Section):
     def enable_singularity_control(self) -> int:
         """开启奇异点规避."""
 
-        def on(flags: Optimization) -> None:
+        def on(flags: OptimizationSwitches) -> None:
             flags.singularity = True
 
         return self._switch("enable_singularity_control", on)
@@ -59,7 +59,7 @@ class OptimizationHandlers(Section):
     def disable_singularity_control(self) -> int:
         """关闭奇异点规避."""
 
-        def off(flags: Optimization) -> None:
+        def off(flags: OptimizationSwitches) -> None:
             flags.singularity = False
 
         return self._switch("disable_singularity_control", off)
@@ -67,7 +67,7 @@ class OptimizationHandlers(Section):
     def enable_vibration_control(self) -> int:
         """开启振动控制."""
 
-        def on(flags: Optimization) -> None:
+        def on(flags: OptimizationSwitches) -> None:
             flags.vibration = True
 
         return self._switch("enable_vibration_control", on)
@@ -75,12 +75,12 @@ class OptimizationHandlers(Section):
     def disable_vibration_control(self) -> int:
         """退出振动控制."""
 
-        def off(flags: Optimization) -> None:
+        def off(flags: OptimizationSwitches) -> None:
             flags.vibration = False
 
         return self._switch("disable_vibration_control", off)
 
-    def _switch(self, name: str, change: Callable[[Optimization], None]) -> int:
+    def _switch(self, name: str, change: Callable[[OptimizationSwitches], None]) -> int:
         def command(controller: Controller) -> int:
             change(controller.optimization)
             return controller.finish(name)

@@ -10,11 +10,12 @@ import numpy as np
 
 from aioduco.errors import Unreachable
 from aioduco.models.enums import OperationMode
+from aioduco.sim.controller.triggers import MotionTriggers, motion_triggers
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.base import Section, mismatch
-from aioduco.sim.planner.errors import PlanError
+from aioduco.sim.handlers.arguments import mismatch
+from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import arc_move, circle_move, joint_move, line_move
-from aioduco.sim.triggers import Along, along
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco._wire.rpc import Op
-    from aioduco.sim.controller import Controller
-    from aioduco.sim.motion import Plan
+    from aioduco.sim.controller.motion_queue import Plan
+    from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.planner.segments import Segment
     from aioduco.sim.planner.weaving import Weave
 
@@ -43,7 +44,7 @@ DEFAULT_LINE_ACCELERATION = 2.0
 _STEEPEST = 1e3  # stands for an acceleration that only the joints limit [m/s²]
 
 
-class Manner(TypedDict):
+class PathOptions(TypedDict):
     """What the functions for paths of the tool take besides.
 
     Attributes:
@@ -55,7 +56,7 @@ class Manner(TypedDict):
     around: bool
 
 
-class PathSection(Section):
+class PathSection(HandlerSection):
     """Base of the handlers of motions that are planned as a whole."""
 
     def _motion(
@@ -86,9 +87,9 @@ class PathSection(Section):
                 return (self._arm.fkine(q) @ tool)[:3, 3]
 
             planned = plan()
-            triggers = along(op, self._signals, tip, distance=line)
+            triggers = motion_triggers(op, self._signals, tip, distance=line)
             if points:
-                triggers = triggers or Along(tip)
+                triggers = triggers or MotionTriggers(tip)
                 triggers.points.extend(points)
                 triggers.flange = lambda q: self._arm.fkine(q)[:3, 3]
             return controller.move(name, planned, triggers)
@@ -126,7 +127,7 @@ class PathSection(Section):
         fast = switches.speed and mode is OperationMode.AUTO
         return fast, fast or switches.acceleration
 
-    def _manner(self, wobj: str = "") -> Manner:
+    def _manner(self, wobj: str = "") -> PathOptions:
         """How paths at a work object are laid, by what is switched on."""
         weave = self._runtime.weaving.active
         if weave is not None:

@@ -6,11 +6,13 @@ import math
 from typing import TYPE_CHECKING
 
 from aioduco.models.enums import SafetyState
-from aioduco.sim.following import Following
+from aioduco.models.realtime import RealtimeMode
+from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.base import Section, mismatch
-from aioduco.sim.planner.realtime import Command, Follow, Realtime
-from aioduco.sim.planner.realtime import mismatch as differs
+from aioduco.sim.handlers.arguments import mismatch
+from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.planner.realtime_follower import Follow, RealtimeCommand, RealtimeFollower
+from aioduco.sim.planner.realtime_follower import mismatch as differs
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,24 +21,23 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco._wire.rpc import RealTimeControlData
-    from aioduco.sim.controller import Controller
+    from aioduco.sim.controller.state_machine import Controller
 
     Vector = NDArray[np.float64]
 
 _KIND = "realtime control"
-_TORQUE = 2
 #: the manual's defaults, for a client that leaves them out
 _BANDWIDTH, _PATIENCE = 100.0, 0.02
 
 
-class RealtimeHandlers(Section):
+class RealtimeHandlers(HandlerSection):
     """start_realtime_mode to get_realtime_data_queue_size."""
 
     def start_realtime_mode(self, mode: int, fileter_bandwidth: float, com_lost_time: float) -> int:
         """Follow the queue, a point in each cycle; done as soon as it has begun."""
 
         def command(controller: Controller) -> int:
-            if mode == _TORQUE:
+            if mode == RealtimeMode.JOINT_TORQUE:
                 raise mismatch("mode is 2, joint torques, which the manual calls reserved")
             if mode not in list(Follow):
                 raise mismatch(f"mode is {mode}, but must be 0, 1, 3 or 4")
@@ -56,8 +57,8 @@ class RealtimeHandlers(Section):
     ) -> int:
         tool, wobj = self._frames.tool().matrix, self._frames.wobj().matrix
 
-        def make(q: Vector) -> Realtime:
-            return Realtime(
+        def make(q: Vector) -> RealtimeFollower:
+            return RealtimeFollower(
                 self._arm,
                 q,
                 self._runtime.cycle,
@@ -122,10 +123,10 @@ class QueueFull(Exception):
     """The points do not fit; none of them was taken."""
 
 
-def _command(data: RealTimeControlData) -> Command:
+def _command(data: RealTimeControlData) -> RealtimeCommand:
     """A point; what it has must make sense, whatever the mode."""
     joints = data.joint_pos_cmd
-    return Command(
+    return RealtimeCommand(
         arguments.joints("joint_pos_cmd", joints) if joints else (),
         _six("joint_vel_cmd", data.joint_vel_cmd),
         arguments.pose("cart_pos_tool_wobj_cmd", data.cart_pos_tool_wobj_cmd).matrix

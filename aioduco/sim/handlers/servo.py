@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.errors import Unreachable
-from aioduco.sim.following import Following
+from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.base import Section
-from aioduco.sim.planner.errors import PlanError
-from aioduco.sim.planner.servo import Servo, Tuning
+from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.planner.path import PlanError
+from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
-    from aioduco.sim.controller import Controller
+    from aioduco.sim.controller.state_machine import Controller
 
     Vector = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ _ACCELERATION = (math.radians(0.01), math.inf, "rad/s²")
 _GAINS = (200.0, 25.0, 10.0, 1.0)
 
 
-class ServoHandlers(Section):
+class ServoHandlers(HandlerSection):
     """servoj, servoj_pose, servo_tcp, servol."""
 
     def servoj(
@@ -126,11 +126,12 @@ class ServoHandlers(Section):
         def command(controller: Controller) -> int:
             goal, tuning = target(), _tuning(*numbers)
 
-            def aim(follower: Servo) -> None:
+            def aim(follower: ServoFollower) -> None:
                 follower.aim(goal(follower.target), tuning)
 
             return controller.follow(
-                name, Following(name, lambda q: Servo(self._arm, q, self._runtime.cycle), aim)
+                name,
+                Following(name, lambda q: ServoFollower(self._arm, q, self._runtime.cycle), aim),
             )
 
         return self._task(name, block, command)
@@ -152,10 +153,10 @@ class ServoHandlers(Section):
 
 def _tuning(
     v: float, a: float, kp: float, kd: float, smooth_vel: float, smooth_acc: float
-) -> Tuning:
+) -> ServoTuning:
     if not (kp or kd or smooth_vel or smooth_acc):
         kp, kd, smooth_vel, smooth_acc = _GAINS
-    return Tuning(
+    return ServoTuning(
         arguments.number("v", v, *_SPEED),
         arguments.number("a", a, *_ACCELERATION),
         # Without a proportional part the arm would never arrive.

@@ -1,21 +1,26 @@
-"""Speed, mode, versions and dimensions (manual 1.3.7)."""
+"""Settings, versions and dimensions (manual 1.3.7)."""
 
 from __future__ import annotations
 
 import importlib.metadata
+import math
 from typing import TYPE_CHECKING
 
+from aioduco._wire.rpc import ReachabilityParam
+from aioduco.errors import Unreachable
 from aioduco.models.enums import OperationMode, TaskState
-from aioduco.sim.handlers.arguments import number
-from aioduco.sim.handlers.base import Section, mismatch
+from aioduco.sim.handlers.arguments import joints, mismatch, number, pose
+from aioduco.sim.handlers.base import HandlerSection
 from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
-    from aioduco.sim.controller import Controller
+    from collections.abc import Callable, Sequence
+
+    from aioduco.sim.controller.state_machine import Controller
 
 
-class SettingHandlers(Section):
-    """Settings of the robot as a whole, and what it is."""
+class SettingHandlers(HandlerSection):
+    """Settings of robot, pendant and collisions; what the robot is, and where it reaches."""
 
     def speed(self, val: float) -> int:
         """机器人全局速度百分比 [%]."""
@@ -66,3 +71,92 @@ class SettingHandlers(Section):
     def get_calib_DH(self) -> list[list[float]]:  # noqa: N802 - the name on the wire
         """The same: a simulated arm is built as designed."""
         return self.get_origin_DH()
+
+    def set_teach_speed(self, v: int) -> int:
+        """示教速度的百分比 [%]."""
+
+        def change() -> None:
+            self._cabinet.teach_speed = int(number("v", v, 1, 100, "%"))
+
+        return self._keep("set_teach_speed", change)
+
+    def get_teach_speed(self) -> int:
+        """示教速度的百分比 [%]."""
+        return self._cabinet.teach_speed
+
+    def collision_detect(self, value: int) -> int:
+        """碰撞检测等级: 0 for off, 1 to 5."""
+
+        def command(controller: Controller) -> int:
+            controller.collisions.level = int(number("level", value, 0, 5, "in whole numbers"))
+            return controller.finish("collision_detect")
+
+        return self._task("collision_detect", True, command)
+
+    def set_teach_pendant(self, enable: bool) -> int:
+        """启用或禁用示教器的物理按键."""
+
+        def change() -> None:
+            self._cabinet.pendant_enabled = enable
+
+        return self._keep("set_teach_pendant", change)
+
+    def simulation(self, sim: bool, block: bool) -> int:
+        """The real arm, or none: only the first is simulated."""
+
+        def command(controller: Controller) -> int:
+            if sim:
+                reason = "an arm that stands while its motions run is not simulated"
+                raise Rejected(TaskState.ILLEGAL, reason)
+            if controller.in_motion:
+                raise Rejected(TaskState.ILLEGAL, "the robot moves")
+            return controller.finish("simulation")
+
+        return self._task("simulation", block, command)
+
+    def read_encoder_count(self) -> int:
+        """外接 INC 的实际 count 值."""
+        return self._cabinet.encoder_count
+
+    def reach_check(
+        self,
+        base: Sequence[float],
+        wobj: Sequence[float],
+        tool: Sequence[float],
+        ref_pos: Sequence[float],
+        check_points: Sequence[Sequence[float]],
+    ) -> ReachabilityParam:
+        """Whether every pose can be reached, and if so by which joints."""
+        try:
+            frame = pose("base", base).inverse() @ pose("wobj", wobj)
+            flange = pose("tool", tool).inverse()
+            near = joints("ref_pos", ref_pos)
+            targets = [frame @ pose("check_points", point) @ flange for point in check_points]
+        except Rejected as exc:
+            return self._senseless("reach_check", exc, ReachabilityParam(False, []))
+        try:
+            found = [self._arm.ikine(target.matrix, near).tolist() for target in targets]
+        except Unreachable:
+            return ReachabilityParam(False, [])
+        return ReachabilityParam(True, found)
+
+    def set_dynamic_calibration_params(self, params: Sequence[Sequence[float]]) -> int:
+        """Kept, and without effect: a simulated arm is built as designed."""
+
+        def change() -> None:
+            if not all(math.isfinite(value) for row in params for value in row):
+                raise mismatch("params must be finite numbers")
+            self._cabinet.dynamics = [list(row) for row in params]
+
+        return self._keep("set_dynamic_calibration_params", change)
+
+    def get_dynamic_calibration_params(self) -> list[list[float]]:
+        """What was set; nothing before."""
+        return self._cabinet.dynamics
+
+    def _keep(self, name: str, change: Callable[[], None]) -> int:
+        def command(controller: Controller) -> int:
+            change()
+            return controller.finish(name)
+
+        return self._task(name, True, command)

@@ -9,22 +9,22 @@ import numpy as np
 from aioduco._wire.rpc import RobotStatus
 from aioduco.models.enums import RobotState
 from aioduco.models.pose import Pose
-from aioduco.sim.frames import UnknownName
-from aioduco.sim.handlers.base import Context, Section
-from aioduco.sim.tip import Tip, tip
+from aioduco.sim.cabinet.tools import UnknownName
+from aioduco.sim.handlers.base import HandlerContext, HandlerSection
+from aioduco.sim.physics.tip import TipMotion, tip_motion
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from aioduco.sim.runtime import Snapshot
+    from aioduco.sim.runtime import SimulationSnapshot
 
 
-class StateHandlers(Section):
+class StateHandlers(HandlerSection):
     """Joints, tool and flange, actual and commanded; the robot's states."""
 
-    def __init__(self, context: Context) -> None:
+    def __init__(self, context: HandlerContext) -> None:
         super().__init__(context)
-        self._last: tuple[Snapshot, Tip, Tip] | None = None
+        self._last: tuple[SimulationSnapshot, TipMotion, TipMotion] | None = None
         self._effort = np.array(self._arm.effort)
 
     # -- joints --------------------------------------------------------------------------------
@@ -140,21 +140,21 @@ class StateHandlers(Section):
             robotError=view.error,
         )
 
-    def _tips(self, snapshot: Snapshot) -> tuple[Tip, Tip]:
+    def _tips(self, snapshot: SimulationSnapshot) -> tuple[TipMotion, TipMotion]:
         """The tool's tip, actual and commanded; computed once per snapshot."""
         last = self._last
         if last is not None and last[0] is snapshot:
             return last[1], last[2]
         tool, geometry = snapshot.view.tool, self._arm.geometry
         point = snapshot.setpoint
-        actual = tip(geometry, snapshot.q, snapshot.qd, snapshot.qdd, tool.matrix)
-        expected = tip(geometry, point.q, point.qd, point.qdd, tool.matrix)
+        actual = tip_motion(geometry, snapshot.q, snapshot.qd, snapshot.qdd, tool.matrix)
+        expected = tip_motion(geometry, point.q, point.qd, point.qdd, tool.matrix)
         self._last = (snapshot, actual, expected)
         return actual, expected
 
-    def _flange(self) -> Tip:
+    def _flange(self) -> TipMotion:
         now = self._runtime.snapshot
-        return tip(self._arm.geometry, now.q, now.qd, now.qdd, np.eye(4))
+        return tip_motion(self._arm.geometry, now.q, now.qd, now.qdd, np.eye(4))
 
 
 def _list(vector: NDArray[np.float64]) -> list[float]:

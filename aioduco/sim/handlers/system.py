@@ -1,14 +1,25 @@
-"""Connection, system and task control (manual 1.3.1 to 1.3.3)."""
+"""Connection, power, task control, programs and log (manual 1.3.1 to 1.3.4, 1.3.8)."""
 
 from __future__ import annotations
 
+import logging
 from time import monotonic
+from typing import TYPE_CHECKING, Any
 
-from aioduco.sim.handlers.base import Section
+from aioduco.sim.cabinet.project import NoSuchFolder
+from aioduco.sim.controller.programs import ProgramRun
+from aioduco.sim.handlers.arguments import mismatch
+from aioduco.sim.handlers.base import HandlerSection
+
+if TYPE_CHECKING:
+    from aioduco.sim.controller.state_machine import Controller
 
 
-class SystemHandlers(Section):
-    """Power, enable, stop, pause, resume, abort, heartbeat."""
+_log = logging.getLogger("aioduco.sim.program")
+
+
+class SystemHandlers(HandlerSection):
+    """power_on to rpc_heartbeat, run_program to get_files_list, log_info to robotmoving."""
 
     def power_on(self, block: bool) -> int:
         """机器人上电."""
@@ -54,3 +65,59 @@ class SystemHandlers(Section):
         """A sign of life; the next is due within `time` milliseconds."""
         with self._runtime.command() as controller:
             controller.heartbeat.beat(monotonic(), time)
+
+    def run_program(self, name: str, block: bool) -> int:
+        """运行程序脚本: its calls are answered as if a client made them."""
+
+        def make(function: str, values: tuple[Any, ...]) -> Any:
+            return getattr(self, function)(*values)
+
+        def command(controller: Controller) -> int:
+            script = self._cabinet.project.programs.get(name)
+            if script is None:
+                raise mismatch(f"there is no program {name!r}")
+            steps = ProgramRun(
+                name,
+                script,
+                make,
+                controller.tasks,
+                ahead=lambda: controller.read_ahead,
+                progress=lambda: controller.progress,
+            )
+            return controller.run_program(steps)
+
+        return self._task("run_program", block, command)
+
+    def get_current_project(self) -> str:
+        """当前工程的路径, with a slash at its end."""
+        return self._cabinet.project.path
+
+    def get_files_list(self, path: str) -> dict[str, int]:
+        """指定路径下的文件列表; 0: folder, 1: file."""
+        try:
+            return self._cabinet.project.list(path)
+        except NoSuchFolder as exc:
+            return self._senseless("get_files_list", exc, {})
+
+    def log_info(self, message: str) -> None:
+        """Write to the controller's log."""
+        _log.info("%s", message)
+
+    def log_error(self, message: str) -> None:
+        """Show a message on the pendant, and pause all tasks."""
+        _log.error("%s", message)
+        with self._runtime.command() as controller:
+            controller.note_error(message)
+            controller.pause()
+
+    def get_last_error(self) -> list[str]:
+        """机器人最新的错误列表."""
+        return list(self._runtime.snapshot.view.errors)
+
+    def get_noneblock_taskstate(self, id: int) -> int:  # noqa: A002 - the name on the wire
+        """State of a task."""
+        return int(self._runtime.task_state(id))
+
+    def robotmoving(self) -> bool:
+        """Whether the arm moves."""
+        return self._runtime.snapshot.view.moving

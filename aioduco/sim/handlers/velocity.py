@@ -1,4 +1,4 @@
-"""Motions that go on until they are told to end: velocities, jogs, hand guiding (manual 1.3.5)."""
+"""Motions without an end of their own: velocities, jogs, hand guiding (manual 1.3.5)."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from aioduco.models.jog import JogFrame
 from aioduco.models.rotation import matrix_from_rotvec
-from aioduco.sim.following import Following
+from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.handlers import arguments
-from aioduco.sim.handlers.base import Section, mismatch
-from aioduco.sim.planner.guiding import Guiding, cartesian_giving, joint_giving
+from aioduco.sim.handlers.arguments import mismatch
+from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.planner.guiding import HandGuidingFollower, cartesian_giving, joint_giving
 from aioduco.sim.planner.segments import joint_move, line_move
-from aioduco.sim.planner.velocity import JointVelocity, ToolVelocity
+from aioduco.sim.planner.velocity_follower import JointVelocity, ToolVelocity
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,9 +23,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco._wire.rpc import MoveJogTaskParam
-    from aioduco.sim.controller import Controller
-    from aioduco.sim.motion import Plan
-    from aioduco.sim.planner.follower import Follower
+    from aioduco.sim.controller.motion_queue import Plan
+    from aioduco.sim.controller.state_machine import Controller
+    from aioduco.sim.planner.follower import TargetFollower
     from aioduco.sim.planner.segments import Segment
 
     Vector = NDArray[np.float64]
@@ -37,10 +39,9 @@ _STEEPEST = 1e4  # stands for an acceleration without a limit
 _JOG_JOINT, _JOG_LINE, _JOG_TURN = 0.5, 0.25, 0.5  # [rad/s, m/s, rad/s]
 _JOG_JOINT_ACCELERATION, _JOG_LINE_ACCELERATION = 2.0, 1.0  # [rad/s², m/s²]
 _CARTESIAN, _JOINTS = 1, 2
-_TOOL_FRAME, _WORK_OBJECT = 2, 3
 
 
-class VelocityHandlers(Section):
+class VelocityHandlers(HandlerSection):
     """speedj, speedl, speed_stop, move_jog, stop_manual_move, hand guiding."""
 
     def speedj(self, joints_list: Sequence[float], a: float, time: int, block: bool) -> int:
@@ -107,7 +108,8 @@ class VelocityHandlers(Section):
             id_ = controller.follow(
                 "teach_mode",
                 Following.once(
-                    "teach_mode", lambda q: Guiding(self._arm, q, self._runtime.cycle, giving)
+                    "teach_mode",
+                    lambda q: HandGuidingFollower(self._arm, q, self._runtime.cycle, giving),
                 ),
             )
             return id_ if controller.tasks.state(id_).ended else controller.finish("teach_mode")
@@ -160,7 +162,7 @@ class VelocityHandlers(Section):
         if param.jog_type == _JOINTS:
             velocity[axis] = share * _JOG_JOINT
 
-            def begin(q: Vector) -> Follower:
+            def begin(q: Vector) -> TargetFollower:
                 joints = self._joint_velocity(q)
                 joints.aim(velocity, _JOG_JOINT_ACCELERATION)
                 return joints
@@ -169,7 +171,7 @@ class VelocityHandlers(Section):
         velocity[axis] = share * (_JOG_LINE if axis < 3 else _JOG_TURN)
         tool, frame = self._frames.tool().matrix, self._axes(param.jog_coordinate)
 
-        def begin_tool(q: Vector) -> Follower:
+        def begin_tool(q: Vector) -> TargetFollower:
             follower = ToolVelocity(
                 self._arm,
                 q,
@@ -185,9 +187,9 @@ class VelocityHandlers(Section):
 
     def _axes(self, frame: int) -> Vector | None:
         """Axes of a frame by its number, in the base; None for those of the tool."""
-        if frame == _TOOL_FRAME:
+        if frame == JogFrame.TOOL:
             return None
-        if frame == _WORK_OBJECT:
+        if frame == JogFrame.WORK_OBJECT:
             return self._frames.wobj().matrix[:3, :3]
         return np.eye(3)  # the world's, which are the base's
 
@@ -241,7 +243,7 @@ def _speeds(name: str, values: Sequence[float], most: Sequence[float]) -> Vector
 
 
 def _time(milliseconds: int) -> float:
-    """How long it goes on [s]; -1 for as long as nobody ends it."""
+    """How long it goes on [s]; infinite for -1."""
     if milliseconds == -1:
         return math.inf
     if milliseconds <= 0:

@@ -1,7 +1,8 @@
-"""Curves of the tool centre point in space: straight lines and arcs, with their orientations.
+"""Curves of the tool centre point in space, with their orientations.
 
-A curve knows its length and gives poses for distances along it; everything else follows from
-that. Its unit is the metre, or the radian for a curve that only turns.
+A curve knows its length and gives poses for distances along it. Its unit is the metre, or the
+radian for a curve that only turns. Lines and arcs have a formula for their length; spirals and
+splines are measured by a table.
 """
 
 from __future__ import annotations
@@ -12,15 +13,33 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
-from aioduco.sim.planner.errors import PlanError
+from aioduco.models.rotation import (
+    matrix_from_quaternion,
+    matrix_from_rotvec,
+    quaternion_from_matrix,
+    rotvec_from_matrix,
+)
+from aioduco.sim.planner.path import PlanError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from aioduco.models.rotation import Array
 
-__all__ = ["Arc", "Curve", "Line", "Orientation", "arc_through"]
+
+__all__ = [
+    "Arc",
+    "ByLength",
+    "Curve",
+    "Orientation",
+    "StraightLine",
+    "arc_through",
+    "spiral",
+    "spline",
+]
 
 POINT = 1e-6  # positions closer than this are the same point [m]
+_TABLE = 2000  # points in which a curve's length is measured
 
 
 class Curve(Protocol):
@@ -55,7 +74,7 @@ def _poses(rotations: Array, points: Array) -> Array:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Line:
+class StraightLine:
     """A straight line; the orientation turns at a constant rate the shorter way.
 
     Where start and end are one point it only turns, and its length is the angle.
@@ -73,7 +92,7 @@ class Line:
     length: float
 
     @classmethod
-    def between(cls, start: Array, end: Array) -> Line:
+    def between(cls, start: Array, end: Array) -> StraightLine:
         """Go straight from one pose to another. Shapes (4, 4)."""
         turn = rotvec_from_matrix(start[:3, :3].T @ end[:3, :3])
         metres = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
@@ -186,3 +205,150 @@ def arc_through(start: Array, via: Array, end: Array, mode: int, *, full: bool =
     else:
         turn = np.zeros(3)
     return Arc(start, centre, axis, angle, float(np.linalg.norm(spoke)), turn)
+
+
+class ByLength:
+    """A curve given over any parameter u from 0 to 1, travelled by its length instead.
+
+    Args:
+        poses: poses over u. Shape (n,) to (n, 4, 4).
+
+    Attributes:
+        length: of the curve of the positions [m].
+        turning: angle that the orientation turns by, along the way [rad].
+        detail: infinite, as `turning` and the length say how it bends.
+    """
+
+    detail: float = math.inf
+
+    def __init__(self, poses: Callable[[Array], Array]) -> None:
+        self._poses = poses
+        self._u = np.linspace(0.0, 1.0, _TABLE + 1)
+        table = poses(self._u)
+        points, rotations = table[:, :3, 3], table[:, :3, :3]
+        step = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        if step.min() < 1e-9 / _TABLE:
+            raise PlanError("parameter", "the curve stands still somewhere")
+        self._s = np.concatenate([[0.0], np.cumsum(step)])
+        self._slope = np.gradient(self._u, self._s, edge_order=2)
+        self.length: float = float(self._s[-1])
+        turns = rotvec_from_matrix(np.swapaxes(rotations[:-1], -1, -2) @ rotations[1:])
+        self.turning: float = float(np.linalg.norm(turns, axis=1).sum())
+
+    def poses(self, s: Array) -> Array:
+        """Give the poses at distances s. Shape (n,) to (n, 4, 4)."""
+        i = np.clip(np.searchsorted(self._s, s, side="right") - 1, 0, _TABLE - 1)
+        step = self._s[i + 1] - self._s[i]
+        t = (s - self._s[i]) / step
+        # Cubic between the points of the table, so that accelerations do not jump at them.
+        rise = self._u[i + 1] - self._u[i]
+        a, b = self._slope[i] * step, self._slope[i + 1] * step
+        u = self._u[i] + t * (a + t * (3 * rise - 2 * a - b + t * (a + b - 2 * rise)))
+        return self._poses(np.clip(u, 0.0, 1.0))
+
+
+def spiral(
+    start: Array, centre: Array, turns: float, axial: float, radius: float, end: Array | None = None
+) -> ByLength:
+    """Give a spiral from the start (manual 1.3.5, move_spiral).
+
+    It winds about the z axis of the centre, its radius and its height changing evenly with the
+    angle. (The manual names a centre pose, but no axis: z is an assumption.)
+
+    Args:
+        start: first pose. Shape (4, 4).
+        centre: a pose whose z axis is that of the spiral. Shape (4, 4).
+        turns: whole turns and parts; positive is by the right hand about z.
+        axial: way along z [m].
+        radius: at the end [m].
+        end: a last pose; if given, it says the radius, the way along z and the orientation, and
+            the turns are those nearest to `turns` that end there. Shape (4, 4).
+
+    Raises:
+        PlanError: the start is on the axis, or there is no way to go.
+    """
+    back = np.linalg.inv(centre)
+    first = (back @ start)[:3, 3]
+    began = math.hypot(first[0], first[1])
+    angle = 2 * math.pi * turns
+    turn = np.zeros(3)
+    if end is not None:
+        last = (back @ end)[:3, 3]
+        radius, axial = math.hypot(last[0], last[1]), last[2] - first[2]
+        between = math.atan2(last[1], last[0]) - math.atan2(first[1], first[0])
+        angle = between + 2 * math.pi * round((angle - between) / (2 * math.pi))
+        turn = rotvec_from_matrix(end[:3, :3] @ start[:3, :3].T)
+    if began < POINT or radius < 0.0:
+        raise PlanError("parameter", "a spiral begins at a distance from its axis")
+    if abs(angle) * max(began, radius) < POINT and abs(axial) < POINT:
+        raise PlanError("parameter", "a spiral without turns goes nowhere")
+    azimuth = math.atan2(first[1], first[0])
+
+    def poses(u: Array) -> Array:
+        around = azimuth + angle * u
+        wide = began + (radius - began) * u
+        points = np.stack(
+            [wide * np.cos(around), wide * np.sin(around), first[2] + axial * u, np.ones_like(u)],
+            axis=-1,
+        )
+        out = np.zeros((len(u), 4, 4))
+        out[:, :3, :3] = matrix_from_rotvec(u[:, None] * turn) @ start[:3, :3]
+        out[:, :, 3] = points @ centre.T
+        return out
+
+    return ByLength(poses)
+
+
+def spline(start: Array, targets: Sequence[Array]) -> ByLength:
+    """Give a smooth curve from the start through poses (manual 1.3.5, spline).
+
+    Position and orientation are natural cubic splines over the distance between the poses, with
+    continuous curvature. (The manual does not say which spline it is.)
+
+    Args:
+        start: first pose. Shape (4, 4).
+        targets: poses to go through, the last one to end at. Shapes (4, 4).
+
+    Raises:
+        PlanError: there is no target, or two poses that follow each other are at one point.
+    """
+    through = np.array([start, *targets])
+    chords = np.linalg.norm(np.diff(through[:, :3, 3], axis=0), axis=1)
+    if not len(chords) or chords.min() < POINT:
+        raise PlanError("parameter", "a spline goes through poses that are apart from each other")
+    knots = np.concatenate([[0.0], np.cumsum(chords)]) / chords.sum()
+    quaternions = quaternion_from_matrix(through[:, :3, :3])
+    for i in range(1, len(quaternions)):
+        if quaternions[i] @ quaternions[i - 1] < 0:
+            quaternions[i] *= -1.0
+    values = np.concatenate([through[:, :3, 3], quaternions], axis=1)
+    bends = _bends(knots, values)
+
+    def poses(u: Array) -> Array:
+        i = np.clip(np.searchsorted(knots, u, side="right") - 1, 0, len(knots) - 2)
+        step = (knots[i + 1] - knots[i])[:, None]
+        b = (u - knots[i])[:, None] / step
+        a = 1.0 - b
+        found = a * values[i] + b * values[i + 1]
+        found += ((a**3 - a) * bends[i] + (b**3 - b) * bends[i + 1]) * step**2 / 6.0
+        unit = found[:, 3:] / np.linalg.norm(found[:, 3:], axis=1, keepdims=True)
+        out = np.zeros((len(u), 4, 4))
+        out[:, :3, :3] = matrix_from_quaternion(unit)
+        out[:, :3, 3] = found[:, :3]
+        out[:, 3, 3] = 1.0
+        return out
+
+    return ByLength(poses)
+
+
+def _bends(knots: Array, values: Array) -> Array:
+    """Give the second derivatives of a natural cubic spline at its knots."""
+    count = len(knots)
+    step = np.diff(knots)
+    matrix = np.eye(count)
+    right = np.zeros_like(values)
+    slopes = np.diff(values, axis=0) / step[:, None]
+    for i in range(1, count - 1):
+        matrix[i, i - 1 : i + 2] = step[i - 1], 2 * (step[i - 1] + step[i]), step[i]
+        right[i] = 6 * (slopes[i] - slopes[i - 1])
+    return np.linalg.solve(matrix, right).astype(np.float64)

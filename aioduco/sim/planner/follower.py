@@ -1,4 +1,4 @@
-"""Followers: what makes set-points cycle by cycle, where no path is known beforehand.
+"""Followers make set-points cycle by cycle where no path is known beforehand.
 
 Servo targets, velocities, hand guiding, the realtime queue and the track pool have one thing in
 common: the next target comes while the arm moves. A follower turns what it knows into one
@@ -12,21 +12,24 @@ from the present speeds, whatever the target.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections import deque
 from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
 
 import numpy as np
 
 from aioduco.sim.planner.limits import STOPPING
-from aioduco.sim.planner.mover import SetPoint
+from aioduco.sim.planner.path import JointSetPoint
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["Failure", "FollowError", "Follower"]
+
+__all__ = ["Failure", "FollowError", "FollowerChain", "StandingFollower", "TargetFollower"]
 
 _FASTER = 1.02  # share of a joint's largest speed that a set-point may have, for rounding
-
 Failure: TypeAlias = Literal["error", "fault"]
 
 
@@ -42,7 +45,7 @@ class FollowError(Exception):
         self.kind: Failure = kind
 
 
-class Follower(ABC):
+class TargetFollower(ABC):
     """One motion whose targets come while it runs.
 
     Args:
@@ -61,7 +64,7 @@ class Follower(ABC):
         self.failure: FollowError | None = None
         self._arm = arm
         self._cycle = cycle
-        self._setpoint = SetPoint.at_rest(q)
+        self._setpoint = JointSetPoint.at_rest(q)
         self._speed = 1.0
         self._then: Literal["", "stand", "end"] = ""  # what comes after slowing down
         self._hard = np.array(arm.acceleration) * STOPPING
@@ -70,7 +73,7 @@ class Follower(ABC):
         self._ended = False
 
     @property
-    def setpoint(self) -> SetPoint:
+    def setpoint(self) -> JointSetPoint:
         """The latest set-point."""
         return self._setpoint
 
@@ -87,7 +90,7 @@ class Follower(ABC):
         return self._then != "stand" or bool(self._setpoint.qd.any())
 
     def set_speed(self, fraction: float) -> None:
-        """Set the global speed, 0.01 to 1, for those followers that heed it."""
+        """Set the global speed, 0.01 to 1, for those followers that it applies to."""
         self._speed = fraction
 
     def pause(self) -> None:
@@ -109,7 +112,7 @@ class Follower(ABC):
         """End in good order; by a stop unless there is a gentler way."""
         self.stop()
 
-    def tick(self, q: Array, qd: Array) -> SetPoint:
+    def tick(self, q: Array, qd: Array) -> JointSetPoint:
         """Go on by one cycle.
 
         Args:
@@ -132,7 +135,7 @@ class Follower(ABC):
         self._then = "end"
 
     @abstractmethod
-    def _next(self, q: Array, qd: Array) -> SetPoint:
+    def _next(self, q: Array, qd: Array) -> JointSetPoint:
         """Give the next set-point, towards the target.
 
         Raises:
@@ -144,22 +147,22 @@ class Follower(ABC):
 
     def _end(self) -> None:
         self._ended = True
-        self._setpoint = SetPoint.at_rest(self._setpoint.q)
+        self._setpoint = JointSetPoint.at_rest(self._setpoint.q)
 
     def _slow_down(self) -> None:
         """Slow all joints down together, so that their way keeps its direction."""
         last = self._setpoint
         left = float((np.abs(last.qd) / self._hard).max())
         if left <= self._cycle:
-            self._setpoint = SetPoint.at_rest(last.q + 0.5 * left * last.qd)
+            self._setpoint = JointSetPoint.at_rest(last.q + 0.5 * left * last.qd)
             if self._then == "end":
                 self._end()
             return
         qd = last.qd * (1.0 - self._cycle / left)
         q = last.q + 0.5 * self._cycle * (last.qd + qd)
-        self._setpoint = SetPoint(q, qd, -last.qd / left)
+        self._setpoint = JointSetPoint(q, qd, -last.qd / left)
 
-    def _checked(self, point: SetPoint) -> SetPoint:
+    def _checked(self, point: JointSetPoint) -> JointSetPoint:
         """Refuse a set-point that a joint cannot follow, or from which it cannot stop in time."""
         speeds = np.abs(point.qd)
         if (speeds > self._fastest).any():
@@ -176,8 +179,77 @@ class Follower(ABC):
             raise FollowError(f"joint {joint + 1} comes to its limit", self.severity)
         return point
 
-    def _step(self, qd: Array) -> SetPoint:
+    def _step(self, qd: Array) -> JointSetPoint:
         """Give the set-point after a cycle that ends with these joint speeds."""
         last = self._setpoint
         q = last.q + 0.5 * self._cycle * (last.qd + qd)
-        return SetPoint(q, qd, (qd - last.qd) / self._cycle)
+        return JointSetPoint(q, qd, (qd - last.qd) / self._cycle)
+
+
+class StandingFollower(TargetFollower):
+    """Commands the joints to be where they were at the start, until it is stopped."""
+
+    def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
+        return self._setpoint
+
+
+class FollowerChain(TargetFollower):
+    """Followers of which each begins where the one before it has come to rest.
+
+    Args:
+        arm: the arm.
+        q: joints at the start [rad]. Shape (6,).
+        cycle: time between two ticks [s].
+        parts: makes each follower for the joints [rad] at which the arm stands.
+    """
+
+    failure: FollowError | None
+
+    def __init__(
+        self, arm: Arm, q: Array, cycle: float, parts: Sequence[Callable[[Array], TargetFollower]]
+    ) -> None:
+        super().__init__(arm, q, cycle)
+        self._parts = deque(parts)
+        self._part = self._parts.popleft()(q)
+
+    def set_speed(self, fraction: float) -> None:
+        """Set the global speed, for all parts."""
+        super().set_speed(fraction)
+        self._part.set_speed(fraction)
+
+    @property
+    def moving(self) -> bool:
+        """Whether the set-point moves, or may move in the next cycle."""
+        return not self._ended and self._part.moving
+
+    def pause(self) -> None:
+        """Slow down along the way, and stand until `resume`."""
+        self._part.pause()
+
+    def resume(self) -> None:
+        """Go on after a pause."""
+        self._part.resume()
+
+    def stop(self) -> None:
+        """Slow down, and end: no further part begins."""
+        self._parts.clear()
+        self._part.stop()
+
+    def tick(self, q: Array, qd: Array) -> JointSetPoint:
+        """Go on by one cycle."""
+        if self._ended:
+            return self._setpoint
+        self._setpoint = self._next(q, qd)
+        if self.failure is not None or not self._part.ended:
+            return self._setpoint
+        if not self._parts:
+            self._end()
+            return self._setpoint
+        self._part = self._parts.popleft()(self._setpoint.q)
+        self._part.set_speed(self._speed)
+        return self._setpoint
+
+    def _next(self, q: Array, qd: Array) -> JointSetPoint:
+        point = self._part.tick(q, qd)
+        self.failure = self._part.failure
+        return point

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.kinematics.forward import fkine, jacobian
-from aioduco.sim.planner.follower import Follower
-from aioduco.sim.planner.mover import SetPoint
+from aioduco.sim.planner.follower import TargetFollower
+from aioduco.sim.planner.path import JointSetPoint
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     #: for joints [rad], the matrix that leaves of a joint motion what gives way. Shape (6, 6)
     Giving = Callable[[Array], Array]
 
-__all__ = ["Guiding", "cartesian_giving", "joint_giving"]
+__all__ = ["HandGuidingFollower", "cartesian_giving", "joint_giving"]
 
 _GIVING = 0.8  # share of a joint's speed that the drives do not resist; an assumption
-_STICKING = 0.01  # speed below which a joint that nobody pushes is held [rad/s]
+_STICKING = 0.01  # speed below which a joint counts as not pushed, and is held [rad/s]
 _LOOSE = 0.001  # distance by which a held joint has to be pushed to come loose [rad]
 _FLAT = 1e-3  # singular values below this share of the largest count as none
 
 
-class Guiding(Follower):
+class HandGuidingFollower(TargetFollower):
     """Commands the joints to be where they are, as far as they give way.
 
     What the drives do against gravity they do anyway; of the speed they command a part, so that
@@ -45,7 +45,7 @@ class Guiding(Follower):
         self._giving = giving
         self._held: Array | None = None
 
-    def _next(self, q: Array, qd: Array) -> SetPoint:
+    def _next(self, q: Array, qd: Array) -> JointSetPoint:
         if self._giving is not None:
             allowed, last = self._giving(q), self._setpoint.q
             q, qd = last + allowed @ (q - last), allowed @ qd
@@ -55,8 +55,8 @@ class Guiding(Follower):
         elif float(np.abs(q - self._held).max()) > _LOOSE:
             self._held = None
         if self._held is not None:
-            return SetPoint.at_rest(self._held)
-        return SetPoint(q + self._cycle * qd, _GIVING * qd, np.zeros(6))
+            return JointSetPoint.at_rest(self._held)
+        return JointSetPoint(q + self._cycle * qd, _GIVING * qd, np.zeros(6))
 
 
 def joint_giving(joints: Sequence[bool]) -> Giving:

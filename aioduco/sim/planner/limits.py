@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.sim.planner.path import differentiate
-from aioduco.sim.planner.timing import Limits
+from aioduco.sim.planner.timing import PathLimits
 
 if TYPE_CHECKING:
     from aioduco.kinematics import Arm
@@ -36,7 +36,7 @@ def joint_limits(
     *,
     share: float = SHARE,
     top: Array | float = math.inf,
-) -> Limits:
+) -> PathLimits:
     """Give the limits of a path on which every joint keeps to a speed and an acceleration.
 
     Args:
@@ -64,7 +64,7 @@ def axes_limits(
     *,
     share: float = SHARE,
     top: Array | float = math.inf,
-) -> Limits:
+) -> PathLimits:
     """Give the limits of a path on which each of some axes keeps to a speed and an acceleration.
 
     Args:
@@ -83,7 +83,7 @@ def axes_limits(
         push = ((rates - bend * ceiling[:, None]) / slope).min(axis=1)
         brake = (braking / slope).min(axis=1)
     pieces = len(nodes) - 1
-    return Limits(
+    return PathLimits(
         nodes.tolist(),
         ceiling.tolist(),
         _least(push),
@@ -108,7 +108,7 @@ def tool_limits(
     a: float,
     *,
     share: float | None = None,
-) -> Limits:
+) -> PathLimits:
     """Give the limits of a path on which the tool centre point keeps to a speed and acceleration.
 
     Args:

@@ -2,7 +2,7 @@
 
 It has no clock and no thread. Each `tick` is one cycle; everything between is a plain call.
 
-Along the path of the running motion a `Law` says how fast the arm may be at each place. Most of
+Along the path of the running motion a `TimeLaw` says how fast the arm may be at each place. Most of
 the time the arm keeps to it ("tracking"), at the global speed: time then runs slower by that
 factor. To pause, to stop and to change the global speed the arm leaves it and speeds up or slows
 down along the path ("ramping"), always below the law, until it stands or meets the law again.
@@ -10,15 +10,13 @@ down along the path ("ramping"), always below the law, until it stands or meets 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from aioduco.sim.planner.axes import carry
-from aioduco.sim.planner.errors import PlanError
-from aioduco.sim.planner.lookahead import Entry, append
-from aioduco.sim.planner.segments import Segment
+from aioduco.sim.planner.blending import Entry, append
+from aioduco.sim.planner.path import JointSetPoint, PlanError
+from aioduco.sim.planner.segments import Segment, carry
 from aioduco.sim.planner.timing import fastest
 
 if TYPE_CHECKING:
@@ -26,37 +24,17 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
-    from aioduco.sim.planner.timing import Law
+    from aioduco.sim.planner.timing import TimeLaw
 
-__all__ = ["Event", "EventKind", "Mover", "Segment", "SetPoint", "Tick", "Travel"]
+__all__ = ["MotionEvent", "MotionEventKind", "Mover", "MoverTick", "Segment", "Travel"]
 
-EventKind: TypeAlias = Literal["started", "finished", "blended", "stopped", "failed"]
+MotionEventKind: TypeAlias = Literal["started", "finished", "blended", "stopped", "failed"]
 
 
 _MOST = 300_000  # pieces of all paths in the queue: what memory there is for them is bounded
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SetPoint:
-    """What the joints shall do at the end of a cycle.
-
-    Attributes:
-        q: joint angles [rad]. Shape (6,).
-        qd: joint speeds [rad/s]. Shape (6,).
-        qdd: joint accelerations [rad/s²]. Shape (6,).
-    """
-
-    q: Array
-    qd: Array
-    qdd: Array
-
-    @classmethod
-    def at_rest(cls, q: Array) -> SetPoint:
-        """Stand at q [rad]."""
-        return cls(np.array(q, dtype=float), np.zeros(6), np.zeros(6))
-
-
-class Event(NamedTuple):
+class MotionEvent(NamedTuple):
     """Something that happened to a motion in a cycle.
 
     Attributes:
@@ -67,7 +45,7 @@ class Event(NamedTuple):
     """
 
     key: int
-    kind: EventKind
+    kind: MotionEventKind
     message: str = ""
 
 
@@ -88,11 +66,11 @@ class Travel(NamedTuple):
     left: float
 
 
-class Tick(NamedTuple):
+class MoverTick(NamedTuple):
     """The outcome of a cycle: the set-point, and what happened, in order."""
 
-    setpoint: SetPoint
-    events: tuple[Event, ...] = ()
+    setpoint: JointSetPoint
+    events: tuple[MotionEvent, ...] = ()
 
 
 class Mover:
@@ -119,12 +97,12 @@ class Mover:
         self._stood = 0.0  # time since the active motion stands at its end
         self._speed = 1.0
         self._pausing = False
-        self._events: list[Event] = []
+        self._events: list[MotionEvent] = []
         self._queue: tuple[Entry, ...] = ()
-        self._setpoint = SetPoint.at_rest(q)
+        self._setpoint = JointSetPoint.at_rest(q)
         self._stopping = False
         self._began = False  # whether the active motion has started
-        self._law: Law | None = None  # of the active motion, once it has started
+        self._law: TimeLaw | None = None  # of the active motion, once it has started
         self._tracking = False
         self._time = 0.0  # on the law, while tracking
         self._s = 0.0  # distance along the active motion's path
@@ -134,7 +112,7 @@ class Mover:
         self._axes: dict[int, float] = {}
 
     @property
-    def setpoint(self) -> SetPoint:
+    def setpoint(self) -> JointSetPoint:
         """The latest set-point."""
         return self._setpoint
 
@@ -232,7 +210,7 @@ class Mover:
     def reset(self, q: Array) -> None:
         """Stand at q [rad] at once and drop the queue, as when brakes have held the arm there."""
         self._drop()
-        self._setpoint = SetPoint.at_rest(q)
+        self._setpoint = JointSetPoint.at_rest(q)
 
     def set_speed(self, fraction: float) -> None:
         """Set the global speed, 0.01 to 1: at a speed of 0.5 motions take twice as long."""
@@ -242,22 +220,22 @@ class Mover:
             self._speed = fraction
             self._tracking = False
 
-    def tick(self) -> Tick:
+    def tick(self) -> MoverTick:
         """Go on by one cycle."""
         if self._queue and not (self._pausing and self._v == 0.0):
             self._advance()
         if not self._events:
-            return Tick(self._setpoint)
+            return MoverTick(self._setpoint)
         events, self._events = tuple(self._events), []
-        return Tick(self._setpoint, events)
+        return MoverTick(self._setpoint, events)
 
     def _drop(self) -> None:
-        self._events += [Event(entry.key, "stopped") for entry in self._queue]
+        self._events += [MotionEvent(entry.key, "stopped") for entry in self._queue]
         self._queue = ()
         self._law = None
         self._began = self._stopping = self._pausing = False
         self._s = self._v = 0.0
-        self._setpoint = SetPoint.at_rest(self._setpoint.q)
+        self._setpoint = JointSetPoint.at_rest(self._setpoint.q)
 
     def _advance(self) -> None:
         if not self._began:
@@ -273,7 +251,7 @@ class Mover:
         entry = self._queue[0]
         self._began = True
         self._elapsed = self._stood = 0.0
-        self._events.append(Event(entry.key, "started"))
+        self._events.append(MotionEvent(entry.key, "started"))
         if entry.path is not None:
             self._follow(0.0, 0.0)
             self._tracking = True
@@ -310,7 +288,7 @@ class Mover:
         self._law_piece, s, v, a = law.at(time, self._law_piece)
         self._set(s, v * self._speed, a * self._speed**2)
 
-    def _ramp(self, law: Law) -> None:
+    def _ramp(self, law: TimeLaw) -> None:
         """Speed up or slow down towards the law, or to a stand."""
         piece = law.piece(self._s, self._law_piece)
         braking = self._pausing or self._stopping
@@ -347,14 +325,14 @@ class Mover:
         """Take over the speeds of the motion before, and give the ratio of the units."""
         corner = self._queue[0].blend
         assert corner is not None
-        self._events.append(Event(self._queue[0].key, "started"))
+        self._events.append(MotionEvent(self._queue[0].key, "started"))
         self._began = True
         self._elapsed = self._stood = 0.0
         self._follow(law_speed * corner.ratio, 0.0)
         self._v = v * corner.ratio
         return corner.ratio
 
-    def _settles(self, law: Law) -> bool:
+    def _settles(self, law: TimeLaw) -> bool:
         """Stand at the end of the active motion for a while; whether it goes on to."""
         if law.end_speed > 0.0 or self._stopping or self._stood >= self._settling() - 1e-9:
             return False
@@ -367,13 +345,13 @@ class Mover:
         """End the active motion, and tell whether the next one takes over by a blend."""
         entry, *rest = self._queue
         self._queue = tuple(rest)
-        self._events.append(Event(entry.key, "blended" if entry.blends else "finished"))
+        self._events.append(MotionEvent(entry.key, "blended" if entry.blends else "finished"))
         self._law = None
         if entry.blends:
             return True
         self._began = False
         self._s = self._v = 0.0
-        self._setpoint = SetPoint.at_rest(entry.segment.q_end)
+        self._setpoint = JointSetPoint.at_rest(entry.segment.q_end)
         self._axes.update(_ends(entry))
         if self._stopping:
             self._drop()
@@ -390,7 +368,7 @@ class Mover:
         self._s, self._v = s, v
         self._path_piece = path.piece(s, self._path_piece)
         self._elapsed += self._cycle
-        self._setpoint = SetPoint(*path.state(self._path_piece, s, v, a))
+        self._setpoint = JointSetPoint(*path.state(self._path_piece, s, v, a))
         if axes is not None and entry.segment.axes is not None:
             self._axes_piece = axes.piece(s, self._axes_piece)
             at: list[float] = axes.state(self._axes_piece, s, v, a)[0].tolist()

@@ -1,18 +1,25 @@
-"""Paths in joint space: where the joints are for a distance along the path."""
+"""Paths in joint space: where the joints are for a distance along the path.
+
+Besides the path this module has the set-point that comes of it in each cycle, and the error of a
+motion that has none.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
-__all__ = ["Path", "differentiate"]
+
+__all__ = ["JointSetPoint", "Path", "PlanCode", "PlanError", "differentiate"]
 
 _STENCIL = 7  # samples per derivative: sixth order for the first, fifth for the second
+PlanCode: TypeAlias = Literal["unreachable", "singular", "limits", "parameter"]
 
 
 class Path:
@@ -207,3 +214,37 @@ def differentiate(values: Array, step: float) -> tuple[Array, Array]:
     slope[:half], slope[-half:] = first[:half] @ head, first[-half:] @ tail
     bend[:half], bend[-half:] = second[:half] @ head, second[-half:] @ tail
     return slope / step, bend / step**2
+
+
+class PlanError(Exception):
+    """A motion cannot be planned; the arm was not moved.
+
+    Attributes:
+        code: "unreachable": no configuration reaches a pose of the path. "singular": the path
+            comes so near to a singularity that the joints could not follow. "limits": a joint
+            would leave its limits. "parameter": the motion makes no sense as given.
+    """
+
+    def __init__(self, code: PlanCode, message: str) -> None:
+        self.code: PlanCode = code
+        super().__init__(message)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointSetPoint:
+    """What the joints shall do at the end of a cycle.
+
+    Attributes:
+        q: joint angles [rad]. Shape (6,).
+        qd: joint speeds [rad/s]. Shape (6,).
+        qdd: joint accelerations [rad/s²]. Shape (6,).
+    """
+
+    q: Array
+    qd: Array
+    qdd: Array
+
+    @classmethod
+    def at_rest(cls, q: Array) -> JointSetPoint:
+        """Stand at q [rad]."""
+        return cls(np.array(q, dtype=float), np.zeros(6), np.zeros(6))

@@ -3,35 +3,33 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from aioduco.kinematics.forward import fkine
-from aioduco.sim.planner.curves import Line, arc_through
-from aioduco.sim.planner.detour import pass_singularities, passing_limits
-from aioduco.sim.planner.errors import PlanError
-from aioduco.sim.planner.freeform import spiral, spline
+from aioduco.sim.planner.curves import StraightLine, arc_through, spiral, spline
 from aioduco.sim.planner.limits import joint_limits, tool_limits
-from aioduco.sim.planner.path import Path
+from aioduco.sim.planner.path import Path, PlanError
 from aioduco.sim.planner.timing import backward, fastest
-from aioduco.sim.planner.tracing import check_limits, trace
+from aioduco.sim.planner.tracing import check_limits, pass_singularities, passing_limits, trace
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
-    from aioduco.sim.planner.axes import AxesMove
+    from aioduco.sim.planner.axes import ExternalAxesMove
     from aioduco.sim.planner.curves import Curve
-    from aioduco.sim.planner.timing import Limits
+    from aioduco.sim.planner.timing import PathLimits
     from aioduco.sim.planner.weaving import Weave
 
 __all__ = [
     "PlanError",
     "Segment",
     "arc_move",
+    "carry",
     "circle_move",
     "joint_move",
     "line_move",
@@ -65,7 +63,7 @@ class Segment:
 
     arm: Arm
     path: Path | None
-    limits: Limits | None
+    limits: PathLimits | None
     q_start: Array
     q_end: Array
     radius: float
@@ -73,7 +71,7 @@ class Segment:
     a: float
     tool: Array
     curve: Curve | None = None
-    axes: AxesMove | None = None
+    axes: ExternalAxesMove | None = None
 
     @property
     def length(self) -> float:
@@ -92,6 +90,35 @@ class Segment:
         assert self.path is not None
         poses: Array = fkine(self.arm.geometry, self.path.sample(s)[:, 0]) @ self.tool
         return poses
+
+
+def carry(segment: Segment, before: Mapping[int, float]) -> Segment:
+    """Let the external axes of a motion go along with it.
+
+    Args:
+        segment: the motion, with what its axes shall do.
+        before: where the motions before it leave external axes, by number.
+
+    Returns:
+        The motion, whose limits are those of the arm and of the axes. If the arm stays where it
+        is, the path is that of the axes alone, and one long.
+    """
+    move = segment.axes
+    assert move is not None
+    start = np.array([before.get(n, at) for n, at in zip(move.numbers, move.start, strict=True)])
+    move = replace(move, start=start)
+    path, limits = segment.path, segment.limits
+    if path is None:
+        if np.array_equal(start, move.end):
+            return replace(segment, axes=move)
+        path = Path.straight(segment.q_start, segment.q_start, 1.0)
+    move = replace(move, path=Path.straight(start, move.end, path.end))
+    assert move.path is not None
+    nodes = np.array(limits.nodes if limits is not None else path.bounds)
+    axes = move.limits(move.path, nodes)
+    return replace(
+        segment, path=path, limits=axes if limits is None else limits.least(axes), axes=move
+    )
 
 
 def stay(arm: Arm, q: Array) -> Segment:
@@ -169,7 +196,9 @@ def line_move(
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     start, frame = _start(arm, q0, tool)
-    return _cartesian(arm, q0, Line.between(start, target @ frame), v, a, r, frame, weave, around)
+    return _cartesian(
+        arm, q0, StraightLine.between(start, target @ frame), v, a, r, frame, weave, around
+    )
 
 
 def arc_move(
@@ -363,7 +392,7 @@ def _cartesian(
 
 def _followed(
     arm: Arm, q0: Array, curve: Curve, laid: Curve, v: float, a: float, tool: Array
-) -> tuple[Path, Limits]:
+) -> tuple[Path, PathLimits]:
     """Give the path of the joints along a curve as it is laid, with a weave or without; its limits.
 
     Speed and acceleration are those along the curve; a weave has only the joints' limits.

@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["Law", "Limits", "allowed", "backward", "fastest"]
+__all__ = ["PathLimits", "TimeLaw", "allowed", "backward", "fastest"]
 
 _SHORTEST = 1e-9  # length of a piece, of the whole
 _SAME = 1e-9  # accelerations closer than this, of their size, are one
 
 
-class Limits(NamedTuple):
+class PathLimits(NamedTuple):
     """What limits the motion along a path, in the path's own unit of length.
 
     Attributes:
@@ -44,7 +44,7 @@ class Limits(NamedTuple):
     brake: list[float]
     waits: tuple[tuple[float, float], ...] = ()
 
-    def least(self, other: Limits) -> Limits:
+    def least(self, other: PathLimits) -> PathLimits:
         """Give what is within both these limits and others at the same nodes, of joints alone."""
         return self._replace(
             ceiling=list(map(min, self.ceiling, other.ceiling)),
@@ -52,7 +52,7 @@ class Limits(NamedTuple):
             brake=list(map(min, self.brake, other.brake)),
         )
 
-    def waiting(self, stops: Sequence[tuple[float, float]]) -> Limits:
+    def waiting(self, stops: Sequence[tuple[float, float]]) -> PathLimits:
         """Give these limits with stops, each at the node nearest to a distance, for a time [s]."""
         nodes, ceiling = self.nodes, list(self.ceiling)
         waits = []
@@ -78,7 +78,7 @@ class Limits(NamedTuple):
         along = self.along(piece, v * v)
         return along, max(along, self.brake[piece])
 
-    def slice(self, start: float, end: float) -> Limits:
+    def slice(self, start: float, end: float) -> PathLimits:
         """Give the limits from `start` to `end`, with the same distances."""
         # No piece is so short that rounding could make it vanish.
         least = _SHORTEST * (self.nodes[-1] - self.nodes[0])
@@ -86,7 +86,7 @@ class Limits(NamedTuple):
         last = bisect_left(self.nodes, end - least)
         part = slice(first, last)
         inner = slice(first + 1, last)
-        return Limits(
+        return PathLimits(
             [start, *self.nodes[inner], end],
             [self._ceiling_at(first, start), *self.ceiling[inner], self._ceiling_at(last - 1, end)],
             self.push[part],
@@ -101,11 +101,11 @@ class Limits(NamedTuple):
         part = min(max((s - a) / (b - a), 0.0), 1.0)
         return (1.0 - part) * self.ceiling[piece] + part * self.ceiling[piece + 1]
 
-    def then(self, other: Limits) -> Limits:
+    def then(self, other: PathLimits) -> PathLimits:
         """Give these limits followed by others, whose distances are moved to follow on."""
         shift = self.nodes[-1] - other.nodes[0]
         joint = min(self.ceiling[-1], other.ceiling[0])
-        return Limits(
+        return PathLimits(
             self.nodes + [node + shift for node in other.nodes[1:]],
             [*self.ceiling[:-1], joint, *other.ceiling[1:]],
             self.push + other.push,
@@ -116,7 +116,7 @@ class Limits(NamedTuple):
         )
 
 
-class Law:
+class TimeLaw:
     """Distance over time, in pieces of constant acceleration.
 
     Attributes:
@@ -189,7 +189,7 @@ class Law:
         return self._t[i] + ((s - self._s[i]) / mean if mean > 0.0 else 0.0)
 
 
-def backward(limits: Limits, x: float) -> list[float]:
+def backward(limits: PathLimits, x: float) -> list[float]:
     """Give the highest (ds/dt)² at each node from which x at the last node can be reached."""
     nodes, ceiling = limits.nodes, limits.ceiling
     x = min(x, ceiling[-1])
@@ -201,7 +201,7 @@ def backward(limits: Limits, x: float) -> list[float]:
     return reached
 
 
-def allowed(limits: Limits, back: Sequence[float], s: float) -> float:
+def allowed(limits: PathLimits, back: Sequence[float], s: float) -> float:
     """Give the highest (ds/dt)² at distance s, of `back` as `backward` gave it."""
     i = min(max(bisect_right(limits.nodes, s) - 1, 0), len(limits.nodes) - 2)
     braking = back[i + 1] + 2.0 * _rate(limits, i, back[i + 1]) * (limits.nodes[i + 1] - s)
@@ -209,7 +209,7 @@ def allowed(limits: Limits, back: Sequence[float], s: float) -> float:
     return min(braking, limits._ceiling_at(i, s)) * (1.0 + 1e-9) + 1e-15
 
 
-def _rate(limits: Limits, piece: int, x: float) -> float:
+def _rate(limits: PathLimits, piece: int, x: float) -> float:
     # The acceleration is constant over a piece, so it is the one at the piece's fastest point.
     if limits.curvature[piece] == 0.0:
         return limits.along(piece, x)
@@ -219,7 +219,7 @@ def _rate(limits: Limits, piece: int, x: float) -> float:
     return limits.along(piece, min(fastest, top))
 
 
-def fastest(limits: Limits, back: Sequence[float], start: float, speed: float) -> Law:
+def fastest(limits: PathLimits, back: Sequence[float], start: float, speed: float) -> TimeLaw:
     """Give the fastest law from a point of the path.
 
     Args:
@@ -232,7 +232,7 @@ def fastest(limits: Limits, back: Sequence[float], start: float, speed: float) -
         A law from `start` to the end of the path.
     """
     nodes, ceiling = limits.nodes, limits.ceiling
-    law = Law(start, speed)
+    law = TimeLaw(start, speed)
     waits = dict(limits.waits)
     x = speed * speed
     first = max(bisect_right(nodes, start) - 1, 0)

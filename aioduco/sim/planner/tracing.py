@@ -1,16 +1,22 @@
-"""From curves of the tool to paths of the joints: inverse kinematics along a curve."""
+"""From curves of the tool to paths of the joints: inverse kinematics along a curve.
+
+Near a singularity (奇异点规避, manual 1.3.11) `pass_singularities` leaves the curve: outside the
+neighbourhood of the singularity the tool keeps to it; from where it enters one to where it leaves
+it, all joints go over smoothly to the nearest configuration behind it, and the tool is only near
+its curve.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from aioduco.kinematics.forward import singular_values
 from aioduco.kinematics.inverse import closed_form, shortfall, wrap
-from aioduco.sim.planner.errors import PlanError
-from aioduco.sim.planner.path import Path, differentiate
+from aioduco.sim.planner.limits import joint_limits
+from aioduco.sim.planner.path import Path, PlanError, differentiate
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,8 +24,10 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.curves import Curve
+    from aioduco.sim.planner.timing import PathLimits
 
-__all__ = ["check_limits", "fit", "follow", "trace"]
+
+__all__ = ["check_limits", "fit", "follow", "pass_singularities", "passing_limits", "trace"]
 
 SINGULAR = 1e-3
 """Singular value (see `Arm.singularity`) below which a path is refused. An assumption."""
@@ -32,6 +40,12 @@ _SPACING = 0.01  # distance of samples to begin with [m]
 _TURNING = 0.05  # angle between samples to begin with [rad]
 _FEWEST, _MOST = 24, 3072  # samples, if no bend needs more
 _NAMES = ("shoulder", "elbow", "wrist")
+NEAR = 0.08
+"""Singular value below which the joints go over. An assumption."""
+
+_SAMPLES = 600  # in which the neighbourhoods are looked for
+_LEAST = 4  # samples on the curve between two of them
+_PIECES = 96  # of a passage
 
 
 def follow(arm: Arm, q0: Array, flange: Array) -> Array:
@@ -141,3 +155,122 @@ def fit(joints: Callable[[Array], Array], length: float, count: float) -> tuple[
         if 2 * pieces > most:
             raise PlanError("singular", "the path passes through a singularity")
         pieces *= 2
+
+
+class _Stretch(NamedTuple):
+    """A part of the curve away from singularities: samples, and the joints at both ends."""
+
+    first: int
+    last: int
+    start: Array
+    end: Array
+
+
+def pass_singularities(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
+    """Give the joints' path along a curve of the tool centre point, through singularities.
+
+    Args:
+        arm: the arm.
+        q0: joints at the beginning of the curve [rad]. Shape (6,).
+        curve: of the tool centre point in the base frame.
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
+
+    Raises:
+        PlanError: unreachable, or beyond the joint limits.
+    """
+    back: Array = np.linalg.inv(tool).astype(np.float64)
+    s = np.linspace(0.0, curve.length, _SAMPLES + 1)
+    solutions = closed_form(arm.geometry, curve.poses(s) @ back, float(q0[5]))
+    stretches = _stretches(arm, q0, solutions)
+    end = _nearest(solutions[-1], stretches[-1].end if stretches else q0)
+    path: Path | None = None
+    at, q = 0.0, q0
+    for stretch in stretches:
+        begin, length = float(s[stretch.first]), float(s[stretch.last] - s[stretch.first])
+        part = _exact(arm, stretch.start, curve, back, begin, length)
+        if begin > at:
+            part = _passage(q, part.sample(np.zeros(1))[0, 0], path, part, begin - at).then(part)
+        path = part if path is None else path.then(part)
+        at, q = begin + length, stretch.end
+    if at < curve.length:
+        last = _passage(q, end, path, None, curve.length - at)
+        path = last if path is None else path.then(last)
+    assert path is not None
+    check_limits(arm, path.sample(path.nodes())[:, 0])
+    return path
+
+
+def passing_limits(arm: Arm, path: Path, v: float, a: float) -> PathLimits:
+    """Give the limits of such a path: speed and acceleration along the curve, and the joints' own.
+
+    Args:
+        arm: the arm.
+        path: as `pass_singularities` gives it.
+        v: speed along the curve [m/s].
+        a: acceleration along it [m/s²].
+    """
+    nodes = path.nodes()
+    limits = joint_limits(arm, nodes, path.sample(nodes), math.inf, math.inf, top=v * v)
+    return limits._replace(total=[a] * (len(nodes) - 1))
+
+
+def _stretches(arm: Arm, q0: Array, solutions: Array) -> list[_Stretch]:
+    """Find the parts of a curve that are away from singularities, each on its branch."""
+    count = len(solutions)
+    away = np.abs(singular_values(arm.geometry, solutions)).min(axis=-1)
+    usable = np.nan_to_num(away, nan=0.0) >= NEAR  # (n, 8)
+    steps = np.nan_to_num(np.abs(wrap(np.diff(solutions, axis=0))).max(axis=-1), nan=np.inf)
+    joined = steps < STRIDE  # (n - 1, 8)
+    found: list[_Stretch] = []
+    q, i = q0, 0
+    while i < count:
+        branch = int(_distance(solutions[i], q).argmin())
+        if not usable[i, branch]:
+            i += 1  # still near the singularity
+            continue
+        j = i
+        while j + 1 < count and usable[j + 1, branch] and joined[j, branch]:
+            j += 1
+        if j - i >= _LEAST or (j == count - 1 and j > i):
+            track = np.unwrap(solutions[i : j + 1, branch], axis=0)
+            track += 2 * math.pi * np.round((q - track[0]) / (2 * math.pi))
+            found.append(_Stretch(i, j, track[0], track[-1]))
+            q = track[-1]
+        i = j + 1
+    return found
+
+
+def _distance(solutions: Array, q: Array) -> Array:
+    """How far solutions are from joints: the one that turns furthest [rad]; infinite for none."""
+    furthest: Array = np.nan_to_num(np.abs(wrap(solutions - q)).max(axis=-1), nan=np.inf)
+    return furthest
+
+
+def _nearest(solutions: Array, q: Array) -> Array:
+    """Give the solution nearest to joints, on their turn."""
+    distance = _distance(solutions, q)
+    if not np.isfinite(distance).any():
+        raise PlanError("unreachable", "the path ends out of the reach of the arm")
+    found: Array = q + wrap(solutions[int(distance.argmin())] - q)
+    return found
+
+
+def _exact(arm: Arm, q: Array, curve: Curve, back: Array, begin: float, length: float) -> Path:
+    """Give the path along a part of the curve, from zero."""
+    path, _ = fit(
+        lambda s: follow(arm, q, curve.poses(begin + s) @ back), length, length / curve.detail
+    )
+    return path
+
+
+def _passage(q0: Array, q1: Array, before: Path | None, behind: Path | None, length: float) -> Path:
+    """Give a smooth way of the joints from one path to another; straight where there is none."""
+    straight = (q1 - q0) / length
+    q, slope, bend = np.array([q0, q1]), np.array([straight, straight]), np.zeros((2, 6))
+    if before is not None:
+        slope[0], bend[0] = before.sample(np.array([before.end]))[0, 1:]
+    if behind is not None:
+        slope[1], bend[1] = behind.sample(np.array([behind.start]))[0, 1:]
+    whole = Path.through(q, slope, bend, length)
+    samples = whole.sample(np.linspace(0.0, length, _PIECES + 1))
+    return Path.through(samples[:, 0], samples[:, 1], samples[:, 2], length)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.models.weave import WeavePlane, WeaveShape
-from aioduco.sim.planner.errors import PlanError
+from aioduco.sim.planner.path import PlanError
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array

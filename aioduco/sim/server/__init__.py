@@ -8,10 +8,12 @@ Guarantees:
 - every answer leaves in one system call, without Nagle's delay;
 - bytes that are no message close their connection, and only that one;
 - `close` returns when every thread has ended and every socket is closed.
+
+May import `refusal` of the simulator, and Thrift.
 """
 
 from __future__ import annotations
 
-from aioduco.sim.server.server import Server
+from aioduco.sim.server.rpc_server import Server
 
 __all__ = ["Server"]

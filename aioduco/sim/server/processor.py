@@ -1,34 +1,64 @@
-"""From one message to its answer: decode, call the handler, encode."""
+"""From the bytes of one call to its answer: bounds, decode, call the handler, encode.
+
+Sizes are compared with the bounds before anything is allocated or awaited.
+"""
 
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from thriftpy2.protocol import TCyBinaryProtocol
 from thriftpy2.thrift import TApplicationException
 from thriftpy2.transport import TCyMemoryBuffer
 
-from aioduco._wire import idl
+from aioduco._wire import idl, messages
+from aioduco._wire.framing import Bounds, Malformed
+from aioduco._wire.messages import Message, MessageType
 from aioduco.sim.refusal import Refusal
-from aioduco.sim.server.message import CALL, EXCEPTION, REPLY
 
-if TYPE_CHECKING:
-    from aioduco._wire import rpc
-    from aioduco.sim.server.message import Message
+__all__ = [
+    "CALL",
+    "EXCEPTION",
+    "MAX_DEPTH",
+    "MAX_ELEMENTS",
+    "MAX_MESSAGE",
+    "ONEWAY",
+    "REPLY",
+    "CallInbox",
+    "Malformed",
+    "Message",
+]
 
+#: A call of 1000 track points with their operations takes about 200 kB.
+MAX_MESSAGE = 1 << 20
+#: Elements of all lists, sets and maps of one message: bounds what a small message unpacks to.
+MAX_ELEMENTS = 1 << 16
+#: The deepest function of the wire nests four levels.
+MAX_DEPTH = 16
+CALL, REPLY, EXCEPTION, ONEWAY = MessageType
+_BOUNDS = Bounds(MAX_MESSAGE, MAX_ELEMENTS, MAX_DEPTH)
+_CALLS = frozenset((CALL, ONEWAY))
 _log = logging.getLogger(__name__)
-
 #: thriftpy2 ships types of half of its functions
 _protocol: Any = TCyBinaryProtocol
 
 
+class CallInbox(messages.Inbox):
+    """Takes whole calls out of what was received."""
+
+    __slots__ = ()
+
+    def __init__(self) -> None:
+        super().__init__(_CALLS, _BOUNDS)
+
+
 class Processor:
-    """Answers messages by a handler. Each connection has its own: it keeps buffers."""
+    """Answers messages by the handler's methods. Each connection has its own: it keeps buffers."""
 
     __slots__ = ("_functions", "_handler", "_in", "_out", "_reader", "_writer")
 
-    def __init__(self, handler: rpc.Handler) -> None:
+    def __init__(self, handler: object) -> None:
         self._handler = handler
         self._functions = idl.functions()
         self._in: Any = TCyMemoryBuffer()

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 from typing import Final, NamedTuple, TypeAlias
 
-from aioduco.supervision.pulse import HeartbeatState
+from aioduco.supervision.heartbeat import HeartbeatState
 
 #: more bytes than any message has
 LARGEST: Final = 8192
@@ -43,18 +43,31 @@ class Watch(NamedTuple):
 
 
 class Alive(NamedTuple):
-    """Program to guard: the event loop of a robot ran at `stamp`."""
+    """Program to guard: the event loop of a robot ran at `stamp`.
+
+    Attributes:
+        robot: the program's number for the robot.
+        stamp: when it ran.
+        moves: whether the program may be moving the arm; sent before anything that moves it.
+    """
 
     robot: int
     stamp: float
+    moves: bool
 
 
 class Stop(NamedTuple):
-    """Program to guard: stop the arm within `timeout` seconds. Answered by `Done`."""
+    """Program to guard: stop the arm. Answered by `Done`.
+
+    Attributes:
+        robot: the program's number for the robot.
+        token: comes back in the answer.
+        until: when a stop must have been accepted; a guard that reads this later does nothing.
+    """
 
     robot: int
     token: int
-    timeout: float
+    until: float
 
 
 class Rearm(NamedTuple):
@@ -100,9 +113,23 @@ class Beat(NamedTuple):
         return HeartbeatState(self.state)
 
 
-Message: TypeAlias = Watch | Alive | Stop | Rearm | Release | Done | Beat
+class Said(NamedTuple):
+    """Guard to program: what the guard has to log, for the program's log.
 
-_KINDS: Final = {kind.__name__: kind for kind in (Watch, Alive, Stop, Rearm, Release, Done, Beat)}
+    Attributes:
+        level: as the levels of `logging`.
+        text: the message.
+    """
+
+    level: int
+    text: str
+
+
+Message: TypeAlias = Watch | Alive | Stop | Rearm | Release | Done | Beat | Said
+
+_KINDS: Final = {
+    kind.__name__: kind for kind in (Watch, Alive, Stop, Rearm, Release, Done, Beat, Said)
+}
 
 
 def pack(message: Message) -> bytes:

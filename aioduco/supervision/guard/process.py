@@ -1,13 +1,18 @@
-"""The guard's process: stops every arm that it watches when the program is gone.
+"""The guard's process: stops every arm that its program moves when the program is gone.
 
 Guarantees:
 - The program's end, however it comes, closes its end of the socket pair. The guard sees that at
   once, and stops the arms over connections that have been open since the robots were.
+- Only an arm that the program moves is stopped for it. The program says so before it sends
+  anything that may set the arm moving, and takes it back when the arm stands.
+- A guard that was itself held up for so long that the controllers have missed its heartbeats
+  sends no stop: they have stopped the arms, and what moves now is somebody else's.
 - A stop that the program asks for goes out without the program's interpreter: its GIL, its event
   loop and its garbage collector cannot delay it.
 - An event loop that gives no sign of life for its stall limit has its arm stopped here, and its
   heartbeat withheld.
-- The guard's own end ends the heartbeats, and the controllers stop their arms.
+- The guard's own end ends the heartbeats, and the controllers stop their arms. What asks it to end
+  (SIGTERM, SIGHUP) stops the arms instead, and it goes on.
 """
 
 from __future__ import annotations
@@ -16,16 +21,19 @@ import logging
 import os
 import signal
 import socket
+import syslog
+import time
 from typing import TYPE_CHECKING
 
 import anyio
 from anyio.lowlevel import checkpoint
 
 from aioduco._wire.connection import Connection
-from aioduco._wire.lane import Lane
+from aioduco._wire.lane import WireLane
+from aioduco._wire.unanswered import UnansweredMotion
 from aioduco.errors import DucoError
+from aioduco.reporting import BackgroundLogger
 from aioduco.scheduling import shorten_slice
-from aioduco.supervision.control import Control
 from aioduco.supervision.guard.messages import (
     LARGEST,
     Alive,
@@ -33,20 +41,26 @@ from aioduco.supervision.guard.messages import (
     Done,
     Rearm,
     Release,
+    Said,
     Stop,
     Watch,
     pack,
     shortened,
     unpack,
 )
-from aioduco.supervision.heartbeat import Heartbeat, SignOfLife
+from aioduco.supervision.heartbeat import Heartbeat
+from aioduco.supervision.loop_watchdog import SignOfLife
+from aioduco.supervision.stop_channel import StopChannel
+from aioduco.supervision.unanswered import stop_until_certain
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Sequence
+
     from anyio.abc import TaskGroup
 
     from aioduco.supervision.guard.messages import Message
 
-_log = logging.getLogger(__name__)
+_log = BackgroundLogger(__name__)
 
 #: seconds for which the guard goes on trying to stop the arms of a program that is gone
 ORPHAN_LIMIT = 30.0
@@ -60,8 +74,8 @@ _RELEASED = "the robot was released meanwhile"
 _GRACE = 1.0
 
 
-class Ward:
-    """One robot that the guard looks after.
+class GuardedRobot:
+    """One robot whose stop and heartbeat the guard has taken over.
 
     Args:
         watch: the request that it came with.
@@ -73,7 +87,7 @@ class Ward:
         self._watch = watch
         self._guard = guard
         lanes = [
-            Lane(
+            WireLane(
                 name,
                 watch.host,
                 watch.port,
@@ -83,7 +97,7 @@ class Ward:
             for name in ("guard-stop", "guard-spare")
         ]
         self._lanes = lanes
-        self.control: Control = Control(lanes[0], lanes[1], lanes[1])
+        self.stop_channel: StopChannel = StopChannel(lanes[0], lanes[1], lanes[1])
         self.life: SignOfLife = SignOfLife()
         self.heartbeat: Heartbeat | None = None
         #: stops on their way: pointless as soon as the robot is released
@@ -108,6 +122,7 @@ class Ward:
                 self.life,
                 self._watch.stall_limit,
                 changed=self._beaten,
+                remote=True,
             )
             self.heartbeat.start()
 
@@ -116,10 +131,49 @@ class Ward:
         return Connection(watch.host, watch.port, connect_timeout=watch.connect_timeout)
 
     def _beaten(self, heartbeat: Heartbeat) -> None:
-        """Tell the program how its heart beats; on the heartbeat's thread."""
+        """Tell the program of its heartbeat; on the heartbeat's thread."""
         figures = heartbeat.statistics()
         error = shortened(str(heartbeat.error)) if heartbeat.error is not None else ""
         self._guard.tell(Beat(self.robot, figures.state.value, *figures[1:], error))
+
+    async def halt(self, *, gone: bool = False) -> None:
+        """Stop the arm and see it stand, if it is the program's to move; what fails is logged.
+
+        Args:
+            gone: whether the program has ended: a motion that it sent last may still be on its way.
+        """
+        begin = time.monotonic()
+        if not self.life.moves or (self.heartbeat is not None and self.heartbeat.lapsed):
+            return
+        with anyio.CancelScope() as scope:
+            self.stopping.add(scope)
+            try:
+                await self.stop_channel.stop(ORPHAN_LIMIT)
+                await self.stop_channel.rest(ORPHAN_LIMIT, ORPHAN_LIMIT)
+                if gone:
+                    await self._stop_until_certain(begin)
+            except DucoError as exc:
+                where = f"{self._watch.host}:{self._watch.port}"
+                _log.critical("the arm of %s was not seen to stop: %s", where, exc)
+            finally:
+                self.stopping.discard(scope)
+
+    async def _stop_until_certain(self, begin: float) -> None:
+        """Watch the arm until the motion that the program sent last cannot move it any more.
+
+        Its connection went with the program, and what was not delivered with that.
+        """
+        now = time.monotonic()
+        motion = UnansweredMotion(now, now, now + ORPHAN_LIMIT)
+        motion.dissolved(begin)
+        motion.stopped(now, now)
+        if not await stop_until_certain(
+            motion, _NoDelivery(), self._stop_again, self.stop_channel.moving
+        ):
+            _log.critical("the arm was told to stop, and begins to move again and again")
+
+    async def _stop_again(self) -> None:
+        await self.stop_channel.stop(ORPHAN_LIMIT)
 
     async def aclose(self) -> None:
         """End the heartbeat and close the connections."""
@@ -131,6 +185,17 @@ class Ward:
             await lane.aclose()
         if self.heartbeat is not None:
             self.heartbeat.join(_GRACE)
+
+
+class _NoDelivery:
+    """The delivery of motions of a program that is gone: nothing more is known of it."""
+
+    def tell(self, motion: UnansweredMotion) -> bool:  # noqa: ARG002  # nothing to add
+        """Add nothing."""
+        return True
+
+    def dissolve(self) -> None:
+        """Do nothing: the connections closed with the program."""
 
 
 class _Arrival:
@@ -150,25 +215,45 @@ class Guard:
 
     def __init__(self, program: socket.socket) -> None:
         self._program = program
-        self._wards: dict[int, Ward] = {}
+        self._guarded: dict[int, GuardedRobot] = {}
         self._arrivals: dict[int, _Arrival] = {}
 
-    def tell(self, message: Message) -> None:
-        """Send a message to the program; one that does not read loses it, one that is gone too."""
+    def tell(self, message: Message) -> bool:
+        """Send a message to the program; one that does not read loses it, one that is gone too.
+
+        Returns:
+            Whether it was sent.
+        """
         try:
             self._program.send(pack(message), socket.MSG_DONTWAIT)
         except OSError:
             # Whether the program is gone is for the reading side to find; figures may be lost.
-            return
+            return False
+        return True
 
     async def run(self) -> None:
         """Serve the program until it is gone, then stop what it left behind."""
-        async with anyio.create_task_group() as tasks:
-            while (message := await self._next()) is not None:
-                self._take(message, tasks)
-            # Stops that were asked for are still being sent: nothing is cancelled here.
-            for ward in self._wards.values():
-                tasks.start_soon(self._orphan, ward)
+        with anyio.open_signal_receiver(signal.SIGTERM, signal.SIGHUP) as signals:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(self._told_to_end, signals, tasks)
+                async with anyio.create_task_group() as stops:
+                    while (message := await self._next()) is not None:
+                        self._take(message, stops)
+                    # Stops that were asked for are still being sent: nothing is cancelled here.
+                    for guarded in self._guarded.values():
+                        stops.start_soon(self._orphan, guarded)
+                tasks.cancel_scope.cancel()
+
+    async def _told_to_end(self, signals: AsyncIterator[int], tasks: TaskGroup) -> None:
+        """Stop the arms each time that the guard is told to end, and go on.
+
+        A service manager tells the program and its guard at the same time. The program may be
+        ending in an orderly way, and needs its stop and heartbeat for that, as long as it takes;
+        and without it the guard ends by itself. Whoever has waited enough ends both by force.
+        """
+        async for _ in signals:
+            for guarded in self._guarded.values():
+                tasks.start_soon(guarded.halt)
 
     async def _next(self) -> Message | None:
         while True:
@@ -184,9 +269,10 @@ class Guard:
 
     def _take(self, message: Message, tasks: TaskGroup) -> None:
         match message:
-            case Alive(robot, stamp):
-                if robot in self._wards:
-                    self._wards[robot].life.stamp = stamp
+            case Alive(robot, stamp, moves):
+                if robot in self._guarded:
+                    self._guarded[robot].life.stamp = stamp
+                    self._guarded[robot].life.moves = moves
             case Stop():
                 tasks.start_soon(self._stop, message)
             case Watch(robot):
@@ -194,65 +280,66 @@ class Guard:
                 self._arrivals[robot] = arrival = _Arrival()
                 tasks.start_soon(self._watch, message, arrival)
             case Rearm(robot):
-                ward = self._wards.get(robot)
-                if ward is not None and ward.heartbeat is not None:
-                    ward.heartbeat.rearm()
+                guarded = self._guarded.get(robot)
+                if guarded is not None and guarded.heartbeat is not None:
+                    guarded.heartbeat.rearm()
             case Release():
                 tasks.start_soon(self._release, message)
-            case Done() | Beat():
+            case Done() | Beat() | Said():
                 raise ValueError(f"a program sent {message!r} to its guard")
 
     async def _watch(self, request: Watch, arrival: _Arrival) -> None:
-        ward = Ward(request, self)
+        guarded = GuardedRobot(request, self)
         error = _RELEASED
         with arrival.scope:
             try:
-                await ward.open()
+                await guarded.open()
             except DucoError as exc:
                 error = shortened(str(exc))
             else:
                 error = ""
-                self._wards[request.robot] = ward
+                self._guarded[request.robot] = guarded
         self._arrivals.pop(request.robot, None)
         arrival.over.set()
         self.tell(Done(request.token, error))
 
     async def _stop(self, request: Stop) -> None:
-        ward = self._wards.get(request.robot)
-        if ward is None:
+        guarded = self._guarded.get(request.robot)
+        if guarded is None:
             self.tell(Done(request.token, "the guard does not know this robot"))
+            return
+        left = request.until - time.monotonic()
+        if left <= 0.0:
+            self.tell(Done(request.token, "the guard was held up, and came to it too late"))
             return
         error = _RELEASED
         with anyio.CancelScope() as scope:
-            ward.stopping.add(scope)
+            guarded.stopping.add(scope)
             try:
-                await ward.control.stop(request.timeout)
+                await guarded.stop_channel.stop(left)
             except DucoError as exc:
                 error = shortened(str(exc))
             else:
                 error = ""
             finally:
-                ward.stopping.discard(scope)
+                guarded.stopping.discard(scope)
         self.tell(Done(request.token, error))
 
     async def _release(self, request: Release) -> None:
         if (arrival := self._arrivals.get(request.robot)) is not None:
             arrival.scope.cancel()
             await arrival.over.wait()
-        ward = self._wards.pop(request.robot, None)
-        if ward is not None:
-            await ward.aclose()
+        guarded = self._guarded.pop(request.robot, None)
+        if guarded is not None:
+            await guarded.aclose()
         self.tell(Done(request.token, ""))
 
-    async def _orphan(self, ward: Ward) -> None:
+    async def _orphan(self, guarded: GuardedRobot) -> None:
         """The program is gone without having released this robot: stop its arm."""
         try:
-            await ward.control.stop(ORPHAN_LIMIT)
-            await ward.control.rest(ORPHAN_LIMIT, ORPHAN_LIMIT)
-        except DucoError as exc:
-            _log.critical("the program is gone, and its arm was not seen to stop: %s", exc)
+            await guarded.halt(gone=True)
         finally:
-            await ward.aclose()
+            await guarded.aclose()
 
 
 def _go_first() -> None:
@@ -270,16 +357,38 @@ def _go_first() -> None:
         shorten_slice(_SLICE)
 
 
-def main(descriptor: int) -> None:
+class _Relay(logging.Handler):
+    """Has the program log what the guard has to say, or the system if the program is gone."""
+
+    def __init__(self, guard: Guard) -> None:
+        super().__init__(logging.WARNING)
+        self._guard = guard
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Send the record to the program, or to syslog."""
+        text = shortened(self.format(record))
+        if not self._guard.tell(Said(record.levelno, text)):
+            syslog.syslog(syslog.LOG_CRIT, f"aioduco's guard: {text}")
+
+
+def main(arguments: Sequence[str]) -> int:
     """Run a guard.
 
     Args:
-        descriptor: file descriptor of the guard's end of the socket pair.
+        arguments: file descriptor of the guard's end of the socket pair.
+
+    Returns:
+        The exit code.
     """
     # Ctrl-C in a terminal reaches all its processes: it is for the program to act on.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # Until the guard runs, it looks after nothing that it could stop.
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
     _go_first()
-    with socket.socket(fileno=descriptor) as program:
+    with socket.socket(fileno=int(arguments[0])) as program:
         program.setblocking(False)
         guard = Guard(program)
+        logging.getLogger().addHandler(_Relay(guard))
         anyio.run(guard.run)
+    return 0

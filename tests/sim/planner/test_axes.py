@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from aioduco.kinematics import arm
-from aioduco.sim.planner.axes import AxesMove
+from aioduco.sim.planner.axes import ExternalAxesMove
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.segments import arc_move, joint_move, line_move, stay
 
@@ -27,15 +27,24 @@ CYCLE = 0.001
 RAIL, TABLE = 0, 1
 
 
-def ride(*ends: float, v: float = 0.5, a: float = 1.0, numbers: tuple[int, ...] = ()) -> AxesMove:
+def ride(
+    *ends: float, v: float = 0.5, a: float = 1.0, numbers: tuple[int, ...] = ()
+) -> ExternalAxesMove:
     """A move of axes, from zero if nothing has moved them."""
     count = len(ends)
     limits = np.full(count, v), np.full(count, a), np.full(count, 2.0 * a)
-    return AxesMove(numbers or tuple(range(count)), np.zeros(count), np.array(ends), *limits)
+    return ExternalAxesMove(
+        numbers or tuple(range(count)), np.zeros(count), np.array(ends), *limits
+    )
 
 
 def line(
-    axes: AxesMove | None, x: float = 0.0, y: float = 0.2, *, v: float = 0.25, r: float = 0.0
+    axes: ExternalAxesMove | None,
+    x: float = 0.0,
+    y: float = 0.2,
+    *,
+    v: float = 0.25,
+    r: float = 0.0,
 ) -> Callable[[Array], Segment]:
     target = START.copy()
     target[:3, 3] += (x, y, 0.0)
@@ -167,7 +176,7 @@ def test_motions_with_the_same_axes_blend() -> None:
 
 
 @pytest.mark.parametrize("other", [None, ride(0.2, numbers=(TABLE,))])
-def test_motions_with_other_axes_do_not(other: AxesMove | None) -> None:
+def test_motions_with_other_axes_do_not(other: ExternalAxesMove | None) -> None:
     run = Run(line(ride(0.3), 0.0, 0.15, r=0.03), line(other, 0.15, 0.15))
     assert (0, "finished") in run.events
     assert run.of(RAIL)[-1] == 0.3

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
-from aioduco.sim.planner.curves import Line, arc_through
-from aioduco.sim.planner.errors import PlanError
+from aioduco.sim.planner.curves import StraightLine, arc_through
+from aioduco.sim.planner.path import PlanError
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
@@ -41,7 +41,7 @@ def on_circle(angle: float) -> Array:
 
 @given(POSES, POSES)
 def test_a_line_is_straight_and_turns_at_a_constant_rate(a: Pose, b: Pose) -> None:
-    line = Line.between(a.matrix, b.matrix)
+    line = StraightLine.between(a.matrix, b.matrix)
     if line.length < 1e-3:
         return
     s = along(line.length)
@@ -53,7 +53,7 @@ def test_a_line_is_straight_and_turns_at_a_constant_rate(a: Pose, b: Pose) -> No
 
 def test_a_line_between_two_orientations_of_one_point_is_as_long_as_its_angle() -> None:
     a = Pose(0.4, 0.1, 0.3, 0.0, 0.0, 0.0)
-    line = Line.between(a.matrix, (a @ Pose(0, 0, 0, 0, 0, 1.2)).matrix)
+    line = StraightLine.between(a.matrix, (a @ Pose(0, 0, 0, 0, 0, 1.2)).matrix)
     assert line.length == pytest.approx(1.2)
     assert line.turning == pytest.approx(1.2)
     np.testing.assert_allclose(line.poses(along(1.2))[:, :3, 3], [a.position] * 41)

@@ -9,10 +9,10 @@ import pytest
 
 from aioduco.kinematics import Arm, arm, models
 from aioduco.models.weave import WeavePlane, WeaveShape
-from aioduco.sim.planner.detour import NEAR
-from aioduco.sim.planner.errors import PlanError
 from aioduco.sim.planner.mover import Mover
+from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import arc_move, line_move
+from aioduco.sim.planner.tracing import NEAR
 from aioduco.sim.planner.weaving import Weave
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from scipy.interpolate import CubicSpline
 from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import rotvec_from_matrix
-from aioduco.sim.planner.errors import PlanError
-from aioduco.sim.planner.freeform import spiral, spline
+from aioduco.sim.planner.curves import spiral, spline
+from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import spiral_move, spline_move
 
 if TYPE_CHECKING:

@@ -12,13 +12,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from quick import examples
 
 from aioduco.kinematics import Arm, arm, models
 from aioduco.kinematics.forward import bias_acceleration
 from aioduco.models.pose import Pose
-from aioduco.sim.planner.errors import PlanError
 from aioduco.sim.planner.limits import STOPPING
-from aioduco.sim.planner.mover import Mover, SetPoint, Travel
+from aioduco.sim.planner.mover import Mover, Travel
+from aioduco.sim.planner.path import JointSetPoint, PlanError
 from aioduco.sim.planner.segments import Segment, arc_move, joint_move, line_move, spline_move
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ class Recorder:
 
     mover: Mover = field(default_factory=lambda: Mover(FIVE, HOME, CYCLE))
     arm: Arm = FIVE
-    setpoints: list[SetPoint] = field(default_factory=list)
+    setpoints: list[JointSetPoint] = field(default_factory=list)
     events: list[tuple[int, int, str]] = field(default_factory=list)
 
     def tick(self, cycles: int = 1) -> None:
@@ -491,7 +492,7 @@ def test_a_blend_needs_its_successor_in_time() -> None:
 
 
 @given(st.integers(0, 1049), st.floats(0.005, 0.15), st.floats(0.3, 1.0))
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 def test_a_successor_at_any_time_breaks_no_limit(when: int, radius: float, speed: float) -> None:
     run = Recorder()
     run.mover.set_speed(speed)
@@ -637,7 +638,7 @@ STEPS = st.one_of(
 
 
 @given(st.lists(STEPS, min_size=2, max_size=25))
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 def test_whatever_happens_every_motion_ends_once_and_no_limit_is_exceeded(
     steps: list[tuple[str, Any]],
 ) -> None:

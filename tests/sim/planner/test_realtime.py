@@ -9,8 +9,13 @@ import pytest
 
 from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
-from aioduco.sim.planner.fifo import CAPACITY
-from aioduco.sim.planner.realtime import Command, Commands, Follow, Realtime
+from aioduco.sim.planner.realtime_follower import (
+    Follow,
+    RealtimeCommand,
+    RealtimeFollower,
+    RealtimeQueue,
+)
+from aioduco.sim.planner.track_pool import CAPACITY
 
 ARM = arm("gcr5_910")
 CYCLE = 0.001
@@ -18,31 +23,33 @@ Q = np.array([0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0])
 NONE = np.zeros(6)
 
 
-def follower(queue: Commands, what: Follow, **options: Any) -> Realtime:
+def follower(queue: RealtimeQueue, what: Follow, **options: Any) -> RealtimeFollower:
     settings: dict[str, Any] = {
         "bandwidth": 100.0,
         "patience": 0.02,
         "tool": np.eye(4),
         "wobj": np.eye(4),
     }
-    return Realtime(ARM, Q, CYCLE, queue, what, **(settings | options))
+    return RealtimeFollower(ARM, Q, CYCLE, queue, what, **(settings | options))
 
 
-def run(realtime: Realtime, cycles: int) -> np.ndarray:
+def run(realtime: RealtimeFollower, cycles: int) -> np.ndarray:
     points = [realtime.tick(NONE, NONE) for _ in range(cycles)]
     return np.array([(point.q, point.qd, point.qdd) for point in points])
 
 
-def failed(realtime: Realtime) -> str:
+def failed(realtime: RealtimeFollower) -> str:
     return str(realtime.failure or "")
 
 
-def ramp(count: int, rate: float = 0.2) -> list[Command]:
-    return [Command(joints=tuple(Q + 0.5 * rate * (i * CYCLE) ** 2 * 5)) for i in range(count)]
+def ramp(count: int, rate: float = 0.2) -> list[RealtimeCommand]:
+    return [
+        RealtimeCommand(joints=tuple(Q + 0.5 * rate * (i * CYCLE) ** 2 * 5)) for i in range(count)
+    ]
 
 
 def test_a_point_is_taken_in_each_cycle_and_followed_with_the_filters_lag() -> None:
-    queue = Commands()
+    queue = RealtimeQueue()
     queue.put(ramp(500))
     realtime = follower(queue, Follow.JOINTS)
     rows = run(realtime, 400)
@@ -55,7 +62,7 @@ def test_a_point_is_taken_in_each_cycle_and_followed_with_the_filters_lag() -> N
 
 def test_a_narrower_filter_lags_more() -> None:
     def lag(bandwidth: float) -> float:
-        queue = Commands()
+        queue = RealtimeQueue()
         queue.put(ramp(400))
         rows = run(follower(queue, Follow.JOINTS, bandwidth=bandwidth), 400)
         return float(ramp(400)[-1].joints[0] - rows[-1, 0, 0])
@@ -64,9 +71,9 @@ def test_a_narrower_filter_lags_more() -> None:
 
 
 def test_speeds_of_joints_are_brought_up_by_the_filter_and_go_on() -> None:
-    queue = Commands()
+    queue = RealtimeQueue()
     goal = np.array([0.04, 0.0, -0.02, 0.0, 0.0, 0.01])
-    queue.put([Command(joint_speeds=tuple(goal))] * 300)
+    queue.put([RealtimeCommand(joint_speeds=tuple(goal))] * 300)
     rows = run(follower(queue, Follow.JOINT_SPEEDS), 310)
     assert rows[-1, 1] == pytest.approx(goal, rel=1e-3)
     assert rows[-1, 0] - Q == pytest.approx(goal * 0.31, rel=0.01)
@@ -76,18 +83,18 @@ def test_a_pose_and_a_twist_move_the_tool_in_the_work_object() -> None:
     wobj = Pose(0.1, 0.2, 0.0, 0.0, 0.0, np.pi / 2).matrix
     tool = Pose(0.0, 0.0, 0.1, 0.0, 0.0, 0.0).matrix
     start = ARM.fkine(Q) @ tool
-    queue = Commands()
+    queue = RealtimeQueue()
     inside = np.linalg.inv(wobj) @ start
     for i in range(400):
         pose = inside.copy()
         pose[0, 3] += 0.05 * (i * CYCLE) ** 2
-        queue.put([Command(pose=pose)])
+        queue.put([RealtimeCommand(pose=pose)])
     realtime = follower(queue, Follow.POSE, wobj=wobj, tool=tool)
     run(realtime, 400)
     moved = (ARM.fkine(realtime.setpoint.q) @ tool)[:3, 3] - start[:3, 3]
     assert moved == pytest.approx([0.0, 0.05 * 0.398**2, 0.0], abs=2e-4)
 
-    queue.put([Command(twist=(0.04, 0.0, 0.0, 0.0, 0.0, 0.0))] * 500)
+    queue.put([RealtimeCommand(twist=(0.04, 0.0, 0.0, 0.0, 0.0, 0.0))] * 500)
     realtime = follower(queue, Follow.TWIST, wobj=wobj, tool=tool)
     run(realtime, 500)
     moved = (ARM.fkine(realtime.setpoint.q) @ tool)[:3, 3] - start[:3, 3]
@@ -97,14 +104,14 @@ def test_a_pose_and_a_twist_move_the_tool_in_the_work_object() -> None:
 @pytest.mark.parametrize(
     ("what", "command"),
     [
-        (Follow.JOINTS, Command(joints=tuple(Q + 0.01))),
-        (Follow.JOINT_SPEEDS, Command(joint_speeds=(0.2,) * 6)),
-        (Follow.POSE, Command(pose=ARM.fkine(Q + 0.01))),
-        (Follow.TWIST, Command(twist=(0.2,) * 6)),
+        (Follow.JOINTS, RealtimeCommand(joints=tuple(Q + 0.01))),
+        (Follow.JOINT_SPEEDS, RealtimeCommand(joint_speeds=(0.2,) * 6)),
+        (Follow.POSE, RealtimeCommand(pose=ARM.fkine(Q + 0.01))),
+        (Follow.TWIST, RealtimeCommand(twist=(0.2,) * 6)),
     ],
 )
-def test_the_first_point_has_to_be_where_the_arm_is(what: Follow, command: Command) -> None:
-    queue = Commands()
+def test_the_first_point_has_to_be_where_the_arm_is(what: Follow, command: RealtimeCommand) -> None:
+    queue = RealtimeQueue()
     queue.put([command])
     realtime = follower(queue, what)
     run(realtime, 1)
@@ -115,8 +122,8 @@ def test_the_first_point_has_to_be_where_the_arm_is(what: Follow, command: Comma
 
 
 def test_a_starved_queue_is_a_fault_and_the_arm_slows_down() -> None:
-    queue = Commands()
-    queue.put([Command(joint_speeds=(0.04, 0, 0, 0, 0, 0))] * 100)
+    queue = RealtimeQueue()
+    queue.put([RealtimeCommand(joint_speeds=(0.04, 0, 0, 0, 0, 0))] * 100)
     realtime = follower(queue, Follow.JOINT_SPEEDS, patience=0.04)
     rows = run(realtime, 140)
     assert not failed(realtime)
@@ -128,17 +135,17 @@ def test_a_starved_queue_is_a_fault_and_the_arm_slows_down() -> None:
 
 
 def test_a_point_that_comes_in_time_puts_the_fault_off() -> None:
-    queue = Commands()
+    queue = RealtimeQueue()
     realtime = follower(queue, Follow.JOINTS)
     for _ in range(10):
-        queue.put([Command(joints=tuple(Q))])
+        queue.put([RealtimeCommand(joints=tuple(Q))])
         run(realtime, 20)
     assert realtime.failure is None
 
 
 def test_a_jump_of_the_points_is_a_fault() -> None:
-    queue = Commands()
-    queue.put([Command(joints=tuple(Q)), Command(joints=tuple(Q + 0.5))])
+    queue = RealtimeQueue()
+    queue.put([RealtimeCommand(joints=tuple(Q)), RealtimeCommand(joints=tuple(Q + 0.5))])
     realtime = follower(queue, Follow.JOINTS)
     run(realtime, 2)
     assert realtime.failure is not None
@@ -147,8 +154,8 @@ def test_a_jump_of_the_points_is_a_fault() -> None:
 
 
 def test_what_does_not_fit_is_not_taken_in_part() -> None:
-    queue = Commands()
-    assert queue.put([Command()] * (CAPACITY - 1))
-    assert not queue.put([Command()] * 2)
+    queue = RealtimeQueue()
+    assert queue.put([RealtimeCommand()] * (CAPACITY - 1))
+    assert not queue.put([RealtimeCommand()] * 2)
     assert len(queue) == CAPACITY - 1
-    assert queue.put([Command()])
+    assert queue.put([RealtimeCommand()])

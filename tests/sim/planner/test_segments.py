@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from quick import examples
 
 from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import rotvec_from_matrix
-from aioduco.sim.planner.errors import PlanError
+from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import (
     Segment,
     arc_move,
@@ -89,7 +90,7 @@ def test_a_joint_move_keeps_to_the_speed_of_the_slower_joints() -> None:
 
 
 @given(OFFSET, OFFSET, OFFSET, st.floats(-0.8, 0.8), st.floats(0.05, 0.25), st.floats(0.1, 1.0))
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 def test_a_line_is_straight_and_takes_the_time_of_a_trapezoid(
     x: float, y: float, z: float, turn: float, v: float, a: float
 ) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from aioduco.kinematics import arm
-from aioduco.sim.planner.servo import Servo, Tuning
+from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 
 ARM = arm("gcr5_910")
 CYCLE = 0.001
@@ -14,12 +14,12 @@ Q = np.array([0.0, 0.0, 1.5, 0.0, -1.5, 0.0])
 NONE = np.zeros(6)
 
 
-def tuning(v: float = 1.0, a: float = 5.0, **other: float) -> Tuning:
+def tuning(v: float = 1.0, a: float = 5.0, **other: float) -> ServoTuning:
     gains = {"kp": 200.0, "kd": 25.0, "smooth_vel": 10.0, "smooth_acc": 1.0}
-    return Tuning(v, a, **(gains | other))
+    return ServoTuning(v, a, **(gains | other))
 
 
-def run(servo: Servo, cycles: int = 20_000) -> np.ndarray:
+def run(servo: ServoFollower, cycles: int = 20_000) -> np.ndarray:
     """Set-points until it ends. Shape (n, 3, 6)."""
     rows = []
     while not servo.ended:
@@ -31,7 +31,7 @@ def run(servo: Servo, cycles: int = 20_000) -> np.ndarray:
 
 @pytest.mark.parametrize("a", [0.5, 5.0, 50.0, np.inf])
 def test_it_ends_at_the_target_within_its_limits_and_does_not_pass_it(a: float) -> None:
-    servo = Servo(ARM, Q, CYCLE)
+    servo = ServoFollower(ARM, Q, CYCLE)
     goal = Q + np.array([1.0, -0.5, 0.2, 0.0, 0.3, -1.0])
     servo.aim(goal, tuning(v=1.2, a=a))
     rows = run(servo)
@@ -46,7 +46,7 @@ def test_it_ends_at_the_target_within_its_limits_and_does_not_pass_it(a: float) 
 
 
 def test_each_joint_goes_for_itself() -> None:
-    servo = Servo(ARM, Q, CYCLE)
+    servo = ServoFollower(ARM, Q, CYCLE)
     servo.aim(Q + np.array([1.0, 0.1, 0.0, 0.0, 0.0, 0.0]), tuning())
     rows = run(servo)
     arrived = [int((np.abs(rows[:, 0, j] - rows[-1, 0, j]) > 0.01).sum()) for j in (0, 1)]
@@ -54,7 +54,7 @@ def test_each_joint_goes_for_itself() -> None:
 
 
 def test_a_new_target_is_gone_to_from_the_present_speed() -> None:
-    servo = Servo(ARM, Q, CYCLE)
+    servo = ServoFollower(ARM, Q, CYCLE)
     servo.aim(Q + 1.0, tuning())
     for _ in range(300):
         before = servo.tick(NONE, NONE)
@@ -67,7 +67,7 @@ def test_a_new_target_is_gone_to_from_the_present_speed() -> None:
 
 def test_more_smoothing_lags_more() -> None:
     def lag(**smoothing: float) -> float:
-        servo = Servo(ARM, Q, CYCLE)
+        servo = ServoFollower(ARM, Q, CYCLE)
         for i in range(1000):
             servo.aim(Q + 0.5 * i * CYCLE, tuning(**smoothing))
             point = servo.tick(NONE, NONE)
@@ -79,7 +79,7 @@ def test_more_smoothing_lags_more() -> None:
 
 
 def test_a_stop_and_a_pause_slow_down_at_once() -> None:
-    servo = Servo(ARM, Q, CYCLE)
+    servo = ServoFollower(ARM, Q, CYCLE)
     servo.aim(Q + 1.0, tuning())
     for _ in range(300):
         servo.tick(NONE, NONE)
@@ -100,7 +100,7 @@ def test_a_stop_and_a_pause_slow_down_at_once() -> None:
 
 
 def test_a_joint_does_not_pass_its_limit() -> None:
-    servo = Servo(ARM, Q, CYCLE)
+    servo = ServoFollower(ARM, Q, CYCLE)
     servo.aim(np.array([7.0, *Q[1:]]), tuning(v=3.0, a=np.inf))
     rows = run(servo)
     assert servo.failure is not None

@@ -9,23 +9,24 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from quick import examples
 
-from aioduco.sim.planner.timing import Law, Limits, allowed, backward, fastest
+from aioduco.sim.planner.timing import PathLimits, TimeLaw, allowed, backward, fastest
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
 
-def plain(length: float, v: float, a: float) -> Limits:
-    return Limits([0.0, length], [v * v] * 2, [a], [math.inf], [0.0], [10 * a])
+def plain(length: float, v: float, a: float) -> PathLimits:
+    return PathLimits([0.0, length], [v * v] * 2, [a], [math.inf], [0.0], [10 * a])
 
 
-def law_of(limits: Limits, exit_: float = 0.0) -> Law:
+def law_of(limits: PathLimits, exit_: float = 0.0) -> TimeLaw:
     return fastest(limits, backward(limits, exit_), 0.0, 0.0)
 
 
 @st.composite
-def limits_along_a_path(draw: st.DrawFn) -> Limits:
+def limits_along_a_path(draw: st.DrawFn) -> PathLimits:
     pieces = draw(st.integers(1, 12))
     lengths = draw(st.lists(st.floats(0.01, 1.0), min_size=pieces, max_size=pieces))
 
@@ -41,7 +42,7 @@ def limits_along_a_path(draw: st.DrawFn) -> Limits:
             if curvature[i]:
                 ceiling[end] = min(ceiling[end], 0.98 * total[i] / curvature[i])
     nodes = [0.0, *np.cumsum(lengths).tolist()]
-    return Limits(nodes, ceiling, each(0.3, 5.0, pieces), total, curvature, [9.0] * pieces)
+    return PathLimits(nodes, ceiling, each(0.3, 5.0, pieces), total, curvature, [9.0] * pieces)
 
 
 @pytest.mark.parametrize(
@@ -57,12 +58,12 @@ def test_a_plain_motion_takes_the_time_of_a_trapezoid(length: float, v: float, a
 
 def test_plain_limits_cut_into_pieces_change_nothing() -> None:
     nodes = np.linspace(0, 1, 51).tolist()
-    pieces = Limits(nodes, [0.25**2] * 51, [1.0] * 50, [math.inf] * 50, [0.0] * 50, [1.0] * 50)
+    pieces = PathLimits(nodes, [0.25**2] * 51, [1.0] * 50, [math.inf] * 50, [0.0] * 50, [1.0] * 50)
     assert law_of(pieces).duration == pytest.approx(1 / 0.25 + 0.25, rel=1e-9)
 
 
 @given(limits_along_a_path())
-def test_no_limit_is_exceeded_and_the_law_hangs_together(limits: Limits) -> None:
+def test_no_limit_is_exceeded_and_the_law_hangs_together(limits: PathLimits) -> None:
     law = law_of(limits)
     times = np.linspace(0, law.duration, 400)
     _, s, v, a = np.array([law.at(t) for t in times]).T
@@ -85,7 +86,7 @@ def test_no_limit_is_exceeded_and_the_law_hangs_together(limits: Limits) -> None
         assert law.at(law.time(at))[1] == pytest.approx(at, abs=1e-9)
 
 
-def brute_force(limits: Limits, steps: int) -> float:
+def brute_force(limits: PathLimits, steps: int) -> float:
     """Duration by stepping through a fine grid with the limits of each point, from both ends."""
     s = np.linspace(0, limits.nodes[-1], steps + 1)
     ceiling = np.interp(s, limits.nodes, limits.ceiling)
@@ -107,8 +108,8 @@ def brute_force(limits: Limits, steps: int) -> float:
 
 
 @given(limits_along_a_path())
-@settings(max_examples=15)
-def test_duration_is_near_the_least_that_the_limits_allow(limits: Limits) -> None:
+@settings(max_examples=examples(15))
+def test_duration_is_near_the_least_that_the_limits_allow(limits: PathLimits) -> None:
     # The pieces are the law's resolution: cut as finely as those of a real path.
     fine = limits
     for _ in range(5):
@@ -117,18 +118,18 @@ def test_duration_is_near_the_least_that_the_limits_allow(limits: Limits) -> Non
     assert 0.98 * least <= law_of(fine).duration <= 1.02 * least
 
 
-def halved(limits: Limits) -> Limits:
+def halved(limits: PathLimits) -> PathLimits:
     nodes = np.array(limits.nodes)
     ceiling = np.array(limits.ceiling)
     between = (nodes[1:] + nodes[:-1]) / 2
     every = np.sort(np.concatenate([nodes, between])).tolist()
     heights = np.interp(every, nodes, ceiling).tolist()
     push, total, curvature, brake = (np.repeat(part, 2).tolist() for part in limits[2:6])
-    return Limits(every, heights, push, total, curvature, brake)
+    return PathLimits(every, heights, push, total, curvature, brake)
 
 
 @given(limits_along_a_path(), st.floats(0.01, 0.99))
-def test_a_law_from_the_middle_is_the_rest_of_the_whole(limits: Limits, part: float) -> None:
+def test_a_law_from_the_middle_is_the_rest_of_the_whole(limits: PathLimits, part: float) -> None:
     # A bend's limit is that of the fastest point of a piece, so that it changes with its beginning.
     limits = limits._replace(curvature=[0.0] * len(limits.push))
     back = backward(limits, 0.0)
@@ -141,7 +142,7 @@ def test_a_law_from_the_middle_is_the_rest_of_the_whole(limits: Limits, part: fl
 
 
 @given(limits_along_a_path(), st.floats(0.05, 0.95))
-def test_slices_and_joins_keep_the_limits(limits: Limits, part: float) -> None:
+def test_slices_and_joins_keep_the_limits(limits: PathLimits, part: float) -> None:
     cut = part * limits.nodes[-1]
     first, second = limits.slice(0.0, cut), limits.slice(cut, limits.nodes[-1])
     assert first.nodes[-1] == second.nodes[0] == cut
@@ -172,7 +173,7 @@ def test_a_law_may_end_at_speed() -> None:
 
 
 def test_a_bend_leaves_less_acceleration_along_the_path() -> None:
-    limits = Limits([0.0, 1.0], [1.0, 1.0], [9.0], [1.0], [0.5], [9.0])
+    limits = PathLimits([0.0, 1.0], [1.0, 1.0], [9.0], [1.0], [0.5], [9.0])
     assert limits.along(0, 0.0) == 1.0
     assert limits.along(0, 1.2) == pytest.approx(0.8)
     assert limits.along(0, 2.0) == 0.0
@@ -182,7 +183,7 @@ def test_a_bend_leaves_less_acceleration_along_the_path() -> None:
 
 
 def test_a_wait_lengthens_the_law_and_nothing_else() -> None:
-    plain = Limits([0.0, 1.0, 2.0], [1.0] * 3, [2.0] * 2, [math.inf] * 2, [0.0] * 2, [4.0] * 2)
+    plain = PathLimits([0.0, 1.0, 2.0], [1.0] * 3, [2.0] * 2, [math.inf] * 2, [0.0] * 2, [4.0] * 2)
     waiting = plain.waiting([(1.1, 0.5)])
     assert waiting.waits == ((1.0, 0.5),)
     assert waiting.slice(0.5, 1.5).then(plain).waits == ((1.0, 0.5),)

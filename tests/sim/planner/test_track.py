@@ -9,8 +9,7 @@ import pytest
 
 from aioduco.kinematics import arm
 from aioduco.models.pose import Pose
-from aioduco.sim.planner.fifo import CAPACITY, Pool
-from aioduco.sim.planner.track import JointTrack, ToolTrack
+from aioduco.sim.planner.track_pool import CAPACITY, JointTrack, ToolTrack, TrackPool
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -21,13 +20,13 @@ Q = np.array([0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0])
 NONE = np.zeros(6)
 
 
-def pool(points: Iterable[Any]) -> Pool:
-    filled = Pool()
+def pool(points: Iterable[Any]) -> TrackPool:
+    filled = TrackPool()
     assert filled.put((tuple(point), None) for point in points)
     return filled
 
 
-def joints(filled: Pool, v: float = 1.0, a: float = 5.0, reached: Any = print) -> JointTrack:
+def joints(filled: TrackPool, v: float = 1.0, a: float = 5.0, reached: Any = print) -> JointTrack:
     return JointTrack(ARM, Q, CYCLE, filled, v, a, reached)
 
 
@@ -133,7 +132,7 @@ def test_a_pool_that_is_emptied_lets_the_arm_come_to_rest() -> None:
 
 def test_events_of_points_are_told_when_they_are_reached() -> None:
     seen: list[tuple[str, float]] = []
-    filled = Pool()
+    filled = TrackPool()
     filled.put([(tuple(at([0.1, 0, 0, 0, 0, 0])), "a"), (tuple(at([0.2, 0, 0, 0, 0, 0])), "b")])
     rows: list[float] = []
     follower = joints(filled, reached=lambda name: seen.append((name, rows[-1])))
@@ -194,7 +193,7 @@ def test_a_point_out_of_reach_ends_it() -> None:
 
 
 def test_the_pool_takes_all_or_nothing() -> None:
-    filled = Pool()
+    filled = TrackPool()
     assert filled.put([((0.0,) * 6, None)] * (CAPACITY - 1))
     assert not filled.put([((0.0,) * 6, None)] * 2)
     assert len(filled) == CAPACITY - 1

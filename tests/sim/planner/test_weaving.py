@@ -11,8 +11,8 @@ import pytest
 from aioduco.kinematics import arm
 from aioduco.models.rotation import matrix_from_rotvec
 from aioduco.models.weave import WeavePlane, WeaveShape
-from aioduco.sim.planner.errors import PlanError
 from aioduco.sim.planner.mover import Mover
+from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import arc_move, joint_move, line_move
 from aioduco.sim.planner.weaving import Weave
 

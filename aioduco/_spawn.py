@@ -1,0 +1,179 @@
+"""Starting the processes of this package: the guard, and the workers of streams.
+
+Guarantees:
+- A process imports each package from where the program found it, and nothing from the current
+  folder, from PYTHONPATH, or from a folder that only the program's own modules are in. So a stray
+  file that has the name of a package never runs with a process that can stop or move an arm.
+- What is no Python interpreter is not started. A frozen program is, once it has shown that it
+  runs such a process instead of itself (`aioduco.freeze_support`).
+- A program that is started in place of such a process nevertheless opens no robot.
+- A process inherits no stream of the program: who reads the program's output to its end waits for
+  no other process. What a process says last is kept for the program.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["MARK", "Process", "Unstartable", "children", "is_frozen", "misplaced"]
+
+#: first argument of a frozen program that is to run one of the processes
+MARK: Final = "--aioduco-process"
+#: variable in the environment of each process: which one it is
+_VARIABLE: Final = "AIODUCO_PROCESS"
+#: all that the processes import beside the standard library
+_PACKAGES: Final = (
+    "aioduco",
+    "anyio",
+    "idna",
+    "ijson",
+    "numpy",
+    "ply",
+    "ruckig",
+    "six",
+    "sniffio",
+    "thriftpy2",
+    "typing_extensions",
+)
+#: bytes that are read of the end of a process's output
+_WORDS: Final = 4000
+
+#: run by an isolated interpreter, whose own path has only its standard library and its packages
+_BEGIN: Final = """
+import importlib, json, sys
+from importlib.machinery import PathFinder
+
+class Places:
+    places = json.loads(sys.argv.pop(1))
+
+    @classmethod
+    def find_spec(cls, name, path=None, target=None):
+        if name in cls.places:
+            return PathFinder.find_spec(name, [cls.places[name]], target)
+
+sys.meta_path.insert(0, Places)
+sys.exit(importlib.import_module(sys.argv.pop(1)).main(sys.argv[1:]))
+"""
+
+
+class Unstartable(Exception):
+    """No process can be started from this program. The text has the reason and what to do."""
+
+
+class _Children:
+    """Whether a frozen program has called `freeze_support`, and so runs its child processes."""
+
+    def __init__(self) -> None:
+        self.told_apart = False
+
+
+#: one per process: the program calls `freeze_support` once, first of all
+children: Final = _Children()
+
+
+def is_frozen() -> bool:
+    """Whether this program is one file or folder with its interpreter in it."""
+    return bool(getattr(sys, "frozen", False))
+
+
+def misplaced() -> str:
+    """The process in whose place this program runs by mistake; empty if it is not so.
+
+    That is so where `sys.executable` is a program and does not say that it is frozen.
+    """
+    return "" if children.told_apart else os.environ.get(_VARIABLE, "")
+
+
+class Process:
+    """A process of this package.
+
+    Args:
+        module: what it runs: `main` of this module.
+        descriptors: file descriptors that it gets; their numbers are its arguments.
+
+    Raises:
+        Unstartable: there is no interpreter to start.
+        OSError: the system does not allow it.
+    """
+
+    def __init__(self, module: str, descriptors: Sequence[int]) -> None:
+        command = [*_command(module), *map(str, descriptors)]
+        #: in memory, so that it fills no disk and no reader has to wait for its end
+        stderr = os.memfd_create("aioduco-process")
+        self._stderr: int | None = stderr
+        self._words = ""
+        try:
+            self.popen: subprocess.Popen[bytes] = subprocess.Popen(
+                command,
+                pass_fds=descriptors,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=stderr,
+                # Ctrl-C and the end of a terminal are for the program.
+                start_new_session=True,
+                env={**os.environ, _VARIABLE: module},
+            )
+        except BaseException:
+            self.close()
+            raise
+
+    def __repr__(self) -> str:
+        return f"<Process {self.popen.pid}>"
+
+    def __del__(self) -> None:
+        if getattr(self, "_stderr", None) is not None:
+            self.close()
+
+    @property
+    def last_words(self) -> str:
+        """The end of its standard error, mostly why it failed; empty if it wrote nothing."""
+        if self._stderr is not None:
+            size = os.fstat(self._stderr).st_size
+            text = os.pread(self._stderr, _WORDS, max(0, size - _WORDS)).decode(errors="replace")
+            self._words = text.strip()
+        return self._words
+
+    def close(self) -> None:
+        """Close its standard error, once it has ended; `last_words` stays."""
+        _ = self.last_words
+        stderr, self._stderr = self._stderr, None
+        if stderr is not None:
+            os.close(stderr)
+
+
+def _command(module: str) -> list[str]:
+    """The command that runs a module, without its arguments."""
+    if misplaced():
+        raise Unstartable(f"this program was itself started instead of {misplaced()}")
+    if not sys.executable:
+        raise Unstartable("the interpreter of this program does not know its own file")
+    if not is_frozen():
+        return [sys.executable, "-I", "-c", _BEGIN, json.dumps(_places()), module]
+    if not children.told_apart:
+        raise Unstartable(
+            "this is a frozen program, and its executable would be started as the program once "
+            "more. Call aioduco.freeze_support() as the first thing that the program does"
+        )
+    return [sys.executable, MARK, module]
+
+
+def _places() -> dict[str, str]:
+    """By package, the folder or archive in which the program has it."""
+    places = {}
+    for name in _PACKAGES:
+        found = getattr(sys.modules.get(name), "__spec__", None) or importlib.util.find_spec(name)
+        if found is None:
+            continue
+        where = next(iter(found.submodule_search_locations or ()), None) or found.origin
+        if where is not None:
+            places[name] = str(Path(where).absolute().parent)
+    return places

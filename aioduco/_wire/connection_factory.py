@@ -1,0 +1,55 @@
+"""Makes the threads and connections of one lane."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from aioduco._wire.connection import Connection
+from aioduco._wire.worker import Worker
+from aioduco.trace import ConnectionEnded, ConnectionOpened, emit
+
+if TYPE_CHECKING:
+    from aioduco.trace import Trace
+
+
+class ConnectionFactory:
+    """Makes the workers of a lane and their connections, counts them and calls the trace hook.
+
+    Workers hold a reference to this and none to the lane, so that the garbage collector finds a
+    lane that was not closed.
+    """
+
+    def __init__(
+        self, lane: str, host: str, port: int, connect_timeout: float, trace: Trace | None
+    ) -> None:
+        self.lane = lane
+        self.host = host
+        self.port = port
+        self.connect_timeout = connect_timeout
+        self.trace = trace
+        self.count = 0
+        self._workers = 0
+
+    def worker(self) -> Worker:
+        """Make a worker; its thread begins with its first call."""
+        self._workers += 1
+        return Worker(f"aioduco-{self.lane}-{self._workers}", self)
+
+    def make(self) -> Connection:
+        """Make a connection that is not open yet."""
+        return Connection(self.host, self.port, connect_timeout=self.connect_timeout)
+
+    def opened(self, connection: Connection, duration: float) -> None:
+        """A connection was opened, within so many seconds; on the worker's thread."""
+        self.count += 1
+        if self.trace is not None:
+            peer = (connection.host, connection.port)
+            emit(self.trace, ConnectionOpened(time.monotonic(), self.lane, peer, duration))
+
+    def ended(self, connection: Connection) -> None:
+        """A connection is not used any more; on the worker's thread."""
+        if self.trace is not None:
+            peer = (connection.host, connection.port)
+            event = ConnectionEnded(time.monotonic(), self.lane, peer, connection.reason)
+            emit(self.trace, event)

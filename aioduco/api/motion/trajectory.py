@@ -1,0 +1,205 @@
+"""Execution of joint trajectories with times: what ROS calls FollowJointTrajectory, without ROS."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import anyio
+import numpy as np
+
+from aioduco.errors import GoalToleranceViolated, ParameterError, PathToleranceViolated
+from aioduco.streaming.joint_trajectory import Feedback, Tolerances, TrajectoryResult
+from aioduco.streaming.options import per_group
+from aioduco.streaming.realtime import CYCLE, RealtimeStreams
+from aioduco.streaming.servo import Servo
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from aioduco.streaming.endpoint import StreamEndpoint
+    from aioduco.streaming.joint_trajectory import JointTrajectory
+    from aioduco.streaming.options import LaneOptions
+    from aioduco.streaming.sampling import Spline
+    from aioduco.streaming.stream import Stream
+
+__all__ = ["follow"]
+
+_LOOK = 0.02  # seconds between two looks at where the arm is
+_DEPTH = 100  # points in the controller's queue: 0.1 s for which nothing may come
+_LAG = 0.3  # seconds by which the arm may lag behind its set-points without being off its path
+_WINDOW = 60  # places of the path in that time with which the arm is compared
+
+
+async def follow(
+    endpoint: StreamEndpoint,
+    read_joints: Callable[[], Awaitable[Sequence[float]]],
+    trajectory: JointTrajectory,
+    *,
+    realtime: bool,
+    v: float,
+    a: float,
+    tolerances: Tolerances | None = None,
+    feedback: Callable[[Feedback], object] | None = None,
+    rate: float = 500.0,
+    reach: float = 0.05,
+    options: LaneOptions | None = None,
+) -> TrajectoryResult:
+    """Follow a joint trajectory to its end, and see the arm arrive.
+
+    A cancellation brings the arm to rest before it goes on.
+
+    Args:
+        endpoint: the controller.
+        read_joints: reads where the arm is [rad].
+        trajectory: the trajectory.
+        realtime: go through the realtime queue instead of servoj.
+        v: largest speed of each joint [rad/s]; a trajectory that is faster is refused.
+        a: largest acceleration of each joint [rad/s²]; the corners of one that is sharper are
+            rounded.
+        tolerances: how far the arm may be from it; None: the defaults.
+        feedback: called about 50 times a second.
+        rate: set-points per second of servoj [Hz]; the queue has 1000.
+        reach: how far the arm may be from the first point [rad].
+        options: how the worker runs; None: in a process of its own.
+
+    Raises:
+        ParameterError: the trajectory is too fast for `v`; nothing was sent.
+        PathToleranceViolated: the arm strayed from the path; it was brought to rest.
+        GoalToleranceViolated: the arm did not come close enough to the last point in time.
+        StreamError: the stream ended by something else.
+    """
+    limits = tolerances or Tolerances()
+    curve = trajectory.curve(await read_joints())
+    interval = CYCLE if realtime else 1 / rate
+    count = int(np.ceil(curve.duration / interval - 1e-9))
+    points = curve.at(curve.times[0] + np.minimum(np.arange(count + 1) * interval, curve.duration))
+    speed = np.abs(np.diff(points, axis=0)).max(initial=0.0) / interval
+    if speed > v * (1 + 1e-6):
+        raise ParameterError("trajectory", f"a joint at {speed:.4g} rad/s", f"up to {v:g} rad/s")
+    step = max(0.2, 2 * v * interval)
+    stream: Stream
+    if realtime:
+        stream = RealtimeStreams(endpoint).stream(
+            "joint_position", v=v, a=a, depth=_DEPTH, max_step=step, reach=reach, options=options
+        )
+    else:
+        stream = Servo(endpoint).joints(
+            v=v, a=a, rate=rate, max_step=step, reach=reach, options=options
+        )
+    watcher = _Watcher(curve, read_joints, stream, interval, limits, feedback)
+    start = time.monotonic()
+    try:
+        async with stream, anyio.create_task_group() as tasks:
+            tasks.start_soon(watcher.watch)
+            await stream.play(points)
+            tasks.cancel_scope.cancel()
+    except BaseExceptionGroup as group:
+        if watcher.strayed is not None and endpoint.stop is not None:
+            with anyio.CancelScope(shield=True):
+                await endpoint.stop("")
+        raise _first(group) from None
+    await watcher.arrive()
+    return TrajectoryResult(
+        time.monotonic() - start, watcher.worst, watcher.goal_error, stream.statistics()
+    )
+
+
+class _Watcher:
+    """Compares where the arm is with where it should be."""
+
+    def __init__(
+        self,
+        curve: Spline,
+        read: Callable[[], Awaitable[Sequence[float]]],
+        stream: Stream,
+        interval: float,
+        tolerances: Tolerances,
+        feedback: Callable[[Feedback], object] | None,
+    ) -> None:
+        self._curve = curve
+        self._read = read
+        self._stream = stream
+        self._interval = interval
+        self._feedback = feedback
+        self._path = np.zeros(6) if not tolerances.path else _six("path", tolerances.path)
+        self._goal = _six("goal", tolerances.goal)
+        self._goal_time = tolerances.goal_time
+        self.worst = np.zeros(6)
+        self.goal_error = np.zeros(6)
+        self.strayed: PathToleranceViolated | None = None
+
+    async def watch(self) -> None:
+        """Look at the arm until it strays."""
+        start = anyio.current_time()
+        number = 0
+        while True:
+            number += 1
+            await anyio.sleep_until(start + number * _LOOK)
+            taken = self._stream.taken
+            if not taken:
+                continue
+            actual = np.asarray(await self._read(), dtype=np.float64)
+            error = self._compare(taken, self._stream.taken, actual)
+            self.worst = np.maximum(self.worst, np.abs(error))
+            if np.any(self._path) and np.any(np.abs(error) > self._path):
+                joint = int(np.argmax(np.abs(error) - self._path))
+                self.strayed = PathToleranceViolated(
+                    f"joint {joint + 1} is {error[joint]:+.4g} rad from its trajectory, "
+                    f"{self._path[joint]:g} allowed; the arm was brought to rest, and stopped",
+                    self._stream.statistics(),
+                )
+                raise self.strayed
+
+    def _compare(self, before: int, after: int, actual: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The arm's distance from the path, of which it may be at any place of the last while.
+
+        Args:
+            before: set-points taken before the arm was looked at.
+            after: set-points taken since then: it may have gone on by them, if the look took long.
+            actual: where the arm is.
+        """
+        now, end = (
+            self._curve.times[0] + min((taken - 1) * self._interval, self._curve.duration)
+            for taken in (before, after)
+        )
+        times = np.linspace(max(self._curve.times[0], now - _LAG), end + _LOOK / 2, _WINDOW)
+        places = self._curve.at(times)
+        errors = actual - places
+        # By the sum of the distances: one joint that is off does not pull the place along.
+        nearest = int(np.argmin(np.abs(errors).sum(axis=1)))
+        if self._feedback is not None:
+            self._feedback(Feedback(now, places[nearest], actual, errors[nearest]))
+        return np.asarray(errors[nearest])
+
+    async def arrive(self) -> None:
+        """Wait until the arm is at its goal."""
+        goal = self._curve.at(self._curve.times[-1:])[0]
+        start = anyio.current_time()
+        number = 0
+        while True:
+            actual = np.asarray(await self._read(), dtype=np.float64)
+            self.goal_error = actual - goal
+            if np.all(np.abs(self.goal_error) <= self._goal):
+                return
+            number += 1
+            if anyio.current_time() - start > self._goal_time:
+                joint = int(np.argmax(np.abs(self.goal_error) - self._goal))
+                raise GoalToleranceViolated(
+                    f"joint {joint + 1} is {self.goal_error[joint]:+.4g} rad from its goal "
+                    f"{self._goal_time:g} s after the end, {self._goal[joint]:g} allowed",
+                    self._stream.statistics(),
+                )
+            await anyio.sleep_until(start + number * _LOOK)
+
+
+def _first(group: BaseExceptionGroup[BaseException]) -> BaseException:
+    """What went wrong first: whatever followed it followed from it."""
+    error = group.exceptions[0]
+    return _first(error) if isinstance(error, BaseExceptionGroup) else error
+
+
+def _six(name: str, value: float | tuple[float, ...]) -> NDArray[np.float64]:
+    return np.array(per_group(name, value, 6))

@@ -1,0 +1,180 @@
+"""Inverse kinematics of one pose in plain floats, where arrays take twenty times as long.
+
+The same closed form as in `inverse`, which derives it, with the solutions in the same order.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, TypeAlias
+
+from aioduco.kinematics.inverse import REACH, WRIST
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.kinematics.geometry import Geometry
+
+__all__ = ["Configuration", "Rows", "miss", "nearest_turns", "solutions"]
+
+Configuration: TypeAlias = tuple[float, float, float, float, float, float]
+"""Six joint angles [rad]."""
+
+Rows: TypeAlias = "Sequence[Sequence[float]]"
+"""A homogeneous matrix by its rows. Shape (4, 4)."""
+
+_TURN = 2 * math.pi
+_EDGE = 1e-10  # how far outside its limit a joint may be by rounding [turns]
+
+
+def solutions(geometry: Geometry, flange: Rows, q6: float = 0.0) -> list[Configuration]:
+    """Give all solutions for a pose of the flange.
+
+    Args:
+        geometry: the arm's lengths [m].
+        flange: homogeneous matrix in the base frame, by rows.
+        q6: joint 6 to take at the wrist singularity, where any is a solution [rad].
+
+    Returns:
+        Joint angles [rad], not wrapped, ordered by shoulder, elbow and wrist; up to eight.
+    """
+    (r00, r01, r02, x), (r10, r11, r12, y), (r20, r21, r22, z) = flange[:3]
+    d1, d2, a2, a3, d5, d6 = geometry
+    # The wrist's centre, d6 behind the flange.
+    x, y, z = x - d6 * r02, y - d6 * r12, z - d6 * r22 - d1
+    away = math.hypot(x, y)
+    if not (away > 0.0 and abs(d2) <= away * (1 + REACH)):
+        return []
+    turn = math.asin(_clip(d2 / away))
+    toward = math.atan2(y, x)
+    found: list[Configuration] = []
+    for q1 in (toward - turn, toward - math.pi + turn):
+        c1, s1 = math.cos(q1), math.sin(q1)
+        # The flange's axes along the normal of the arm's plane, and along the horizontal in it.
+        ax, ay, az = c1 * r10 - s1 * r00, c1 * r11 - s1 * r01, c1 * r12 - s1 * r02
+        hx, hy, hz = c1 * r00 + s1 * r10, c1 * r01 + s1 * r11, c1 * r02 + s1 * r12
+        ahead = c1 * x + s1 * y
+        sine = math.hypot(ax, ay)
+        singular = sine < WRIST
+        wrists: list[tuple[Configuration, Configuration] | None] = []
+        for sign in (1.0, -1.0):
+            if singular:
+                q, c6, s6 = q6, math.cos(q6), math.sin(q6)
+                q5 = math.atan2(c6 * ax - s6 * ay, az)  # as near as joint 5 comes with this joint 6
+            else:
+                q5 = sign * math.atan2(sine, az)
+                q = math.atan2(-sign * ay, sign * ax)
+                c6, s6 = math.cos(q), math.sin(q)
+            c5, s5 = math.cos(q5), math.sin(q5)
+            q234 = math.atan2(
+                -(s6 * hx + c6 * hy) - c5 * (c6 * r20 - s6 * r21) + s5 * r22,
+                -(s6 * r20 + c6 * r21) + c5 * (c6 * hx - s6 * hy) - s5 * hz,
+            )
+            if singular:
+                turned = _into_reach(geometry, ahead, z, q234)
+                q, q234 = q - c5 * turned, q234 + turned
+            # Joint 4, in the arm's plane from joint 2.
+            u, w = ahead - d5 * math.sin(q234), z - d5 * math.cos(q234)
+            cosine = (u * u + w * w - a2 * a2 - a3 * a3) / (2 * a2 * a3)
+            if not abs(cosine) <= 1 + REACH:
+                wrists.append(None)
+                continue
+            bend = math.acos(_clip(cosine))
+            point = math.atan2(u, w)
+            lead = math.atan2(a3 * math.sin(bend), a2 + a3 * math.cos(bend))
+            down, up = point - lead, point + lead
+            wrists.append(
+                (
+                    (q1, down, bend, q234 - down - bend, q5, q),
+                    (q1, up, -bend, q234 - up + bend, q5, q),
+                )
+            )
+        found += [pair[elbow] for elbow in (0, 1) for pair in wrists if pair is not None]
+    return found
+
+
+def _clip(ratio: float) -> float:
+    return max(-1.0, min(1.0, ratio))
+
+
+def _into_reach(g: Geometry, u: float, w: float, q234: float) -> float:
+    """Give how far to turn joint 5's axis, at the least, to leave joint 5 in reach [rad]."""
+    away = max(math.hypot(u, w), 1e-12)
+
+    def opening(reach: float) -> float:
+        # Angle between the two directions at which joint 4 is that far from joint 2.
+        return math.acos(_clip((away * away + g.d5 * g.d5 - reach * reach) / (2 * g.d5 * away)))
+
+    off = math.remainder(q234 - math.atan2(u, w), _TURN)
+    size = min(max(abs(off), opening(abs(g.a2 - g.a3))), opening(g.a2 + g.a3))
+    return math.copysign(size, off) - off
+
+
+def miss(geometry: Geometry, q: Configuration, flange: Rows) -> float:
+    """Give how far the flange is from where it should be.
+
+    Args:
+        geometry: the arm's lengths [m].
+        q: joint angles [rad].
+        flange: the pose to reach in the base frame, by rows.
+
+    Returns:
+        The largest difference of an element of the two matrices.
+    """
+    q1, q2, q3, q4, q5, q6 = q
+    d1, d2, a2, a3, d5, d6 = geometry
+    q23 = q2 + q3
+    q234 = q23 + q4
+    c1, s1, c, s = math.cos(q1), math.sin(q1), math.cos(q234), math.sin(q234)
+    c5, s5, c6, s6 = math.cos(q5), math.sin(q5), math.cos(q6), math.sin(q6)
+    # Along the horizontal of the arm's plane, its normal, and up: the flange's axes, its position.
+    xh, xa, xu = c6 * c5 * c - s6 * s, c6 * s5, -c6 * c5 * s - s6 * c
+    yh, ya, yu = -s6 * c5 * c - c6 * s, -s6 * s5, s6 * c5 * s - c6 * c
+    zh, za, zu = -s5 * c, c5, s5 * s
+    ph = a2 * math.sin(q2) + a3 * math.sin(q23) + d5 * s + d6 * zh
+    pa = d2 + d6 * za
+    pu = d1 + a2 * math.cos(q2) + a3 * math.cos(q23) + d5 * c + d6 * zu
+    (r00, r01, r02, px), (r10, r11, r12, py), (r20, r21, r22, pz) = flange[:3]
+    return max(
+        abs(c1 * xh - s1 * xa - r00),
+        abs(c1 * yh - s1 * ya - r01),
+        abs(c1 * zh - s1 * za - r02),
+        abs(c1 * ph - s1 * pa - px),
+        abs(s1 * xh + c1 * xa - r10),
+        abs(s1 * yh + c1 * ya - r11),
+        abs(s1 * zh + c1 * za - r12),
+        abs(s1 * ph + c1 * pa - py),
+        abs(xu - r20),
+        abs(yu - r21),
+        abs(zu - r22),
+        abs(pu - pz),
+    )
+
+
+def nearest_turns(
+    q: Sequence[float], near: Sequence[float], lower: Sequence[float], upper: Sequence[float]
+) -> list[float] | None:
+    """Add whole turns so that each joint is as close to `near` as its limits allow.
+
+    Args:
+        q: joint angles [rad], six.
+        near: joint angles to be close to [rad], six.
+        lower: lower limits [rad], six.
+        upper: upper limits [rad], six.
+
+    Returns:
+        Joint angles [rad]; None if no number of turns brings some joint inside its limits.
+    """
+    wrapped = []
+    for angle, close, low, high in zip(q, near, lower, upper, strict=True):
+        best = angle + _TURN * round((close - angle) / _TURN)
+        if not low <= best <= high:
+            fewest = math.ceil((low - angle) / _TURN - _EDGE)
+            most = math.floor((high - angle) / _TURN + _EDGE)
+            if fewest > most:
+                return None
+            turns = min(max(round((close - angle) / _TURN), fewest), most)
+            # A joint that stands at its limit is not moved by a whole turn because of rounding.
+            best = min(max(angle + _TURN * turns, low), high)
+        wrapped.append(best)
+    return wrapped

@@ -1,0 +1,76 @@
+"""What the controller keeps besides the arm: signals, values, ports, tools, files, external axes.
+
+Nothing here moves. May import `planner` (what external axes do during a motion) and `refusal`.
+"""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from aioduco.sim.cabinet.axis_schemes import Axis
+from aioduco.sim.cabinet.modbus import Gripper, ModbusSignals, ModbusSlave, RtuSlave
+from aioduco.sim.cabinet.ports import CanPort, SerialPort
+from aioduco.sim.cabinet.project import Project
+from aioduco.sim.cabinet.tools import PointLoad
+from aioduco.sim.cabinet.values import SystemValues
+
+if TYPE_CHECKING:
+    from aioduco.sim.planner.guiding import Giving
+
+__all__ = [
+    "Axis",
+    "Cabinet",
+    "CanPort",
+    "Gripper",
+    "ModbusSlave",
+    "Project",
+    "RtuSlave",
+    "SerialPort",
+    "SystemValues",
+]
+
+
+@dataclass(slots=True)
+class Cabinet:
+    """Everything in the cabinet that no motion needs.
+
+    Attributes:
+        values: system values.
+        serial: the cabinet's RS-485 port.
+        tool_serial: the tool's.
+        can: the CAN bus.
+        modbus: signals and slaves of the controller's Modbus.
+        project: its files.
+        teach_speed: [%].
+        pendant_enabled: whether the pendant's keys are.
+        empty_statuses: how many of the next getRobotStatus have empty lists, as has been seen of a
+            controller just after connecting.
+        mode_switch: whether a switch at the cabinet decides the mode, and programs do not.
+        encoder_count: of the external encoder.
+        dynamics: parameters of the dynamic calibration, as they were set.
+        hand_teaching: what gives way in hand guiding; None for everything.
+        held: the load of set_load_data.
+        tooled: whether there is a tool, so that none has to be thought of.
+        force_sensor: whether one is set up.
+        lock: held while a bus is used: several programs share it, and peers know no threads.
+    """
+
+    values: SystemValues = field(default_factory=SystemValues)
+    serial: SerialPort = field(default_factory=SerialPort)
+    tool_serial: SerialPort = field(default_factory=SerialPort)
+    can: CanPort = field(default_factory=CanPort)
+    modbus: ModbusSignals = field(default_factory=ModbusSignals)
+    project: Project = field(default_factory=Project)
+    teach_speed: int = 100
+    pendant_enabled: bool = True
+    empty_statuses: int = 0
+    mode_switch: bool = False
+    encoder_count: int = 0
+    dynamics: list[list[float]] = field(default_factory=list)
+    hand_teaching: Giving | None = None
+    held: PointLoad = field(default_factory=PointLoad)
+    tooled: bool = False
+    force_sensor: bool = True
+    lock: threading.Lock = field(default_factory=threading.Lock)

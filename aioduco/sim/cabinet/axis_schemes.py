@@ -1,0 +1,233 @@
+"""External axes (外部轴, manual 1.3.14): their parameters, their schemes, their positions.
+
+They have no mechanics: each follows its set-point exactly. Poses do not depend on them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from aioduco.models.enums import TaskState
+from aioduco.sim.planner.axes import ExternalAxesMove
+from aioduco.sim.planner.path import PlanError
+from aioduco.sim.refusal import Rejected
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+__all__ = ["Axis", "Scheme", "SimulatedExternalAxes"]
+
+#: axes of a scheme: positions on the wire have three numbers
+_MOST = 3
+#: numbers of axes and schemes are below it
+CAPACITY = 32
+
+
+class Axis(NamedTuple):
+    """An external axis, in radians if it turns, in metres if it slides.
+
+    Attributes:
+        lower: end of its way.
+        upper: other end of its way.
+        velocity: highest speed [1/s].
+        acceleration: with which it is planned [1/s²].
+        braking: highest that its drive can do, for a stop [1/s²]; the same if 0.
+        jog: speed of a jog at 100 % [1/s]; the highest if 0.
+    """
+
+    lower: float
+    upper: float
+    velocity: float
+    acceleration: float
+    braking: float = 0.0
+    jog: float = 0.0
+
+
+@dataclass(slots=True)
+class Scheme:
+    """Up to three axes that are moved together.
+
+    Attributes:
+        name: by which motions call it.
+        axes: numbers of its axes.
+        active: whether it has been enabled.
+    """
+
+    name: str
+    axes: tuple[int, ...] = ()
+    active: bool = False
+
+
+class SimulatedExternalAxes:
+    """The external axes of a controller.
+
+    Args:
+        schemes: by name, what has been set up at the pendant: the axes of each scheme.
+
+    Attributes:
+        positions: where each axis is by its number [rad or m]; those of `schemes` are numbered
+            from 0, in their order.
+
+    Raises:
+        ValueError: the schemes make no sense.
+    """
+
+    def __init__(self, schemes: Mapping[str, Sequence[Sequence[float]]] | None = None) -> None:
+        self.positions: dict[int, float] = {}
+        self._axes: dict[int, Axis] = {}
+        self._schemes: dict[int, Scheme] = {}  # replaced, not changed: it is read without a lock
+        try:
+            for name, axes in (schemes or {}).items():
+                self._define(name, [Axis(*axis) for axis in axes])
+        except Rejected as exc:
+            raise ValueError(f"external axes: {exc}") from None
+
+    def _define(self, name: str, axes: Sequence[Axis]) -> None:
+        numbers = tuple(range(len(self._axes), len(self._axes) + len(axes)))
+        for number, axis in zip(numbers, axes, strict=True):
+            self.set_axis(number, axis)
+        self._schemes[len(self._schemes)] = scheme = Scheme(name)
+        self._link(scheme, numbers)
+
+    def states(self) -> list[tuple[str, bool, float]]:
+        """Name of each scheme, whether it is active, and where its first axis is."""
+        return [
+            (scheme.name, scheme.active, self.positions[scheme.axes[0]] if scheme.axes else 0.0)
+            for scheme in self._schemes.values()
+        ]
+
+    # -- what is set up ------------------------------------------------------------------------
+
+    def set_axis(self, number: int, axis: Axis) -> None:
+        """Set an axis up, where it is or, if it is new, at zero or its end next to zero."""
+        _check_number(number)
+        if not (axis.lower < axis.upper and axis.velocity > 0.0 and axis.acceleration > 0.0):
+            raise _mismatch("an axis has a way, a highest speed and an acceleration")
+        if any(number in scheme.axes and scheme.active for scheme in self._schemes.values()):
+            raise _illegal(f"axis {number} is in use")
+        self._axes[number] = axis
+        self.positions.setdefault(number, min(max(0.0, axis.lower), axis.upper))
+
+    def add(self, number: int) -> None:
+        """Add a scheme without axes."""
+        _check_number(number)
+        if number in self._schemes:
+            raise _illegal(f"there is a scheme {number} already")
+        self._schemes = {**self._schemes, number: Scheme(f"scheme{number}")}
+
+    def delete(self, number: int) -> None:
+        """Delete a scheme."""
+        deleted = self._inactive(number)
+        self._schemes = {n: scheme for n, scheme in self._schemes.items() if n != deleted}
+
+    def link(self, number: int, axes: Sequence[int]) -> None:
+        """Say which axes belong to a scheme."""
+        self._link(self._schemes[self._inactive(number)], tuple(axes))
+
+    def _link(self, scheme: Scheme, axes: tuple[int, ...]) -> None:
+        if not 1 <= len(axes) <= _MOST or len(set(axes)) < len(axes):
+            raise _mismatch(f"a scheme has one to {_MOST} axes, each once")
+        if missing := set(axes) - self._axes.keys():
+            raise _mismatch(f"axis {min(missing)} has not been set up")
+        scheme.axes = axes
+
+    def _inactive(self, number: int) -> int:
+        if number not in self._schemes:
+            raise _illegal(f"there is no scheme {number}")
+        if self._schemes[number].active:
+            raise _illegal(f"scheme {number} is active")
+        return number
+
+    # -- what is used --------------------------------------------------------------------------
+
+    def enable(self, name: str) -> None:
+        """Activate a scheme; its axes must not belong to another one that is active."""
+        scheme = self._scheme(name)
+        if not scheme.axes:
+            raise _illegal(f"scheme {name!r} has no axes")
+        for other in self._schemes.values():
+            if other is not scheme and other.active and set(other.axes) & set(scheme.axes):
+                raise _illegal(f"scheme {other.name!r} has one of the axes")
+        scheme.active = True
+
+    def disable(self, name: str) -> None:
+        """Deactivate a scheme."""
+        self._scheme(name).active = False
+
+    def check_active(self, name: str) -> None:
+        """See that a scheme may be used."""
+        self._active(name)
+
+    def to(self, name: str, target: Sequence[float], speed: float) -> ExternalAxesMove:
+        """Make the move of a scheme to positions.
+
+        Args:
+            name: of the scheme, which must be active.
+            target: where to; numbers beyond its axes play no part.
+            speed: highest, of each axis.
+
+        Raises:
+            PlanError: an axis would leave its way.
+        """
+        scheme = self._active(name)
+        axes = [self._axes[number] for number in scheme.axes]
+        for axis, end in zip(axes, target, strict=False):
+            if not axis.lower <= end <= axis.upper:
+                way = f"{axis.lower:g} to {axis.upper:g}"
+                raise PlanError("limits", f"an axis of {name!r} would leave {way}")
+        return self._move(scheme.axes, list(target[: len(axes)]), [speed] * len(axes))
+
+    def jog(self, name: str, direction: int, share: float) -> ExternalAxesMove:
+        """Make the move of a jog: of the first axis of a scheme, to the end of its way.
+
+        Args:
+            name: of the scheme, which must be active.
+            direction: 1 or -1.
+            share: of its speed, 0 to 1.
+        """
+        number = self._active(name).axes[0]
+        axis = self._axes[number]
+        speed = share * (axis.jog or axis.velocity)
+        return self._move((number,), [axis.upper if direction > 0 else axis.lower], [speed])
+
+    def _move(
+        self, numbers: tuple[int, ...], target: Sequence[float], speeds: Sequence[float]
+    ) -> ExternalAxesMove:
+        axes = [self._axes[number] for number in numbers]
+        return ExternalAxesMove(
+            numbers,
+            np.array([self.positions[number] for number in numbers]),
+            np.array(target, dtype=float),
+            np.minimum(speeds, [axis.velocity for axis in axes]),
+            np.array([axis.acceleration for axis in axes]),
+            np.array([axis.braking or axis.acceleration for axis in axes]),
+        )
+
+    def _active(self, name: str) -> Scheme:
+        scheme = self._scheme(name)
+        if not scheme.active:
+            raise _illegal(f"scheme {name!r} is not active")
+        return scheme
+
+    def _scheme(self, name: str) -> Scheme:
+        for scheme in self._schemes.values():
+            if scheme.name == name:
+                return scheme
+        known = ", ".join(scheme.name for scheme in self._schemes.values()) or "none"
+        raise _illegal(f"there is no scheme {name!r}; there are: {known}")
+
+
+def _check_number(number: int) -> None:
+    if not 0 <= number < CAPACITY:
+        raise _mismatch(f"num is {number}, but must be from 0 to {CAPACITY - 1}")
+
+
+def _mismatch(message: str) -> Rejected:
+    return Rejected(TaskState.PARAMETER_MISMATCH, message)
+
+
+def _illegal(message: str) -> Rejected:
+    return Rejected(TaskState.ILLEGAL, message)

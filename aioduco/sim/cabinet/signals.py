@@ -1,0 +1,144 @@
+"""Inputs, outputs and registers of the cabinet and of the tool (manual 1.3.7)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+__all__ = ["LEVEL", "Bank", "Outputs", "Pulses", "Signals"]
+
+T = TypeVar("T")
+_SHORTEST = 1e-3  # shorter pulses switch the output off [s]
+
+
+class Bank(Generic[T]):
+    """Signals of one kind, numbered from 1 as in the manual.
+
+    One element is read and written at once, so readers need no lock.
+    """
+
+    __slots__ = ("_values", "_zero")
+
+    def __init__(self, size: int, zero: T) -> None:
+        self._zero = zero
+        self._values = [zero] * size
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __contains__(self, num: int) -> bool:
+        """Whether there is a signal of this number."""
+        return 1 <= num <= len(self._values)
+
+    def __getitem__(self, num: int) -> T:
+        """One signal; zero for a number that does not exist, as the manual says (1.3.7)."""
+        return self._values[num - 1] if num in self else self._zero
+
+    def __setitem__(self, num: int, value: T) -> None:
+        if num not in self:
+            raise IndexError(f"there is no signal {num}; there are 1 to {len(self._values)}")
+        self._values[num - 1] = value
+
+    def all(self) -> list[T]:
+        """Every signal, a copy."""
+        return self._values.copy()
+
+
+@dataclass(frozen=True, slots=True)
+class Pulses:
+    """A train of pulses while the output is set.
+
+    Attributes:
+        frequency: pulses a second, 1 to 100 [Hz]; 0 for a level.
+        duty: part of the period in which the output is high, 1 to 100 [%].
+    """
+
+    frequency: int
+    duty: int
+
+    def level(self, time: float) -> bool:
+        """Whether the output is high at a time [s], while it is set."""
+        if not self.frequency:
+            return True
+        if self.duty < _SHORTEST * 100.0 * self.frequency:
+            return False
+        # A nanosecond for the rounding of a sum of cycles.
+        return (time + 1e-9) * self.frequency % 1.0 < self.duty / 100.0
+
+
+LEVEL = Pulses(0, 100)
+
+
+class Outputs(Bank[bool]):
+    """Outputs that are levels or pulses.
+
+    Another kind takes effect when the output is set next, as the manual has it.
+    """
+
+    __slots__ = ("_chosen", "_used")
+
+    def __init__(self, size: int) -> None:
+        super().__init__(size, False)
+        self._chosen = [LEVEL] * size
+        self._used = [LEVEL] * size
+
+    def __setitem__(self, num: int, value: bool) -> None:
+        super().__setitem__(num, value)
+        self._used[num - 1] = self._chosen[num - 1]
+
+    def choose(self, num: int, pulses: Pulses) -> None:
+        """Choose the kind of one output, and the pulses of all: there is one generator."""
+        self._chosen[num - 1] = pulses
+        if pulses is not LEVEL:
+            for kinds in (self._chosen, self._used):
+                kinds[:] = [pulses if kind is not LEVEL else LEVEL for kind in kinds]
+
+    def level(self, num: int, time: float) -> bool:
+        """Whether an output is high at a time [s]; False for one that does not exist."""
+        return self[num] and self._used[num - 1].level(time)
+
+    def levels(self, time: float) -> list[bool]:
+        """Every output at a time [s]."""
+        return [on and kind.level(time) for on, kind in zip(self.all(), self._used, strict=True)]
+
+
+class Signals:
+    """Every signal of a controller.
+
+    The cabinet has 16 general inputs and outputs and 8 function inputs and outputs, the tool 2
+    of each and the buttons T and S. Of the 8 configurable inputs the manual says nothing: their
+    number is an assumption.
+
+    Attributes:
+        events: what a trigger's event does, by its name (用户自定义事件, manual 1.3.5). It is
+            called within the controller's cycle, so it must not wait.
+    """
+
+    def __init__(self) -> None:
+        self.events: dict[str, Callable[[], None]] = {}
+        self.standard_in: Bank[bool] = Bank(16, False)
+        self.standard_out: Outputs = Outputs(16)
+        self.function_in: Bank[bool] = Bank(8, False)
+        self.function_out: Bank[bool] = Bank(8, False)
+        self.config_in: Bank[bool] = Bank(8, False)
+        self.tool_in: Bank[bool] = Bank(2, False)
+        self.tool_out: Bank[bool] = Bank(2, False)
+        self.tool_buttons: Bank[bool] = Bank(2, False)
+        self.voltage_in: Bank[float] = Bank(4, 0.0)
+        self.voltage_out: Bank[float] = Bank(4, 0.0)
+        self.current_in: Bank[float] = Bank(4, 0.0)
+        self.current_out: Bank[float] = Bank(4, 0.0)
+        self.analog_mode: Bank[int] = Bank(4, 0)
+        self.tool_voltage_in: Bank[float] = Bank(2, 0.0)
+        self.function_reg_in: Bank[bool] = Bank(16, False)
+        self.function_reg_out: Bank[bool] = Bank(16, False)
+        self.bool_in: Bank[bool] = Bank(64, False)
+        self.bool_out: Bank[bool] = Bank(64, False)
+        self.word_in: Bank[int] = Bank(32, 0)
+        self.word_out: Bank[int] = Bank(32, 0)
+        self.float_in: Bank[float] = Bank(32, 0.0)
+        self.float_out: Bank[float] = Bank(32, 0.0)

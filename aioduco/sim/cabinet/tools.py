@@ -1,0 +1,165 @@
+"""Tools and work objects by name, and loads (manual 1.3.7, set_tool_data, set_load_data)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from aioduco.models.pose import Pose
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Matrix = NDArray[np.float64]
+
+__all__ = ["PointLoad"]
+
+DEFAULT = "default"
+MAX_NAME = 32
+_ORIGIN = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+class UnknownName(Exception):
+    """No tool or work object has this name."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tool:
+    """A tool at the flange.
+
+    Attributes:
+        name: up to 32 bytes.
+        offset: its tip in the flange's frame.
+        matrix: the same. Shape (4, 4).
+        inverse: the flange in the tip's frame. Shape (4, 4).
+        payload: mass [kg] and centre of gravity [m].
+        inertia: xx, xy, xz, yy, yz, zz [kg m²].
+    """
+
+    name: str
+    offset: Pose
+    matrix: Matrix
+    inverse: Matrix
+    payload: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    inertia: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    @classmethod
+    def at(
+        cls,
+        offset: Pose,
+        name: str = "",
+        payload: Sequence[float] = (0.0, 0.0, 0.0, 0.0),
+        inertia: Sequence[float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    ) -> Tool:
+        """A tool with its tip at `offset`."""
+        matrix = _frozen(offset.matrix)
+        inverse = _frozen(offset.inverse().matrix)
+        return cls(name, offset, matrix, inverse, tuple(payload), tuple(inertia))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WorkObject:
+    """A work object in the base frame.
+
+    Attributes:
+        name: up to 32 bytes.
+        pose: its frame in the base frame, the offset in use included.
+        matrix: the same. Shape (4, 4).
+        inverse: the base in its frame. Shape (4, 4).
+    """
+
+    name: str
+    pose: Pose
+    matrix: Matrix
+    inverse: Matrix
+
+    @classmethod
+    def at(cls, pose: Pose, name: str = "") -> WorkObject:
+        """A work object at `pose`."""
+        return cls(name, pose, _frozen(pose.matrix), _frozen(pose.inverse().matrix))
+
+
+class FrameTable:
+    """The tools and work objects that are defined, and which are in use.
+
+    Both begin with one named "default", which is the flange and the base.
+    """
+
+    def __init__(self) -> None:
+        self._tools = {DEFAULT: Tool.at(_ORIGIN, DEFAULT)}
+        self._wobjs = {DEFAULT: WorkObject.at(_ORIGIN, DEFAULT)}
+        self._tool = self._tools[DEFAULT]
+        self._wobj = self._wobjs[DEFAULT]
+        self._offset: Pose | None = None
+        self._in_use = self._wobj
+
+    def tool(self, name: str = "") -> Tool:
+        """A tool; the one in use when the name is empty.
+
+        Raises:
+            UnknownName: None has this name.
+        """
+        if not name:
+            return self._tool
+        if name not in self._tools:
+            raise UnknownName(f"there is no tool {name!r}; there are: {', '.join(self._tools)}")
+        return self._tools[name]
+
+    def wobj(self, name: str = "") -> WorkObject:
+        """A work object with the offset in use; the one in use when the name is empty.
+
+        Raises:
+            UnknownName: None has this name.
+        """
+        if name and name not in self._wobjs:
+            raise UnknownName(
+                f"there is no work object {name!r}; there are: {', '.join(self._wobjs)}"
+            )
+        return self._moved(self._wobjs[name]) if name else self._in_use
+
+    def set_tool(self, tool: Tool) -> None:
+        """Define a tool, and use it."""
+        self._tools[tool.name] = self._tool = tool
+
+    def set_wobj(self, name: str, pose: Pose) -> None:
+        """Define a work object, and use it."""
+        self._wobjs[name] = self._wobj = WorkObject.at(pose, name)
+        self._in_use = self._moved(self._wobj)
+
+    def set_wobj_offset(self, offset: Pose | None) -> None:
+        """Move the frame of every work object by an offset in it; None for no offset."""
+        self._offset = offset
+        self._in_use = self._moved(self._wobj)
+
+    def _moved(self, wobj: WorkObject) -> WorkObject:
+        if self._offset is None:
+            return wobj
+        return WorkObject.at(wobj.pose @ self._offset, wobj.name)
+
+
+def _frozen(matrix: Matrix) -> Matrix:
+    matrix.flags.writeable = False
+    return matrix
+
+
+class PointLoad(NamedTuple):
+    """A mass in one point.
+
+    Attributes:
+        mass: kg.
+        centre: in the flange's frame [m].
+    """
+
+    mass: float = 0.0
+    centre: tuple[float, ...] = (0.0, 0.0, 0.0)
+
+    def along(self, other: PointLoad) -> PointLoad:
+        """Give both together."""
+        mass = self.mass + other.mass
+        if mass == 0.0:
+            return PointLoad()
+        pairs = zip(self.centre, other.centre, strict=True)
+        return PointLoad(mass, tuple((self.mass * a + other.mass * b) / mass for a, b in pairs))

@@ -1,0 +1,122 @@
+"""System values: the global variables of the controller (系统变量, manual 1.3.7)."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    Value = bool | float | str | Sequence[float] | Sequence[Sequence[float]]
+
+__all__ = ["SystemValues", "UndefinedValue"]
+
+T = TypeVar("T")
+_Stored = bool | float | str | list[float] | list[list[float]]
+
+
+class UndefinedValue(Exception):
+    """There is no variable of this name and type."""
+
+
+class SystemValues:
+    """The variables by name, each of a type that it keeps.
+
+    On a controller they are defined at the pendant, here by `Simulator(values=…)` or `define`.
+
+    Args:
+        values: those that there are, by name; "domain.name" for one in a domain.
+    """
+
+    def __init__(self, values: Mapping[str, Value] | None = None) -> None:
+        self._values: dict[str, _Stored] = {}
+        for name, value in (values or {}).items():
+            self.define(name, value)
+
+    def define(self, name: str, value: Value) -> None:
+        """Define a variable, or change what it is.
+
+        Args:
+            name: its name.
+            value: bool, number, text, list of numbers, or list of such lists.
+
+        Raises:
+            ValueError: The name is empty, or a number is not finite.
+        """
+        if not name:
+            raise ValueError("the name of a system value must not be empty")
+        self._values[name] = _stored(value)
+
+    def get(self, name: str, kind: type[T]) -> T:
+        """The value of a variable.
+
+        Raises:
+            UndefinedValue: There is none of this name and type.
+        """
+        return _checked(name, self._values.get(name), kind)
+
+    def set(self, name: str, value: bool | float | str | Sequence[float]) -> None:
+        """Set a variable to another value of its type.
+
+        Raises:
+            UndefinedValue: There is none of this name and type.
+            ValueError: A number is not finite.
+        """
+        stored = _stored(value)
+        _checked(name, self._values.get(name), type(stored))
+        self._values[name] = stored
+
+    def lists(self, name: str) -> list[list[float]]:
+        """The value of a variable that is a list of lists.
+
+        Raises:
+            UndefinedValue: There is none of this name and type.
+        """
+        value = _checked(name, self._values.get(name), list)
+        rows = [row for row in value if isinstance(row, list)]
+        if len(rows) != len(value):
+            raise UndefinedValue(f"the system value {name!r} is a list, not a list of lists")
+        return rows
+
+    def numbers(self, name: str) -> list[float]:
+        """The value of a variable that is a list of numbers.
+
+        Raises:
+            UndefinedValue: There is none of this name and type.
+        """
+        value = _checked(name, self._values.get(name), list)
+        found = [number for number in value if isinstance(number, float)]
+        if len(found) != len(value):
+            raise UndefinedValue(f"the system value {name!r} is a list of lists, not a list")
+        return found
+
+
+def _stored(value: Value) -> _Stored:
+    if isinstance(value, bool | str):
+        return value
+    if isinstance(value, int | float):
+        return _finite(value)
+    rows = [row if isinstance(row, int | float) else [_finite(n) for n in row] for row in value]
+    nested = [row for row in rows if isinstance(row, list)]
+    if nested:
+        if len(nested) != len(rows):
+            raise ValueError("a list holds numbers or lists, not both")
+        return nested
+    return [_finite(row) for row in rows if not isinstance(row, list)]
+
+
+def _finite(value: float) -> float:
+    if not math.isfinite(value):
+        raise ValueError(f"a system value holds finite numbers, not {value}")
+    return float(value)
+
+
+def _checked(name: str, value: object, kind: type[T]) -> T:
+    if value is None:
+        raise UndefinedValue(f"there is no system value {name!r}")
+    if not isinstance(value, kind):
+        raise UndefinedValue(
+            f"the system value {name!r} is a {type(value).__name__}, not a {kind.__name__}"
+        )
+    return value

@@ -1,0 +1,197 @@
+"""The tasks of force control, and what force control does to the queue of motions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from aioduco.models.enums import TaskState
+from aioduco.sim.controller.tasks import MotionPhase
+from aioduco.sim.refusal import Rejected
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.sim.controller.motion_queue import MotionQueue
+    from aioduco.sim.controller.tasks import TaskTable
+    from aioduco.sim.cycle import SensedState
+    from aioduco.sim.force.control import ForceControl, ForceOutcome
+    from aioduco.sim.force.sensor import ForceSensor
+    from aioduco.sim.planner.path import JointSetPoint
+
+__all__ = ["FC_MOVE", "ForceTasks"]
+
+#: the motion without a path of its own, which ends well when its conditions hold
+FC_MOVE = "fc_move"
+#: in hand guiding the set-points are where the arm is, so that an offset would run away
+_GUIDING = "teach_mode"
+
+
+class ForceTasks:
+    """Stands between the motions and the drives.
+
+    Invariants: without force control the set-points of the motions are those of the drives; with
+    it a motion that begins from a stand is planned from where the arm is; the arm gives way only
+    while a motion runs.
+
+    Args:
+        tasks: the table that holds the tasks' states.
+        motion: the queue of motions.
+        control: what the arm does about forces.
+        sensed: what is known of the arm at the start.
+
+    Attributes:
+        control: what the arm does about forces.
+        sensed: what is known of the arm in this cycle.
+    """
+
+    def __init__(
+        self, tasks: TaskTable, motion: MotionQueue, control: ForceControl, sensed: SensedState
+    ) -> None:
+        self.control: ForceControl = control
+        self._tasks = tasks
+        self._motion = motion
+        self.sensed: SensedState = sensed
+        self._closing: list[int] = []
+        self._disturbed = False
+        self._alarm = ""
+
+    @property
+    def active(self) -> bool:
+        """Whether force control is on."""
+        return self.control.active
+
+    @property
+    def sensor(self) -> ForceSensor:
+        """How the signal of the force sensor is read."""
+        return self.control.sensor
+
+    @property
+    def moving(self) -> bool:
+        """Whether a force moves the set-points of the drives."""
+        return self.control.active and self.control.moving
+
+    # -- commands ----------------------------------------------------------------------------
+
+    def start(self) -> int:
+        """Start force control (fc_start)."""
+        if self._closing:
+            raise Rejected(TaskState.ILLEGAL, "fc_stop is under way")
+        if not self.control.active:
+            self.control.start(self._motion.setpoint)
+        return self._finish("fc_start")
+
+    def stop(self) -> int:
+        """End force control (fc_stop) when the arm stands; a motion that runs is a fault."""
+        if not self.control.active:
+            return self._finish("fc_stop")
+        id_ = self._tasks.new("fc_stop")
+        if self._motion.phase is not MotionPhase.IDLE:
+            message = "fc_stop while motions run: the robot is stopped"
+            self._tasks.set(id_, TaskState.ERROR, message)
+            self._motion.faults.append(message)
+            self._disturbed = True
+            return id_
+        self._tasks.set(id_, TaskState.RUNNING)
+        self._closing.append(id_)
+        return id_
+
+    def combine(self, logic: Sequence[int]) -> int:
+        """Combine the conditions, and have them begin anew (fc_wait_logic)."""
+        sensed = self.sensed
+        self.control.conditions.begin(
+            logic, sensed.time, lambda what: self.control.measure(what, sensed)
+        )
+        return self._finish("fc_wait_logic")
+
+    def tare(self, direction: Sequence[bool], value: Sequence[float]) -> int:
+        """Set what the sensor reads now (fc_force_set_value)."""
+        control = self.control
+        sensed, turn = self.sensed, control.turn(self.sensed)
+        control.sensor = control.sensor.tared(sensed.wrench, turn, direction, value)
+        return self._finish("fc_force_set_value")
+
+    def carry(self, mass: float, centre: Sequence[float]) -> None:
+        """Know of a load [kg], and of its centre in the flange's frame [m]."""
+        self.control.sensor = self.control.sensor.carrying(mass, centre)
+
+    def admit(self, name: str) -> int | None:
+        """Make ready for a motion.
+
+        Returns:
+            A task that has ended, if the motion is skipped; None if it may begin.
+        """
+        control = self.control
+        if not control.active:
+            return None
+        if self._closing:
+            raise Rejected(TaskState.ILLEGAL, "fc_stop is under way")
+        verdict = control.conditions.verdict
+        if verdict is not None:
+            late = verdict == "late"
+            id_ = self._tasks.new(name)
+            self._tasks.set(
+                id_,
+                TaskState.ERROR if late else TaskState.INTERRUPT,
+                f"skipped: the conditions of fc_wait_logic {'timed out' if late else 'hold'}",
+            )
+            return id_
+        if self._motion.phase is MotionPhase.IDLE and control.shifted:
+            self._motion.reset(control.setpoint.q)
+            control.fold()
+        return None
+
+    # -- the cycle ---------------------------------------------------------------------------
+
+    def tick(self, setpoint: JointSetPoint) -> JointSetPoint:
+        """Give the set-point of the drives for that of the motions."""
+        control, motion, sensed = self.control, self._motion, self.sensed
+        if not control.active:
+            return setpoint
+        guiding = motion.following is not None and motion.following.kind == _GUIDING
+        setpoint, outcome = control.tick(setpoint, sensed, giving=motion.moving and not guiding)
+        if outcome is not None:
+            self._conclude(outcome)
+        if motion.phase is MotionPhase.IDLE and not control.moving:
+            if self._closing or self._disturbed or control.failed:
+                motion.reset(setpoint.q)
+                control.fold()
+            if self._closing or self._disturbed:
+                self._end()
+        return setpoint
+
+    def take_alarm(self) -> str:
+        """Which watched force was too large since this was asked last; empty if none."""
+        alarm, self._alarm = self._alarm, ""
+        return alarm
+
+    def powered(self) -> None:
+        """The arm was enabled, or is so no more: its sensor is tared."""
+        control, sensed = self.control, self.sensed
+        control.sensor = control.sensor.tared(sensed.wrench, control.turn(sensed))
+
+    def cut(self) -> None:
+        """The drives have no power."""
+        if self.control.active:
+            self._end(TaskState.INTERRUPT)
+
+    def _end(self, state: TaskState = TaskState.FINISHED) -> None:
+        self.control.end()
+        self._disturbed = False
+        closing, self._closing = self._closing, []
+        for id_ in closing:
+            self._tasks.set(id_, state)
+
+    def _conclude(self, outcome: ForceOutcome) -> None:
+        verdict, message = outcome
+        if verdict == "guard":
+            self._alarm = message
+        elif verdict == "met":
+            self._motion.curtail(message)
+        else:
+            self._motion.failures.append(message)
+            self._motion.stop(TaskState.ERROR, message)
+
+    def _finish(self, name: str) -> int:
+        id_ = self._tasks.new(name)
+        self._tasks.set(id_, TaskState.FINISHED)
+        return id_

@@ -1,0 +1,148 @@
+"""What the controller watches in each cycle, without clock or physics.
+
+Whether the arm stands, whether it has hit something, whether the heartbeat goes on.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from aioduco.sim.cycle import SensedState
+
+    Vector = NDArray[np.float64]
+
+__all__ = ["LEVELS", "CollisionDetector", "Standstill"]
+
+#: joint speed above which an arm counts as moving [rad/s]
+_SPEED = 2e-3
+#: and above which it does more than swing out at the end of a motion [rad/s]
+_TURNING = 0.1
+#: time below it that counts as standing: a joint that swings is slow at its turning points [s]
+_REST = 0.02
+#: time after the set-points stand, after which an arm counts as standing in any case [s]
+_PATIENCE = 0.5
+#: by level of detection, torque from outside that is a collision, as a share of a joint's largest.
+#: That a higher level is more sensitive, and the shares, are assumptions.
+LEVELS = {0: np.inf, 1: 0.5, 2: 0.4, 3: 0.3, 4: 0.2, 5: 0.12}
+#: time over which a torque is smoothed, as an observer of momentum does [s]; an assumption
+SMOOTHING = 0.008
+#: what a controller takes, in milliseconds; anything else is moved to the nearer end
+SHORTEST, LONGEST = 200, 60_000
+
+
+class Standstill:
+    """Tells cycle by cycle whether the arm stands.
+
+    Attributes:
+        turning: whether a joint is faster than one that swings out.
+    """
+
+    def __init__(self) -> None:
+        self._commanded = 0.0
+        self._last_motion = -math.inf
+        self.turning: bool = False
+
+    def tick(self, sensed: SensedState, *, commanded: bool) -> bool:
+        """Whether the arm stands, or has trembled for so long that it counts as standing.
+
+        Args:
+            sensed: what is known of the arm.
+            commanded: whether its set-points move.
+        """
+        if commanded:
+            self._commanded = sensed.time
+        fastest = float(np.abs(sensed.qd).max())
+        self.turning = fastest > _TURNING
+        if fastest > _SPEED:
+            self._last_motion = sensed.time
+        # Less than a cycle earlier: whether it is the same cycle must not hang on a rounding.
+        if sensed.time - self._last_motion >= _REST - 1e-9:
+            return True
+        return sensed.time - self._commanded > _PATIENCE
+
+
+class CollisionDetector:
+    """Watches the torques from outside, joint by joint.
+
+    Args:
+        effort: largest torques of the joints [N m]. Shape (6,).
+
+    Attributes:
+        level: of detection: 0 for none, 1 to 5, more sensitive with each.
+        axis: joint of a collision that was not reset, 1 to 6, or 0.
+        torque: from outside, smoothed [N m]. Shape (6,).
+    """
+
+    def __init__(self, effort: Vector) -> None:
+        self.level: int = 3
+        self.axis: int = 0
+        self.torque: Vector = np.zeros(6)
+        self._effort: list[float] = effort.tolist()
+        self._time: float | None = None
+
+    def reset(self) -> None:
+        """Begin anew, as when brakes have held the arm."""
+        self.torque = np.zeros(6)
+        self._time = None
+
+    def update(self, time: float, external: Vector) -> int:
+        """Take the torques of one cycle.
+
+        Args:
+            time: of the simulation [s].
+            external: what the motion needed beyond the drives' torques [N m]. Shape (6,).
+
+        Returns:
+            The joint that a collision is seen at, 1 to 6, or 0.
+        """
+        passed = 0.0 if self._time is None else time - self._time
+        self._time = time
+        gain = passed / (passed + SMOOTHING)
+        # Plain floats: for six of them they are several times as fast as arrays.
+        old, new = self.torque.tolist(), external.tolist()
+        smooth = [before + gain * (now - before) for before, now in zip(old, new, strict=True)]
+        self.torque = np.array(smooth)
+        if not self.level:
+            return 0
+        shares = [abs(torque) / most for torque, most in zip(smooth, self._effort, strict=True)]
+        largest = max(shares)
+        return shares.index(largest) + 1 if largest > LEVELS[self.level] else 0
+
+
+class HeartbeatWatchdog:
+    """The watchdog behind rpc_heartbeat (manual 1.3.1). The first beat arms it, a loss disarms it.
+
+    Times are those of the network, not of the simulation: a client beats by its own clock,
+    however fast simulated time goes.
+    """
+
+    def __init__(self) -> None:
+        self._deadline: float | None = None
+        self.time: int = 0
+
+    @property
+    def armed(self) -> bool:
+        """Whether a missing beat would be noticed."""
+        return self._deadline is not None
+
+    def beat(self, now: float, time: int) -> None:
+        """A beat has come; the next is due within `time` milliseconds."""
+        self.time = min(max(time, SHORTEST), LONGEST)
+        self._deadline = now + self.time / 1000.0
+
+    def disarm(self) -> None:
+        """Expect no further beat."""
+        self._deadline = None
+
+    def lost(self, now: float) -> bool:
+        """Whether a beat is overdue; true once."""
+        if self._deadline is None or now <= self._deadline:
+            return False
+        self._deadline = None
+        return True

@@ -1,0 +1,450 @@
+"""The queue of motions: it drives the planner's mover and sets the states of the tasks."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from aioduco.models.enums import TaskState
+from aioduco.sim.controller.tasks import MotionPhase
+from aioduco.sim.controller.triggers import Triggers
+from aioduco.sim.planner.path import PlanError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from aioduco.sim.controller.tasks import TaskTable
+    from aioduco.sim.controller.triggers import MotionTriggers
+    from aioduco.sim.planner.follower import FollowError, TargetFollower
+    from aioduco.sim.planner.mover import Mover
+    from aioduco.sim.planner.path import JointSetPoint
+    from aioduco.sim.planner.segments import Segment
+
+    Vector = NDArray[np.float64]
+    #: makes the segment of one motion, given the joints [rad] that it starts from
+    Plan = Callable[[Vector], Segment]
+
+__all__ = ["Following"]
+
+#: motions that may wait behind each other; the manual gives no number
+CAPACITY = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Following:
+    """One motion whose targets come while it runs.
+
+    Two are equal when the later one can take over from the earlier one while that runs.
+
+    Attributes:
+        kind: what kind of motion it is: the function's name.
+        make: makes the follower for the joints [rad] at which the arm stands. Shape (6,).
+        aim: gives a follower of this kind its target; raises PlanError if there is none.
+        alone: whether no other motion is taken while it runs.
+        idle: whether it begins only where nothing else runs.
+        settings: what must be equal for that.
+    """
+
+    kind: str
+    make: Callable[[Vector], TargetFollower] = field(compare=False)
+    aim: Callable[[Any], None] = field(compare=False)
+    alone: bool = field(default=False, compare=False)
+    idle: bool = field(default=False, compare=False)
+    settings: tuple[object, ...] = ()
+
+    @classmethod
+    def behind(cls, kind: str, make: Callable[[Vector], TargetFollower]) -> Following:
+        """One that waits for the motions before it, as those behind it do for it."""
+        return cls(kind, make, _no_target, settings=(object(),))
+
+    @classmethod
+    def once(cls, kind: str, make: Callable[[Vector], TargetFollower]) -> Following:
+        """One that has the controller to itself: nothing else runs, waits or takes over."""
+        return cls(kind, make, _no_target, alone=True, idle=True, settings=(object(),))
+
+
+def _no_target(_follower: TargetFollower) -> None:
+    """It was made with all that it follows."""
+
+
+class MotionQueue:
+    """Motion tasks one behind the other, without a clock.
+
+    Those with a path are the mover's, which looks ahead from one to the next. One that follows
+    targets as they come runs alone: it waits until those before it have ended, and those behind it
+    wait here, since they begin where it ends.
+
+    Invariants: every task that was appended ends exactly once; none is told to be stopped or
+    paused before the arm stands.
+
+    Args:
+        tasks: the table that holds the tasks' states.
+        mover: makes a mover that stands at the given joints [rad].
+        q: joints at the start [rad]. Shape (6,).
+    """
+
+    def __init__(self, tasks: TaskTable, mover: Callable[[Vector], Mover], q: Vector) -> None:
+        self._tasks = tasks
+        self._make = mover
+        self._mover = mover(q)
+        self._speed = 1.0
+        self._queue: dict[int, None] = {}
+        self._phase = MotionPhase.IDLE
+        self._ending = (TaskState.STOPPED, "")
+        self._waiting_for_rest: list[int] = []
+        self._at_rest = True
+        self._triggers = Triggers()
+        self._time = 0.0
+        self._follower: TargetFollower | None = None
+        self._following: tuple[int, Following] | None = None
+        self._behind: deque[tuple[int, Plan | Following]] = deque()
+        self.failures: list[str] = []
+        self.faults: list[str] = []
+
+    @property
+    def phase(self) -> MotionPhase:
+        """What the queue is doing."""
+        return self._phase
+
+    @property
+    def moving(self) -> bool:
+        """Whether the set-points move."""
+        return self._mover.moving if self._follower is None else self._follower.moving
+
+    @property
+    def axes(self) -> Mapping[int, float]:
+        """Where external axes shall be by number [rad or m], as far as motions have moved them."""
+        return self._mover.axes
+
+    @property
+    def following(self) -> Following | None:
+        """What the running motion follows; None if it has a path."""
+        return None if self._following is None else self._following[1]
+
+    @property
+    def last(self) -> Following | None:
+        """What the last motion in the queue follows; None if it has a path."""
+        if not self._behind:
+            return self.following
+        last = self._behind[-1][1]
+        return last if isinstance(last, Following) else None
+
+    @property
+    def full(self) -> bool:
+        """Whether no further motion fits."""
+        return len(self._queue) >= CAPACITY
+
+    @property
+    def progress(self) -> float:
+        """How much of its way the running motion with a path has made, 0 to 1."""
+        return self._mover.progress
+
+    @property
+    def setpoint(self) -> JointSetPoint:
+        """The latest set-point."""
+        return self._mover.setpoint if self._follower is None else self._follower.setpoint
+
+    def reset(self, q: Vector) -> None:
+        """Stand at q [rad], where brakes have held the arm. Nothing may be queued."""
+        assert not self._queue
+        self._at_rest = True
+        self._leave(q)
+        self._phase = MotionPhase.IDLE
+
+    def _leave(self, q: Vector) -> None:
+        """Nothing is followed any more; the arm stands at q [rad]."""
+        self._follower = self._following = None
+        self._mover = self._make(q)
+        self._mover.set_speed(self._speed)
+
+    def set_speed(self, fraction: float) -> None:
+        """Global speed, 0.01 to 1."""
+        self._speed = fraction
+        self._mover.set_speed(fraction)
+        if self._follower is not None:
+            self._follower.set_speed(fraction)
+
+    def append(self, id_: int, plan: Plan, triggers: MotionTriggers | None = None) -> None:
+        """Queue a motion, with what it triggers on its way."""
+        self._enter(id_)
+        if triggers is not None:
+            self._triggers.add(id_, triggers)
+        if self._follower is not None or self._behind:
+            self._behind.append((id_, plan))
+        else:
+            self._append(id_, plan)
+
+    def _enter(self, id_: int) -> None:
+        self._queue[id_] = None
+        if self._phase is MotionPhase.IDLE:
+            self._phase = MotionPhase.RUNNING
+
+    def _append(self, id_: int, plan: Plan) -> None:
+        def checked(start: Vector) -> Segment:
+            # Here and not by the mover's event: it may plan the next motion before it tells.
+            if id_ not in self._queue:
+                raise PlanError("parameter", "the motion before it failed")
+            try:
+                return plan(start)
+            except PlanError as exc:
+                self._fail(id_, exc)
+                raise
+
+        try:
+            self._mover.append(id_, checked)
+        except PlanError:
+            self._settle()
+
+    def follow(self, id_: int, following: Following) -> None:
+        """Queue a motion whose targets come while it runs; one of its kind is taken over."""
+        self._enter(id_)
+        last = self._behind[-1] if self._behind else self._following
+        if last is None or last[1] != following:
+            self._behind.append((id_, following))
+            self._go_on()
+            return
+        try:
+            if not self._behind:
+                assert self._follower is not None
+                following.aim(self._follower)
+                self._following = id_, following
+                self._tasks.set(
+                    id_,
+                    TaskState.PAUSED if self._phase is MotionPhase.PAUSED else TaskState.RUNNING,
+                )
+            else:
+                self._behind[-1] = id_, following
+        except PlanError as exc:
+            self._fail(id_, exc)
+            return
+        self._end(last[0], TaskState.INTERRUPT, "another target took over")
+
+    def finish(self, kinds: tuple[str, ...], control: int) -> None:
+        """End what follows targets of some kinds, in good order.
+
+        Args:
+            kinds: of what is to end.
+            control: a task that ends when the arm stands.
+        """
+        for id_, waiting in tuple(self._behind):
+            if isinstance(waiting, Following) and waiting.kind in kinds:
+                self._behind.remove((id_, waiting))
+                self._end(id_, TaskState.STOPPED, "ended before it began")
+        if self._follower is None or self.following is None or self.following.kind not in kinds:
+            self._tasks.set(control, TaskState.FINISHED)
+            return
+        self._tasks.set(control, TaskState.RUNNING)
+        self._waiting_for_rest.append(control)
+        self._follower.finish()
+
+    def stop(self, state: TaskState, message: str, control: int | None = None) -> None:
+        """Decelerate along the path and drop the queue.
+
+        Args:
+            state: what the motions end as, once the arm stands.
+            message: why, for people.
+            control: a task that ends then, too.
+        """
+        if control is not None:
+            self._tasks.set(control, TaskState.RUNNING)
+            self._waiting_for_rest.append(control)
+        # A fault during a stop is what counts; a stop during a fault changes nothing.
+        if self._phase is not MotionPhase.STOPPING or state is TaskState.ERROR:
+            self._ending = (state, message)
+        self._phase = MotionPhase.STOPPING
+        self._behind.clear()
+        self._mover.stop()
+        if self._follower is not None:
+            self._follower.stop()
+        self._settle()
+
+    def curtail(self, message: str) -> None:
+        """End the running motion before its end, and skip those behind it.
+
+        One without an end of its own has done what it was to do; one with a path has not.
+        """
+        for id_ in tuple(self._queue)[1:]:
+            self._end(id_, TaskState.INTERRUPT, f"skipped: {message}")
+        endless = self._follower is not None
+        self.stop(TaskState.FINISHED if endless else TaskState.INTERRUPT, message)
+
+    def yield_to(self, q: Vector) -> None:
+        """Stand at q [rad], where the arm is, instead of slowing down along the path.
+
+        Only what is being stopped may end like this: the tasks end when the arm stands.
+        """
+        assert self._phase is MotionPhase.STOPPING or not self._queue
+        self._leave(q)
+
+    def cut(self, message: str, q: Vector) -> None:
+        """The brakes fall at q [rad]: every motion ends with an error, wherever the arm is."""
+        self._ending = (TaskState.ERROR, message)
+        self._end_all()
+        self.reset(q)
+
+    def pause(self, control: int | None = None) -> None:
+        """Decelerate along the path and keep the queue; ends the control task at rest."""
+        if control is not None:
+            self._tasks.set(control, TaskState.RUNNING)
+            self._waiting_for_rest.append(control)
+        if self._phase is MotionPhase.RUNNING:
+            self._phase = MotionPhase.PAUSING
+            self._mover.pause()
+            if self._follower is not None:
+                self._follower.pause()
+        self._settle()
+
+    def resume(self) -> None:
+        """Go on where a pause stopped."""
+        if self._phase not in (MotionPhase.PAUSING, MotionPhase.PAUSED):
+            return
+        self._phase = MotionPhase.RUNNING
+        self._mover.resume()
+        if self._follower is not None:
+            self._follower.resume()
+        for id_ in self._queue:
+            if self._tasks.state(id_) is TaskState.PAUSED:
+                self._tasks.set(id_, TaskState.RUNNING)
+        self._finish_waiting(TaskState.INTERRUPT)
+
+    def tick(self, time: float, q: Vector, qd: Vector, *, at_rest: bool) -> JointSetPoint:
+        """The set-point of the next cycle.
+
+        Args:
+            time: of the simulation [s].
+            q: actual joints [rad]. Shape (6,).
+            qd: actual joint speeds [rad/s]. Shape (6,).
+            at_rest: whether the arm itself stands: it comes to rest after its set-points.
+        """
+        self._at_rest, self._time = at_rest, time
+        if self._follower is not None:
+            return self._tick_follower(self._follower, q, qd)
+        tick = self._mover.tick()
+        for key, event, _ in tick.events:
+            self._note(key, event)
+        if self._triggers:
+            mover, halting = self._mover, self._phase not in (MotionPhase.IDLE, MotionPhase.RUNNING)
+            self._triggers.tick(time, tick.setpoint, mover.active, mover.travel, halting=halting)
+        if self._behind:
+            self._go_on()
+        if self._phase is not MotionPhase.IDLE or self._waiting_for_rest:
+            self._settle()
+        return tick.setpoint
+
+    def _tick_follower(self, follower: TargetFollower, q: Vector, qd: Vector) -> JointSetPoint:
+        failed = follower.failure
+        setpoint = follower.tick(q, qd)
+        failure = follower.failure
+        if (
+            failure is not None
+            and failure is not failed
+            and self._phase is not MotionPhase.STOPPING
+        ):
+            self._give_up(failure)
+            if self._follower is not follower:  # the arm stood, so it has ended at once
+                return setpoint
+        if follower.ended and self._phase is not MotionPhase.STOPPING:
+            assert self._following is not None
+            id_, _ = self._following
+            self._leave(setpoint.q)
+            self._end(id_, TaskState.FINISHED)
+            self._go_on()
+        self._settle()
+        return setpoint
+
+    def _give_up(self, failure: FollowError) -> None:
+        """What follows cannot go on: everything ends with it when the arm stands."""
+        (self.faults if failure.kind == "fault" else self.failures).append(str(failure))
+        self.stop(TaskState.ERROR, str(failure))
+
+    def _go_on(self) -> None:
+        """Begin with the motions behind the one that has ended, as far as it can be."""
+        while self._behind and self._follower is None and self._phase is MotionPhase.RUNNING:
+            id_, waiting = self._behind[0]
+            if not isinstance(waiting, Following):
+                self._behind.popleft()
+                self._append(id_, waiting)
+            elif len(self._queue) == len(self._behind):  # the mover has nothing left to do
+                self._behind.popleft()
+                self._begin(id_, waiting)
+            else:
+                return
+
+    def _begin(self, id_: int, following: Following) -> None:
+        try:
+            follower = following.make(self._mover.setpoint.q)
+            following.aim(follower)
+        except PlanError as exc:
+            self._fail(id_, exc)
+            return
+        follower.set_speed(self._speed)
+        self._follower, self._following = follower, (id_, following)
+        self._tasks.set(id_, TaskState.RUNNING)
+
+    def _note(self, id_: int, event: str) -> None:
+        if id_ not in self._queue:
+            return  # ended before the mover came to tell
+        if event == "started":
+            self._tasks.set(id_, TaskState.RUNNING)
+        elif event == "finished":
+            self._end(id_, TaskState.FINISHED, reached=True)
+        elif event == "blended":
+            self._end(id_, TaskState.INTERRUPT, "blended into the next motion", reached=True)
+        # "stopped" is told when the arm stands, see `_settle`; "failed" was told by the plan.
+
+    def _settle(self) -> None:
+        """End or pause tasks once the arm stands."""
+        if self.moving:
+            return
+        if not self._queue and self._phase is not MotionPhase.STOPPING:
+            self._phase = MotionPhase.IDLE
+        if not self._at_rest:
+            return
+        if self._phase is MotionPhase.STOPPING:
+            self._end_all()
+        elif self._phase is MotionPhase.IDLE:
+            self._finish_waiting()
+        elif self._phase is MotionPhase.PAUSING:
+            self._phase = MotionPhase.PAUSED
+            for id_ in self._queue:
+                if self._tasks.state(id_) is TaskState.RUNNING:
+                    self._tasks.set(id_, TaskState.PAUSED)
+            self._finish_waiting()
+        elif self._phase is MotionPhase.PAUSED:
+            self._finish_waiting()
+
+    def _fail(self, id_: int, error: PlanError) -> None:
+        """A motion cannot be planned: those behind it counted on its end, so they go, too."""
+        mismatch = error.code == "parameter"
+        state = TaskState.PARAMETER_MISMATCH if mismatch else TaskState.ERROR
+        message = str(error)
+        queue = list(self._queue)
+        self._end(id_, state, message)
+        self.failures.append(message)
+        for behind in queue[queue.index(id_) + 1 :]:
+            self._end(behind, TaskState.INTERRUPT, f"the motion before it failed: {message}")
+        self._behind = deque(waiting for waiting in self._behind if waiting[0] in self._queue)
+
+    def _end_all(self) -> None:
+        for id_ in list(self._queue):
+            self._end(id_, *self._ending)
+        if self._follower is not None:
+            self._leave(self._follower.setpoint.q)
+        self._behind.clear()
+        self._phase = MotionPhase.IDLE
+        self._finish_waiting()
+
+    def _end(self, id_: int, state: TaskState, message: str = "", *, reached: bool = False) -> None:
+        del self._queue[id_]
+        if self._triggers:
+            self._triggers.end(id_, self._time, self.setpoint, reached=reached)
+        self._tasks.set(id_, state, message)
+
+    def _finish_waiting(self, state: TaskState = TaskState.FINISHED) -> None:
+        waiting, self._waiting_for_rest = self._waiting_for_rest, []
+        for id_ in waiting:
+            self._tasks.set(id_, state)

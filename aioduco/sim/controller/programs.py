@@ -1,0 +1,285 @@
+"""The program that a controller runs (脚本程序, manual 1.3.4), as state machines without a clock.
+
+`ProgramExecution` starts, pauses, resumes and ends a program. `ProgramRun` makes its calls in turn.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+from aioduco.models.enums import ProgramState, TaskState
+from aioduco.sim.cabinet.script import BLENDING, SLEEP, ProgramError, prepared
+from aioduco.sim.controller.tasks import MotionPhase
+from aioduco.sim.refusal import Pending, Refusal
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator
+
+    from aioduco.sim.cabinet.script import Call, Script
+    from aioduco.sim.controller.tasks import TaskTable
+
+
+__all__ = ["ProgramExecution", "ProgramRun", "RunningProgram"]
+
+_WENT_WELL = (TaskState.FINISHED, TaskState.INTERRUPT)
+
+
+class RunningProgram(Protocol):
+    """One run of a program."""
+
+    def go_on(self, passed: float) -> bool:
+        """Go on by a cycle, in which one call is made at most.
+
+        Args:
+            passed: time since the cycle before [s].
+
+        Returns:
+            Whether the program is over.
+
+        Raises:
+            ProgramError: It cannot go on.
+        """
+        ...
+
+    def close(self) -> None:
+        """End it; `go_on` is not called again."""
+
+
+class ProgramExecution:
+    """At most one program, which makes its calls as a client would, from within the cycle.
+
+    Invariants: no call is made while the program is paused, or once it is to end; its task ends,
+    or is told to be paused, when the arm stands.
+    """
+
+    def __init__(self, tasks: TaskTable) -> None:
+        self.calling: bool = False
+        self._tasks = tasks
+        self._current: tuple[int, RunningProgram] | None = None
+        self._paused = False
+        self._ending: tuple[TaskState, str] | None = None
+        self._time = 0.0
+        self._lags_until = 0.0
+        self._now = 0.0
+
+    @property
+    def active(self) -> bool:
+        """Whether there is a program that has not ended."""
+        return self._current is not None
+
+    @property
+    def running(self) -> bool:
+        """Whether the program goes on by itself."""
+        return self.active and not (self._paused and self._ending is None)
+
+    @property
+    def excludes(self) -> bool:
+        """Whether a motion that comes now is not the program's own, and has to wait for its end."""
+        return self.active and not self.calling
+
+    def state(self, motion: MotionPhase, *, manual: bool) -> ProgramState:
+        """State of the program, and of motions without one (manual 1.2)."""
+        match motion:
+            case MotionPhase.STOPPING:
+                return ProgramState.STOPPING
+            case MotionPhase.PAUSING:
+                return ProgramState.PAUSING
+            case MotionPhase.PAUSED:
+                return ProgramState.PAUSED
+            case MotionPhase.IDLE if not self.active:
+                lags = self._now < self._lags_until
+                return ProgramState.STOPPING if lags else ProgramState.STOPPED
+            case MotionPhase.IDLE if self._paused:
+                return ProgramState.PAUSED
+        return ProgramState.TASK_RUNNING if manual else ProgramState.RUNNING
+
+    def watch(self, time: float, motion: MotionPhase, lag: float) -> None:
+        """Note what runs: the state goes on to say so for `lag` after its end [s]."""
+        self._now = time
+        if self.active or motion is not MotionPhase.IDLE:
+            self._lags_until = time + lag
+
+    def begin(self, id_: int, run: RunningProgram) -> None:
+        """Run a program; `id_` is its task. None may be active."""
+        assert self._current is None
+        self._current, self._paused, self._ending = (id_, run), False, None
+        self._tasks.set(id_, TaskState.RUNNING)
+
+    def pause(self) -> None:
+        """Make no further call until `resume`."""
+        self._paused = self.active
+
+    def resume(self) -> None:
+        """Go on with the calls."""
+        self._paused = False
+        if self._current is not None:
+            self._tasks.set(self._current[0], TaskState.RUNNING)
+
+    def end(self, state: TaskState, message: str) -> None:
+        """End the program when the arm stands; of several reasons a fault counts, or the first."""
+        if self.active and (self._ending is None or state is TaskState.ERROR):
+            self._ending = (state, message)
+
+    def settle(self, motion: MotionPhase) -> None:
+        """End or pause the program's task once the arm stands."""
+        if self._current is None:
+            return
+        id_, run = self._current
+        if self._ending is not None and motion is MotionPhase.IDLE:
+            self._current, self._paused = None, False
+            run.close()
+            self._tasks.set(id_, *self._ending)
+        elif self._paused and motion in (MotionPhase.PAUSED, MotionPhase.IDLE):
+            self._tasks.set(id_, TaskState.PAUSED)
+
+    def tick(self, time: float, motion: MotionPhase) -> str:
+        """Go on by one cycle.
+
+        Args:
+            time: of the simulation [s].
+            motion: what the motions as a whole are doing.
+
+        Returns:
+            Why the program cannot go on; empty if it can. The caller ends it, and its motions.
+        """
+        passed, self._time = time - self._time, time
+        self.settle(motion)
+        if self._current is None or self._paused or self._ending is not None:
+            return ""
+        if motion not in (MotionPhase.IDLE, MotionPhase.RUNNING):
+            return ""
+        self.calling = True
+        try:
+            over = self._current[1].go_on(passed)
+        except ProgramError as exc:
+            return str(exc)
+        finally:
+            self.calling = False
+        if over:
+            self.end(TaskState.FINISHED, "")
+            self.settle(motion)
+        return ""
+
+
+class ProgramRun:
+    """One run of a program, made of its calls.
+
+    A call waits until the task that it makes has ended, and the program cannot go on when it ended
+    badly. A motion with a blend radius is not waited for while motions follow: the next one has to
+    be known for the two to blend. How far ahead it is read is set as the manual has it.
+
+    Args:
+        name: of the program, for messages.
+        script: the program.
+        make: makes a call of the wire; raises Pending where a client would wait.
+        tasks: what the tasks of the calls are asked for.
+        ahead: what set_blend_ahead has set: from which part of a motion on the next one is read
+            [%]; and if that is 0, how many are.
+        progress: how much of its way the running motion has made, 0 to 1.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        script: Script,
+        make: Callable[[str, tuple[Any, ...]], Any],
+        tasks: TaskTable,
+        *,
+        ahead: Callable[[], tuple[int, int]] = lambda: (0, 1),
+        progress: Callable[[], float] = lambda: 0.0,
+    ) -> None:
+        self._name = name
+        self._calls: Generator[Call, Any, object] = (
+            script() if callable(script) else (call for call in script)
+        )
+        self._make = make
+        self._tasks = tasks
+        self._read_ahead = ahead
+        self._progress = progress
+        self._answer: Any = None
+        self._next: tuple[str, tuple[Any, ...], bool] | None = None
+        self._ahead: list[tuple[str, int]] = []  # motions that may blend into the next
+        self._waiting: tuple[str, int] | None = None
+        self._sleep = 0.0
+        self._over = False
+
+    def go_on(self, passed: float) -> bool:
+        """Go on by a cycle; see `RunningProgram`."""
+        self._sleep -= passed
+        # Half a cycle for the rounding of a sum of cycles.
+        if self._sleep > 0.5 * passed:
+            return False
+        self._sleep = 0.0
+        self._ahead = [motion for motion in self._ahead if not self._ended(*motion)]
+        if self._waiting is not None:
+            if not self._ended(*self._waiting):
+                return False
+            self._answer = int(self._tasks.state(self._waiting[1]))
+            self._waiting = None
+        if self._next is None and not self._over:
+            if self._reads_enough():
+                return False
+            self._fetch()
+        if self._next is None:
+            return not self._ahead
+        name, values, blends = self._next
+        if self._ahead and name not in BLENDING:
+            return False
+        self._next = None
+        self._answer = self._call(name, values, blends=blends)
+        return False
+
+    def close(self) -> None:
+        """End the generator, if it is one."""
+        self._calls.close()
+
+    def _reads_enough(self) -> bool:
+        """Whether the program has been read far enough ahead of the running motion."""
+        if not self._ahead:
+            return False
+        part, count = self._read_ahead()
+        if part > 0:
+            return len(self._ahead) > 1 or self._progress() < part / 100.0
+        return len(self._ahead) > count
+
+    def _fetch(self) -> None:
+        try:
+            self._next = prepared(self._calls.send(self._answer))
+        except StopIteration:
+            self._over = True
+        except ProgramError as exc:
+            raise self._error(str(exc)) from None
+        except Exception as exc:
+            raise self._error(repr(exc)) from exc
+        self._answer = None
+
+    def _call(self, name: str, values: tuple[Any, ...], *, blends: bool) -> Any:
+        if name == SLEEP:
+            self._sleep = values[0]
+            return None
+        try:
+            answer = self._make(name, values)
+        except Pending as exc:
+            self._waiting = name, exc.id
+            return None
+        except Refusal as exc:
+            raise self._error(str(exc)) from None
+        except Exception as exc:
+            raise self._error(f"{name}: {exc!r}") from exc
+        if blends:
+            self._ahead.append((name, answer))
+            return int(TaskState.INTERRUPT)  # the end of a motion that blends
+        return answer
+
+    def _ended(self, name: str, id_: int) -> bool:
+        state = self._tasks.state(id_)
+        if not state.ended:
+            return False
+        if state not in _WENT_WELL:
+            task = self._tasks.get(id_)
+            why = "" if task is None else task.message
+            raise self._error(f"{name} ended with {state.name}: {why}")
+        return True
+
+    def _error(self, message: str) -> ProgramError:
+        return ProgramError(f"program {self._name!r}: {message}")

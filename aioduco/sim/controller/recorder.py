@@ -1,0 +1,100 @@
+"""Tracks that are recorded while the arm moves (轨迹记录, manual 1.3.7): a pure state machine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from aioduco.sim.cabinet.project import RecordedTrack
+
+    Vector = NDArray[np.float64]
+
+__all__ = ["BY_POSITION", "BY_TIME", "Recorder"]
+
+BY_POSITION, BY_TIME = 0, 1
+
+
+@dataclass(slots=True, eq=False)
+class _Recording:
+    track: RecordedTrack
+    mode: int
+    interval: float
+    pose: Callable[[Vector], tuple[float, ...]]
+    keep: Callable[[RecordedTrack], None]
+    last: Vector | None = None
+    due: float = 0.0
+
+
+class Recorder:
+    """Records at most one track at a time."""
+
+    def __init__(self) -> None:
+        self._recording: _Recording | None = None
+
+    @property
+    def active(self) -> bool:
+        """Whether a track is being recorded."""
+        return self._recording is not None
+
+    def start(
+        self,
+        track: RecordedTrack,
+        mode: int,
+        interval: float,
+        pose: Callable[[Vector], tuple[float, ...]],
+        keep: Callable[[RecordedTrack], None],
+    ) -> None:
+        """Record from the next cycle on. Nothing may be recorded at the moment.
+
+        Args:
+            track: what is filled.
+            mode: BY_POSITION or BY_TIME.
+            interval: from point to point: sum of the joints' ways [rad], or time [s].
+            pose: the pose that is recorded for joints [rad].
+            keep: told of the track when its recording ends.
+        """
+        assert self._recording is None
+        self._recording = _Recording(track, mode, interval, pose, keep)
+
+    def stop(self) -> None:
+        """End the recording, if there is one."""
+        recording, self._recording = self._recording, None
+        if recording is not None:
+            recording.keep(recording.track)
+
+    def tick(self, time: float, q: Vector) -> bool:
+        """Take a point if one is due.
+
+        Args:
+            time: of the simulation [s].
+            q: actual joints [rad]. Shape (6,).
+
+        Returns:
+            Whether the recording has ended because the track is full.
+        """
+        now = self._recording
+        if now is None:
+            return False
+        if now.last is None:
+            now.due = time
+        elif now.mode == BY_POSITION and float(np.abs(q - now.last).sum()) < now.interval:
+            return False
+        # A nanosecond for the rounding of a sum of cycles.
+        if now.mode == BY_TIME and time < now.due - 1e-9:
+            return False
+        now.last = q
+        # Idle cycles are ticked in one: a point that has been missed is not made up for.
+        now.due = max(now.due, time - now.interval) + now.interval
+        now.track.joints.append(tuple(q.tolist()))
+        now.track.poses.append(now.pose(q))
+        if not now.track.full:
+            return False
+        self.stop()
+        return True

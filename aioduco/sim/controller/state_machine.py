@@ -1,0 +1,456 @@
+"""The controller as a state machine: no clock, no thread, no wire, no physics.
+
+`tick` is called once per cycle with what the arm's sensors say, and answers with what its drives
+get. Commands come between ticks; each makes a task and returns its id.
+
+Invariants:
+- set-points reach the drives only while the robot is enabled and no STOP0 holds;
+- a stop is accepted in every state, and needs nothing else to end first;
+- what a safety stop ended stays ended: only power off, power on, enable lead out of it.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState, TaskState
+from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
+from aioduco.sim.cabinet.signals import Signals
+from aioduco.sim.cabinet.tools import FrameTable
+from aioduco.sim.controller.force_tasks import ForceTasks
+from aioduco.sim.controller.monitoring import CollisionDetector, HeartbeatWatchdog, Standstill
+from aioduco.sim.controller.motion_queue import MotionQueue
+from aioduco.sim.controller.motion_settings import OptimizationSwitches, WeaveSelection
+from aioduco.sim.controller.power import PowerControl
+from aioduco.sim.controller.programs import ProgramExecution
+from aioduco.sim.controller.recorder import Recorder
+from aioduco.sim.controller.safety import Admission, SafetyController
+from aioduco.sim.controller.tasks import MotionPhase, TaskTable
+from aioduco.sim.cycle import DriveCommand, SensedState
+from aioduco.sim.planner.path import JointSetPoint
+from aioduco.sim.planner.realtime_follower import RealtimeQueue
+from aioduco.sim.planner.track_pool import TrackPool
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from aioduco.sim.cabinet.tools import Tool, WorkObject
+    from aioduco.sim.controller.motion_queue import Following, Plan
+    from aioduco.sim.controller.programs import RunningProgram
+    from aioduco.sim.controller.triggers import MotionTriggers
+    from aioduco.sim.force.control import ForceControl
+    from aioduco.sim.force.sensor import ForceSensor
+    from aioduco.sim.planner.mover import Mover
+
+    Vector = NDArray[np.float64]
+
+__all__ = ["Controller", "ControllerState"]
+
+#: distance of a joint from its set-point that trips the position deviation stop [rad]
+_DEVIATION = 0.2
+_POWERED = (RobotState.DISABLE, RobotState.ENABLE)
+_ZEROS = np.zeros(6)
+_ZEROS.flags.writeable = False
+
+
+class ControllerState(NamedTuple):
+    """The controller's state at one instant, for readers without a lock.
+
+    Attributes:
+        robot, program, safety, mode: as get_robot_state tells them.
+        moving: whether the arm moves, as robotmoving tells it: what swings out does not.
+        emergency_stop: whether the emergency stop is pressed.
+        collision_axis: joint that detected a collision, 1 to 6, or 0.
+        error: 1 while a safety stop holds, else 0.
+        errors: the error list.
+        speed: global speed [%].
+        tool: the tool in use.
+        wobj: the work object in use.
+        force_control: whether force control is on.
+        sensor: how the signal of the force sensor is read.
+        standing: whether the arm has stood for a while.
+    """
+
+    robot: RobotState
+    program: ProgramState
+    safety: SafetyState
+    mode: OperationMode
+    moving: bool
+    emergency_stop: bool
+    collision_axis: int
+    error: int
+    errors: tuple[str, ...]
+    speed: int
+    tool: Tool
+    wobj: WorkObject
+    force_control: bool
+    sensor: ForceSensor
+    standing: bool
+
+
+class Controller:
+    """Decides in each cycle what the arm does.
+
+    Args:
+        mover: makes a mover that stands at the given joints [rad].
+        q: the arm's joints at the start [rad]. Shape (6,).
+        force: what the arm does about forces.
+    """
+
+    def __init__(self, mover: Callable[[Vector], Mover], q: Vector, force: ForceControl) -> None:
+        self.tasks: TaskTable = TaskTable()
+        self.signals: Signals = Signals()
+        self.frames: FrameTable = FrameTable()
+        self.heartbeat: HeartbeatWatchdog = HeartbeatWatchdog()
+        self.commands: RealtimeQueue = RealtimeQueue()
+        self.pool: TrackPool = TrackPool()
+        self.optimization: OptimizationSwitches = OptimizationSwitches()
+        self.weaving: WeaveSelection = WeaveSelection()
+        self.external_axes: SimulatedExternalAxes = SimulatedExternalAxes()
+        self.collisions: CollisionDetector = CollisionDetector(np.full(6, np.inf))
+        self.recorder: Recorder = Recorder()
+        self.read_ahead: tuple[int, int] = (0, 1)
+        self.program_lag: float = 0.0
+        self.mode: OperationMode = OperationMode.AUTO
+        self.halted: bool = False
+        self._power = PowerControl(self.tasks)
+        self._motion = MotionQueue(self.tasks, mover, q)
+        self._execution = ProgramExecution(self.tasks)
+        self._sensed = SensedState(0.0, 0.0, q, _ZEROS, _ZEROS, _ZEROS)
+        self.force: ForceTasks = ForceTasks(self.tasks, self._motion, force, self._sensed)
+        self._safety = SafetyController()
+        self._admission = Admission(self._power, self._safety, self._motion, self._execution)
+        self._at_rest = True
+        self._standstill = Standstill()
+        self._errors: deque[str] = deque(maxlen=20)
+        self._speed = 100
+        self._jog = 0  # the task of the latest step
+
+    # -- what others ask ---------------------------------------------------------------------
+
+    @property
+    def safety(self) -> SafetyState:
+        """State of the safety controller."""
+        return self._safety.state(self._power.state)
+
+    @property
+    def program(self) -> ProgramState:
+        """State of the program, or of all motions together."""
+        manual = self.mode is OperationMode.MANUAL
+        return self._execution.state(self._motion.phase, manual=manual)
+
+    @property
+    def moving(self) -> bool:
+        """Whether the arm moves, or is to move in the next cycle."""
+        return self._motion.moving or self.force.moving or not self._at_rest
+
+    @property
+    def in_motion(self) -> bool:
+        """Whether the arm moves otherwise than by what is left of a motion that has ended."""
+        return self._motion.moving or self.force.moving or self._standstill.turning
+
+    @property
+    def idle(self) -> bool:
+        """Whether no motion runs or waits."""
+        return self._motion.phase is MotionPhase.IDLE
+
+    @property
+    def progress(self) -> float:
+        """How much of its way the running motion has made, 0 to 1."""
+        return self._motion.progress
+
+    @property
+    def setpoint(self) -> JointSetPoint:
+        """The latest set-point of the motions."""
+        return self._motion.setpoint
+
+    @property
+    def starting(self) -> bool:
+        """Whether the controller is starting again, and serves no client."""
+        return self._power.state in (RobotState.START, RobotState.INITIALIZE)
+
+    @property
+    def busy(self) -> bool:
+        """Whether something is under way that needs every cycle."""
+        under_way = (
+            self._motion.phase not in (MotionPhase.IDLE, MotionPhase.PAUSED)
+            or self._execution.running
+        )
+        return under_way or self._power.busy or self.moving or self.recorder.active
+
+    def view(self) -> ControllerState:
+        """The state, for readers."""
+        return ControllerState(
+            self._power.state,
+            self.program,
+            self.safety,
+            self.mode,
+            self.in_motion,
+            self._safety.emergency_stop,
+            self.collisions.axis,
+            int(self._safety.fault is not None),
+            tuple(self._errors),
+            self._speed,
+            self.frames.tool(),
+            self.frames.wobj(),
+            self.force.active,
+            self.force.sensor,
+            not self.moving,
+        )
+
+    # -- commands: each is a task, and returns its id ----------------------------------------
+
+    def change_power(self, name: str) -> int:
+        """power_on, power_off, enable, disable, shutdown or restart."""
+        return self._power.request(name)
+
+    def move(self, name: str, plan: Plan, triggers: MotionTriggers | None = None) -> int:
+        """Queue a motion, with what it triggers on its way."""
+        if reason := self._admission.motion():
+            return self.reject(name, TaskState.ILLEGAL, reason)
+        if (skipped := self.force.admit(name)) is not None:
+            return skipped
+        id_ = self.tasks.new(name)
+        self._motion.append(id_, plan, triggers)
+        self._collect_failures()
+        return id_
+
+    def follow(self, name: str, following: Following) -> int:
+        """Queue a motion whose targets come while it runs."""
+        if reason := self._admission.motion(following):
+            return self.reject(name, TaskState.ILLEGAL, reason)
+        if (skipped := self.force.admit(name)) is not None:
+            return skipped
+        id_ = self.tasks.new(name)
+        self._motion.follow(id_, following)
+        self._collect_failures()
+        return id_
+
+    def end_following(self, name: str, *kinds: str) -> int:
+        """End what follows targets of some kinds; ends itself when the arm stands."""
+        id_ = self.tasks.new(name)
+        self._motion.finish(kinds, id_)
+        return id_
+
+    def jog(self, name: str, plan: Plan) -> int:
+        """One step of a jog, which begins only where nothing else runs."""
+        if self._motion.phase is not MotionPhase.IDLE:
+            return self.reject(name, TaskState.ILLEGAL, "other motions are running")
+        self._jog = self.move(name, plan)
+        return self._jog
+
+    def end_jog(self, name: str) -> int:
+        """End a jog, whether it goes on or is a step; ends itself when the arm stands."""
+        if self.tasks.state(self._jog).ended or self._jog == 0:
+            return self.end_following(name, "move_jog")
+        id_ = self.tasks.new(name)
+        self._motion.stop(TaskState.STOPPED, "the jog was ended", id_)
+        return id_
+
+    def run_program(self, run: RunningProgram) -> int:
+        """Run a program, which needs the arm to itself."""
+        if reason := self._admission.program():
+            return self.reject("run_program", TaskState.ILLEGAL, reason)
+        id_ = self.tasks.new("run_program")
+        self._execution.begin(id_, run)
+        return id_
+
+    def stop(self) -> int:
+        """End every task; ends itself when the arm stands."""
+        id_ = self.tasks.new("stop")
+        self._power.drop_waiting(TaskState.STOPPED, "stopped")
+        self._halt(TaskState.STOPPED, "stopped", id_)
+        return id_
+
+    def abort(self) -> int:
+        """End the running motion and those behind it; ends itself when the arm stands."""
+        id_ = self.tasks.new("abort")
+        self._halt(TaskState.INTERRUPT, "aborted", id_)
+        return id_
+
+    def pause(self) -> int:
+        """Pause every motion; ends when the arm stands."""
+        id_ = self.tasks.new("pause")
+        self._execution.pause()
+        self._motion.pause(id_)
+        self._execution.settle(self._motion.phase)
+        return id_
+
+    def resume(self) -> int:
+        """Go on with the motions that were paused."""
+        paused = self.program in (ProgramState.PAUSED, ProgramState.PAUSING)
+        if paused and (reason := self._admission.moving()):
+            return self.reject("resume", TaskState.ILLEGAL, reason)
+        self._motion.resume()
+        self._execution.resume()
+        return self.finish("resume")
+
+    def switch_mode(self, mode: OperationMode) -> int:
+        """Manual or automatic; motions that run are paused."""
+        if mode is not self.mode:
+            self.mode = mode
+            self._execution.pause()
+            if self._motion.phase is MotionPhase.RUNNING:
+                self._motion.pause()
+        return self.finish("switch_mode")
+
+    def set_speed(self, percent: int) -> int:
+        """Global speed [%]."""
+        self._speed = percent
+        self._motion.set_speed(percent / 100.0)
+        return self.finish("speed")
+
+    def finish(self, name: str) -> int:
+        """A task that is done at once."""
+        id_ = self.tasks.new(name)
+        self.tasks.set(id_, TaskState.FINISHED)
+        return id_
+
+    def reject(self, name: str, state: TaskState, message: str) -> int:
+        """A task that ends at once without having been done."""
+        id_ = self.tasks.new(name)
+        self.tasks.set(id_, state, message)
+        self.note_error(f"{name}: {message}")
+        return id_
+
+    # -- what is not a task ------------------------------------------------------------------
+
+    def note_error(self, message: str) -> None:
+        """Add to the error list."""
+        self._errors.append(message)
+
+    def fault(self, category: SafetyState, message: str) -> None:
+        """A safety stop: STOP0 cuts the power, STOP1 stops and then cuts it, STOP2 stops."""
+        self.note_error(message)
+        self._safety.trip(category)
+        if category is SafetyState.STOP0:
+            self._cut(message)
+        else:
+            self._halt(TaskState.ERROR, message)
+
+    def press_emergency_stop(self) -> None:
+        """The emergency stop of the pendant is pressed, or its circuit is open."""
+        if not self._safety.emergency_stop:
+            self._safety.emergency_stop = True
+            self.fault(SafetyState.STOP0, "emergency stop pressed")
+
+    def release_emergency_stop(self) -> None:
+        """The button is released; the safety stop stays until the power was off."""
+        self._safety.emergency_stop = False
+
+    def collide(self, joint: int) -> None:
+        """A joint, 1 to 6, has detected a collision: the arm stands where it is, and yields."""
+        if self._power.state is not RobotState.ENABLE:
+            return
+        self.collisions.axis = joint
+        self.fault(SafetyState.STOP2, f"Joint {joint} 检测到碰撞")
+        if not self.force.active:  # it has moved the set-points away from those of the motions
+            self._motion.yield_to(self._sensed.q)
+
+    def reset_collision(self) -> None:
+        """Take back the warning; the safety stop stays."""
+        self.collisions.axis = 0
+
+    # -- the cycle ---------------------------------------------------------------------------
+
+    def tick(self, sensed: SensedState) -> DriveCommand:
+        """One cycle."""
+        self._sensed = self.force.sensed = sensed
+        self._execution.watch(sensed.time, self._motion.phase, self.program_lag)
+        if self.heartbeat.lost(sensed.now):
+            self._lose_heartbeat()
+        commanded = self._motion.moving or self.force.moving
+        still = self._standstill.tick(sensed, commanded=commanded)
+        self._at_rest = still and not self.force.moving
+        if self.recorder.tick(sensed.time, sensed.q):
+            self.note_error("the recorded track is full")
+            self.pause()
+        before = self._power.state
+        if self._safety.fault is SafetyState.STOP1 and not self.moving and before in _POWERED:
+            self._cut("power cut after the stop")
+        safe, standing = self._safety.safe, not self.moving
+        for event, name in self._power.tick(sensed.time, safe=safe, standing=standing):
+            if event == "begun":
+                self._power_begun(name)
+            else:
+                self._power_ended(name)
+        self._power_went(before, self._power.state)
+        if self._power.state is not RobotState.ENABLE:
+            self.force.cut()
+            self.collisions.reset()
+            return DriveCommand(JointSetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
+        joint = self.collisions.update(sensed.time, sensed.external)
+        if joint and self._safety.fault is None:
+            self.collide(joint)
+        setpoint = self._motion.tick(sensed.time, sensed.q, sensed.qd, at_rest=self._at_rest)
+        self.external_axes.positions.update(self._motion.axes)
+        setpoint = self.force.tick(setpoint)
+        self._collect_failures()
+        if reason := self._execution.tick(sensed.time, self._motion.phase):
+            self.note_error(reason)
+            self._halt(TaskState.ERROR, reason)
+        if alarm := self.force.take_alarm() or _deviation(setpoint.q, sensed.q):
+            self.fault(SafetyState.STOP0, alarm)
+            return DriveCommand(JointSetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
+        return DriveCommand(setpoint, brake=False)
+
+    def _power_begun(self, name: str) -> None:
+        if name in ("disable", "power_off", "shutdown", "restart"):
+            self._halt(TaskState.STOPPED, f"stopped by {name}")
+
+    def _power_ended(self, name: str) -> None:
+        if name in ("power_off", "shutdown", "restart"):
+            self.collisions.axis = 0
+            self._safety.clear()
+            self.halted = name == "shutdown"
+            if name != "power_off":
+                self.heartbeat.disarm()
+                self.recorder.stop()
+
+    def _power_went(self, before: RobotState, now: RobotState) -> None:
+        if now is RobotState.ENABLE and before is not RobotState.ENABLE:
+            self._motion.reset(self._sensed.q)
+        if (now is RobotState.ENABLE) is not (before is RobotState.ENABLE):
+            self.force.powered()
+        if now in _POWERED and before not in _POWERED:
+            self._errors.clear()
+
+    def _halt(self, state: TaskState, message: str, control: int | None = None) -> None:
+        """End the program and every motion when the arm stands, and the control task then."""
+        self._execution.end(state, message)
+        self._motion.stop(state, message, control)
+        self._execution.settle(self._motion.phase)
+
+    def _cut(self, message: str) -> None:
+        self._motion.cut(message, self._sensed.q)
+        self._execution.end(TaskState.ERROR, message)
+        self._execution.settle(MotionPhase.IDLE)
+        self._power.cut(message)
+        self.force.cut()
+
+    def _lose_heartbeat(self) -> None:
+        """Stop the arm, which is no safety stop: the next program may move it."""
+        if self._motion.phase is not MotionPhase.IDLE or self._power.busy or self._execution.active:
+            self.note_error("heartbeat lost: all tasks were stopped")
+            self.stop()
+
+    def _collect_failures(self) -> None:
+        for message in self._motion.failures:
+            self.note_error(message)
+        self._motion.failures.clear()
+        faults, self._motion.faults = self._motion.faults, []
+        for message in faults:
+            self.fault(SafetyState.STOP2, message)
+
+
+def _deviation(wanted: Vector, q: Vector) -> str:
+    """Tell which joint is too far from its set-point; empty if none."""
+    deviation = np.abs(wanted - q)
+    if deviation.max() <= _DEVIATION:
+        return ""
+    return f"joint {int(deviation.argmax()) + 1}: position deviation"

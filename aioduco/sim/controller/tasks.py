@@ -1,0 +1,100 @@
+"""The controller's tasks by id: their states, and which have ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum, auto
+
+from aioduco.models.enums import TaskState
+
+#: ids rise from here (1063 has been seen on a real controller)
+FIRST_ID = 1000
+_LAST_ID = 2**31 - 1
+
+
+class MotionPhase(Enum):
+    """What the queue as a whole is doing."""
+
+    IDLE = auto()
+    RUNNING = auto()
+    PAUSING = auto()
+    PAUSED = auto()
+    STOPPING = auto()
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerTask:
+    """One task.
+
+    Attributes:
+        id: what a call that does not block returns.
+        name: the function that made it.
+        state: where it is; a state that has `ended` is the last.
+        message: why it ended so, for people.
+    """
+
+    id: int
+    name: str
+    state: TaskState
+    message: str = ""
+
+
+class TaskTable:
+    """All tasks of a controller, without a clock and without waiters.
+
+    A task that has ended never changes again. Of the ended ones the latest `keep` are remembered:
+    a client that streams makes a thousand tasks a second.
+    """
+
+    def __init__(self, keep: int = 10_000) -> None:
+        self._keep = keep
+        self._next = FIRST_ID
+        self._running: dict[int, ControllerTask] = {}
+        self._ended: dict[int, ControllerTask] = {}
+        self._news: list[int] = []
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {len(self._running)} running, {len(self._ended)} ended>"
+
+    def new(self, name: str) -> int:
+        """Make a task, which is idle at first; its id."""
+        id_ = self._next
+        self._next = FIRST_ID if id_ == _LAST_ID else id_ + 1
+        self._running[id_] = ControllerTask(id_, name, TaskState.IDLE)
+        return id_
+
+    def set(self, id_: int, state: TaskState, message: str = "") -> None:
+        """Give a task that has not ended another state.
+
+        Raises:
+            KeyError: There is no such task, or it has ended.
+        """
+        task = replace(self._running[id_], state=state, message=message)
+        if not state.ended:
+            self._running[id_] = task
+            return
+        del self._running[id_]
+        self._ended[id_] = task
+        self._news.append(id_)
+        while len(self._ended) > self._keep:
+            del self._ended[next(iter(self._ended))]
+
+    def get(self, id_: int) -> ControllerTask | None:
+        """A task, or None when the id was never given out or is forgotten."""
+        return self._running.get(id_) or self._ended.get(id_)
+
+    def state(self, id_: int) -> TaskState:
+        """State of a task; idle, as one not executed, when the id is unknown."""
+        task = self.get(id_)
+        return TaskState.IDLE if task is None else task.state
+
+    def unfinished(self) -> tuple[ControllerTask, ...]:
+        """Every task that has not ended, oldest first."""
+        return tuple(self._running.values())
+
+    def take_ended(self) -> list[int]:
+        """Ids of the tasks that ended since this was asked last."""
+        if not self._news:
+            return []
+        news, self._news = self._news, []
+        return news

@@ -1,0 +1,315 @@
+"""Triggers along a motion (Op, manual 1.3.5): outputs and registers that are set on the way.
+
+Whether a trigger is due is decided from how far the motion has come, cycle by cycle; there is
+no clock here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aioduco.models.enums import TaskState
+from aioduco.sim.refusal import Rejected
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from aioduco._wire.rpc import Op
+    from aioduco.sim.cabinet.signals import Signals
+    from aioduco.sim.planner.mover import Travel
+    from aioduco.sim.planner.path import JointSetPoint
+
+    Vector = NDArray[np.float64]
+
+__all__ = ["MotionTriggers", "PathTrigger", "Triggers", "motion_triggers", "point_trigger"]
+
+_TIME, _DISTANCE = 1, 2
+#: what comes before the number of a bool register; further targets do not fit into the wire's byte
+_REGISTERS = 100
+#: a point is reached within the first distance, and passed where it was nearest within the other
+_THERE, _NEAR = 1e-4, 0.02  # [m]
+
+
+@dataclass(frozen=True, slots=True)
+class PathTrigger:
+    """One trigger.
+
+    Attributes:
+        by_time: whether `amount` is a time [s]; or else a distance [m].
+        amount: from the start, or to the end of the motion; negative after its end.
+        fire: sets the output.
+    """
+
+    by_time: bool
+    amount: float
+    fire: Callable[[], None]
+
+
+@dataclass(slots=True)
+class MotionTriggers:
+    """The triggers of one motion that have not fired.
+
+    Attributes:
+        start: counted from its start.
+        end: counted to its end, or from it if negative.
+        halt: fired when the motion is paused or stopped; counted to standstill, or from it.
+        tip: position of the tool for joints [rad].
+        points: what is fired where, in order: positions of the flange [m].
+        flange: position of the flange for joints [rad].
+    """
+
+    tip: Callable[[Vector], Vector]
+    start: PathTrigger | None = None
+    end: PathTrigger | None = None
+    halt: PathTrigger | None = None
+    points: deque[tuple[Vector, Callable[[], None]]] = field(default_factory=deque)
+    flange: Callable[[Vector], Vector] | None = None
+    _distance: float = math.inf  # from the next point
+
+    @property
+    def late(self) -> bool:
+        """Whether one is still to fire after the end of the motion."""
+        return self.end is not None and self.end.amount < 0.0
+
+    def travel(self, travel: Travel) -> None:
+        """Fire what is due on the way."""
+        start, end = self.start, self.end
+        if start is not None:
+            done = travel.elapsed if start.by_time else travel.distance
+            if done >= start.amount - 1e-9:
+                self.start = None
+                start.fire()
+        if end is not None and end.amount >= 0.0:
+            left = travel.remaining if end.by_time else travel.left
+            if left <= end.amount + 1e-9:
+                self.end = None
+                end.fire()
+
+    def pass_points(self, q: Vector) -> None:
+        """Fire at the points that are passed: where the flange is nearest to them."""
+        if not self.points or self.flange is None:
+            return
+        distance = float(np.linalg.norm(self.flange(q) - self.points[0][0]))
+        if distance <= _THERE or self._distance < min(distance, _NEAR):
+            self._distance = math.inf
+            self.points.popleft()[1]()
+        else:
+            self._distance = distance
+
+    def ended(self) -> None:
+        """The motion has reached its end: fire what was to come on the way."""
+        while self.points:
+            self.points.popleft()[1]()
+        if self.start is not None:
+            self.start.fire()
+            self.start = None
+        if self.end is not None and self.end.amount >= 0.0:
+            self.end.fire()
+            self.end = None
+
+    def beyond(self, time: float, distance: float) -> None:
+        """Fire what is due so long and so far after the end."""
+        end = self.end
+        if end is not None and (time if end.by_time else distance) >= -end.amount - 1e-9:
+            self.end = None
+            end.fire()
+
+    def halting(self, left: float, since: float) -> None:
+        """Fire what is due at a pause or stop.
+
+        Args:
+            left: time until the arm stands [s].
+            since: time that it has stood [s].
+        """
+        halt = self.halt
+        if halt is None:
+            return
+        due = left <= halt.amount + 1e-9 if halt.amount >= 0.0 else since >= -halt.amount - 1e-9
+        if due:
+            self.halt = None
+            halt.fire()
+
+
+class Triggers:
+    """The triggers of all motions, by the ids of their tasks."""
+
+    def __init__(self) -> None:
+        self._ahead: dict[int, MotionTriggers] = {}
+        self._behind: list[_Behind] = []
+        self._stood: float | None = None  # since when the arm stands in a pause or after a stop
+
+    def __bool__(self) -> bool:
+        return bool(self._ahead) or bool(self._behind)
+
+    def add(self, id_: int, triggers: MotionTriggers) -> None:
+        """A motion was queued."""
+        self._ahead[id_] = triggers
+
+    def end(self, id_: int, time: float, setpoint: JointSetPoint, *, reached: bool) -> None:
+        """A motion has ended, at its end or before it."""
+        triggers = self._ahead.pop(id_, None)
+        if triggers is None:
+            return
+        if reached:
+            triggers.ended()
+            triggers.halt = None
+        else:
+            triggers.start = triggers.end = None
+        if triggers.end is not None or triggers.halt is not None:
+            self._behind.append(_Behind(triggers, time, triggers.tip(setpoint.q)))
+
+    def tick(
+        self,
+        time: float,
+        setpoint: JointSetPoint,
+        active: int | None,
+        travel: Travel | None,
+        *,
+        halting: bool,
+    ) -> None:
+        """Fire what is due.
+
+        Args:
+            time: of the simulation [s].
+            setpoint: the latest.
+            active: id of the motion that runs.
+            travel: how far it has come.
+            halting: whether it is paused, or being stopped.
+        """
+        speed, change = np.abs(setpoint.qd).max(), np.abs(setpoint.qdd).max()
+        if not halting or speed > 0.0:
+            self._stood = None
+        elif self._stood is None:
+            self._stood = time
+        triggers = self._ahead.get(active) if active is not None else None
+        if triggers is not None:
+            if travel is not None:
+                triggers.travel(travel)
+            triggers.pass_points(setpoint.q)
+            if halting:
+                left = float(speed / change) if change > 0.0 else 0.0
+                triggers.halting(left, 0.0 if self._stood is None else time - self._stood)
+        for behind in tuple(self._behind):
+            behind.tick(time, setpoint)
+            if behind.triggers.end is None and behind.triggers.halt is None:
+                self._behind.remove(behind)
+
+
+@dataclass(slots=True, eq=False)
+class _Behind:
+    """The triggers of a motion that has ended.
+
+    Attributes:
+        triggers: what is left of them.
+        since: when it ended [s].
+        at: where the tool is [m]. Shape (3,).
+        way: that it has made since the end [m].
+    """
+
+    triggers: MotionTriggers
+    since: float
+    at: Vector
+    way: float = 0.0
+
+    def tick(self, time: float, setpoint: JointSetPoint) -> None:
+        at = self.triggers.tip(setpoint.q)
+        self.way += float(np.linalg.norm(at - self.at))
+        self.at = at
+        self.triggers.beyond(time - self.since, self.way)
+        self.triggers.halting(0.0, time - self.since)
+
+
+def motion_triggers(
+    op: Op, signals: Signals, tip: Callable[[Vector], Vector], *, distance: bool
+) -> MotionTriggers | None:
+    """Give the triggers of a motion; None if it has none.
+
+    Args:
+        op: as it came.
+        signals: whose outputs are set.
+        tip: position of the tool for joints [rad].
+        distance: whether the motion has a length in metres.
+
+    Raises:
+        Rejected: a trigger is of no kind, or its target does not exist.
+    """
+    start = _trigger(
+        op.time_or_dist_1, op.trig_time_1, op.trig_dist_1,
+        _target(op.time_or_dist_1, op.trig_io_1, op.trig_value_1, op.trig_event_1, signals),
+        distance,
+    )  # fmt: skip
+    end = _trigger(
+        op.time_or_dist_2, op.trig_time_2, op.trig_dist_2,
+        _target(op.time_or_dist_2, op.trig_io_2, op.trig_value_2, op.trig_event_2, signals),
+        distance,
+    )  # fmt: skip
+    halt = _trigger(
+        op.time_or_dist_3, op.trig_time_3, op.trig_dist_3,
+        _target(op.time_or_dist_3, op.trig_io_3, op.trig_value_3, op.trig_event_3, signals),
+        distance=False,
+    )  # fmt: skip
+    return MotionTriggers(tip, start, end, halt) if start or end or halt else None
+
+
+def point_trigger(op: Op, signals: Signals) -> Callable[[], None] | None:
+    """What is to happen when a point is reached; None for nothing.
+
+    At a point there is neither a way nor a time: all triggers that are on fire at once.
+    """
+    found = motion_triggers(op, signals, lambda q: q, distance=True)
+    if found is None:
+        return None
+    fires = [t.fire for t in (found.start, found.end, found.halt) if t is not None]
+
+    def fire() -> None:
+        for each in fires:
+            each()
+
+    return fire
+
+
+def _trigger(
+    kind: int, time: float, metres: float, fire: Callable[[], None] | None, distance: bool
+) -> PathTrigger | None:
+    if fire is None:
+        return None
+    if kind == _TIME:
+        return PathTrigger(True, _finite(time) / 1000.0, fire)
+    # The manual: a trigger by distance is without effect on a motion in joint space.
+    return PathTrigger(False, _finite(metres), fire) if distance else None
+
+
+def _target(
+    kind: int, index: int, value: bool, event: str, signals: Signals
+) -> Callable[[], None] | None:
+    if kind == 0:
+        return None
+    if kind not in (_TIME, _DISTANCE):
+        raise _wrong(f"a trigger is of kind {kind}, but must be 0, 1 or 2")
+    if event:  # which goes before an output (manual 1.3.5)
+        if event not in signals.events:
+            raise _wrong(f"there is no event {event!r}; there are: {', '.join(signals.events)}")
+        return signals.events[event]
+    if 1 <= index <= len(signals.standard_out):
+        return partial(signals.standard_out.__setitem__, index, value)
+    if 1 <= index - _REGISTERS <= len(signals.bool_out):
+        return partial(signals.bool_out.__setitem__, index - _REGISTERS, value)
+    raise _wrong(f"a trigger's target is {index}, but must be 1 to 16 or 101 to 127")
+
+
+def _finite(value: float) -> float:
+    if not abs(value) < float("inf"):
+        raise _wrong(f"a trigger's time or distance is {value}")
+    return value
+
+
+def _wrong(message: str) -> Rejected:
+    return Rejected(TaskState.PARAMETER_MISMATCH, message)

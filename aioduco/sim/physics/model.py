@@ -1,0 +1,205 @@
+"""The MuJoCo model: an arm made of its lengths and masses, without meshes; its tool and scene."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from aioduco.errors import SceneError
+from aioduco.kinematics.bodies import ROTOR, Body, bodies
+from aioduco.models.pose import Pose
+from aioduco.models.rotation import quaternion_from_matrix
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from aioduco.kinematics import Arm
+
+    mujoco: Any  # its bindings are compiled, without types
+else:
+    import mujoco
+
+__all__ = ["FREQUENCY", "SERVOS", "compose", "mjcf"]
+
+FREQUENCY = 2 * math.pi * 25
+"""Natural frequency of the position servos with the arm at its lightest [rad/s]."""
+
+SERVOS = 5
+"""Group of the servos, which lose their power together; a scene's drives are in others."""
+
+# MuJoCo's friction gives way a little under load: this is as firm as it gets.
+_FIRM = "0.9999 0.9999 0.001 0.5 2"
+# Housings that are inside each other in every configuration, besides those of neighbours.
+_NESTED = (("base", "link1"), ("base", "link2"), ("link4", "link6"))
+_TUBE, _JOINT = "0.9 0.91 0.92 1", "0.16 0.36 0.62 1"  # colours
+
+
+def _text(values: Iterable[float]) -> str:
+    return " ".join(f"{value:.12g}" for value in values)
+
+
+def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None) -> str:
+    """Give the model as MJCF.
+
+    Joints are named joint1 to joint6, their servos likewise. The flange is a site of that name,
+    on a body without mass of its own that a force-torque sensor joins to link 6; its frame is
+    that of `Arm.fkine`.
+
+    Args:
+        arm: the arm.
+        timestep: of the simulation [s].
+        mounting: of the base in the world, whose z axis is up; None for on the floor.
+    """
+    root = ET.Element("mujoco", model=arm.name)
+    ET.SubElement(root, "compiler", angle="radian", autolimits="true")
+    option = ET.SubElement(
+        root, "option", timestep=f"{timestep:.9g}", integrator="implicitfast", cone="elliptic"
+    )
+    ET.SubElement(option, "flag", eulerdamp="disable")
+    visual = ET.SubElement(root, "visual")
+    ET.SubElement(
+        visual, "global", offwidth="1920", offheight="1080", azimuth="130", elevation="-20"
+    )
+    ET.SubElement(visual, "headlight", diffuse="0.5 0.5 0.5", ambient="0.3 0.3 0.3")
+    asset = ET.SubElement(root, "asset")
+    ET.SubElement(
+        asset, "texture", name="sky", type="skybox", builtin="gradient",
+        rgb1="0.9 0.93 0.96", rgb2="0.6 0.68 0.76", width="64", height="64",
+    )  # fmt: skip
+    ET.SubElement(
+        asset, "texture", name="tiles", type="2d", builtin="checker",
+        rgb1="0.82 0.83 0.84", rgb2="0.76 0.77 0.78", width="128", height="128",
+    )  # fmt: skip
+    ET.SubElement(asset, "material", name="tiles", texture="tiles", texrepeat="8 8")
+    world = ET.SubElement(root, "worldbody")
+    ET.SubElement(
+        world, "light", pos="1 -1 3", dir="-0.3 0.3 -1", diffuse="0.5 0.5 0.5", directional="true"
+    )
+    # The base stands a little above the floor, so that a link may come close to its own height.
+    ET.SubElement(
+        world, "geom", name="floor", type="plane", size="3 3 0.1", pos="0 0 -0.01", material="tiles"
+    )
+    links = bodies(arm)
+    place = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if mounting is None else mounting
+    parent = ET.SubElement(
+        world, "body", name="base", pos=_text(place[:3]),
+        quat=_text(quaternion_from_matrix(place.matrix[:3, :3])),
+    )  # fmt: skip
+    if any(place):
+        # Off the floor the base stands on a plate, which arms do not pass through either.
+        half = 0.3 * arm.reach
+        ET.SubElement(
+            parent, "geom", name="plate", type="box", size=_text((half, half, 0.01)),
+            pos="0 0 -0.02", rgba="0.6 0.63 0.66 1",
+        )  # fmt: skip
+    _solid(parent, links[0], "base")
+    actuator = ET.Element("actuator")
+    for i, link in enumerate(links[1:], start=1):
+        parent = ET.SubElement(
+            parent, "body", name=f"link{i}", pos=_text(link.position),
+            quat=_text(quaternion_from_matrix(link.rotation)),
+        )  # fmt: skip
+        effort = arm.effort[i - 1]
+        ET.SubElement(
+            parent, "joint", name=f"joint{i}", type="hinge", axis="0 0 1",
+            range=_text((arm.lower[i - 1], arm.upper[i - 1])), armature=f"{ROTOR * effort:.9g}",
+            solreffriction=f"{2 * timestep:.9g} 1", solimpfriction=_FIRM,
+        )  # fmt: skip
+        _solid(parent, link, f"link{i}")
+        # Gains that a drive of this size can hold at this frequency, its rotor being the least
+        # that it ever moves; MuJoCo integrates the damping implicitly.
+        stiffness = ROTOR * effort * FREQUENCY**2
+        ET.SubElement(
+            actuator, "position", name=f"servo{i}", joint=f"joint{i}", kp=f"{stiffness:.9g}",
+            kv=f"{2 * stiffness / FREQUENCY:.9g}", forcerange=_text((-effort, effort)),
+            group=str(SERVOS),
+        )  # fmt: skip
+    flange = ET.SubElement(parent, "body", name="flange")
+    # What touches here is felt by the sensor; the link behind it is set back a little.
+    thick, wide = 0.002, links[6].parts[0].radius
+    ET.SubElement(
+        flange, "geom", name="flange_0", type="cylinder", size=_text((wide, thick)),
+        pos=_text((0.0, 0.0, -thick)), rgba=_TUBE, contype="2", conaffinity="3", mass="0",
+    )  # fmt: skip
+    # Not at its origin: older MuJoCos take that for good, and loads would be put there.
+    ET.SubElement(
+        flange, "inertial", pos="0.001 0.001 0.001", mass="1e-6", diaginertia="1e-9 1e-9 1e-9"
+    )
+    ET.SubElement(flange, "site", name="flange", size="0.004", rgba="0.9 0.3 0.1 1")
+    contact = ET.SubElement(root, "contact")
+    for one, other in _NESTED:
+        ET.SubElement(contact, "exclude", body1=one, body2=other)
+    root.append(actuator)
+    sensor = ET.SubElement(root, "sensor")
+    ET.SubElement(sensor, "force", name="force", site="flange")
+    ET.SubElement(sensor, "torque", name="torque", site="flange")
+    return ET.tostring(root, encoding="unicode")
+
+
+def _solid(parent: ET.Element, link: Body, name: str) -> None:
+    ET.SubElement(
+        parent, "inertial", pos=_text(link.centre), mass=f"{max(link.mass, 1e-6):.9g}",
+        fullinertia=_text(
+            np.maximum(link.inertia, 0.0)[[0, 1, 2], [0, 1, 2]].clip(1e-9).tolist()
+            + link.inertia[[0, 0, 1], [1, 2, 2]].tolist()
+        ),
+    )  # fmt: skip
+    # They touch each other and the world: its geoms have MuJoCo's default of 1 and 1.
+    for i, part in enumerate(link.parts):
+        ET.SubElement(
+            parent, "geom", name=f"{name}_{i}", type="capsule", size=f"{part.radius:.9g}",
+            fromto=_text((*part.start, *part.end)), rgba=_JOINT if part.joint else _TUBE,
+            contype="2", conaffinity="3", mass="0",
+        )  # fmt: skip
+
+
+def compose(arm: str, scene: str | None, tool: str | None) -> Any:
+    """Compile an arm, with what it carries and what stands around it.
+
+    The arm comes first, so that its joints, drives and sensors have the first indices. Names of a
+    scene get the prefix "scene/", those of a tool "tool/". Options of both are without effect,
+    since the arm's hold: its drives are made for its time step. A plane that a scene calls "floor"
+    takes the place of the arm's.
+
+    Args:
+        arm: the arm as MJCF, with a body "flange" and a geom "floor".
+        scene: MJCF, or the path of a file of it; placed in the world.
+        tool: likewise, rigidly placed at the flange.
+
+    Returns:
+        The compiled model.
+
+    Raises:
+        SceneError: MuJoCo does not take the scene or the tool; it says why.
+    """
+    spec = mujoco.MjSpec.from_string(arm)
+    if tool is not None:
+        body = spec.body("flange").add_body(name="tool")
+        spec.attach(_part("tool", tool, spec), prefix="tool/", frame=body.add_frame())
+    if scene is not None:
+        part = _part("scene", scene, spec)
+        if part.geom("floor") is not None:
+            spec.delete(spec.geom("floor"))
+        spec.attach(part, prefix="scene/", frame=spec.worldbody.add_frame())
+    try:
+        return spec.compile()
+    except ValueError as exc:
+        raise SceneError(f"scene and tool make no model: {exc}") from exc
+
+
+def _part(name: str, text: str, spec: Any) -> Any:
+    inline = text.lstrip().startswith("<")
+    if not inline and not os.path.isfile(text):  # noqa: PTH113 - a path given as text
+        raise SceneError(f"the {name}'s file {text} does not exist")
+    try:
+        part = (mujoco.MjSpec.from_string if inline else mujoco.MjSpec.from_file)(text)
+    except ValueError as exc:
+        raise SceneError(f"the {name} is no MJCF: {exc}") from exc
+    for option in dir(spec.option):
+        if not option.startswith("_"):
+            setattr(part.option, option, getattr(spec.option, option))
+    return part

@@ -1,0 +1,234 @@
+"""The arm in MuJoCo: joints driven by position servos, gravity, contact, a sensor at the flange."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from aioduco.models.pose import Pose
+from aioduco.sim.physics.dynamics import InverseDynamics, mount
+from aioduco.sim.physics.model import SERVOS, compose, mjcf
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.kinematics import Arm
+    from aioduco.models.rotation import Array
+    from aioduco.sim.planner.path import JointSetPoint
+
+    mujoco: Any  # its bindings are compiled, without types
+else:
+    import mujoco
+
+__all__ = ["World"]
+
+_BRAKE = 0.5  # torque of a brake, of its drive's; an assumption
+_STILL = 1e-3  # speed that counts as none [m/s, rad/s]
+
+
+class World:
+    """An arm that follows set-points, one step at a time. Belongs to one thread.
+
+    Each servo holds its joint at the set-point; what the motion needs on top of that, inertia,
+    gravity and Coriolis forces, is computed and fed forward, as a controller with a dynamic model
+    does. Torques end at the drives' limits.
+
+    Args:
+        arm: the arm.
+        timestep: of one step [s].
+        q: joints at the start [rad]. Shape (6,); None for zero, straight up.
+        scene: what stands around it, as `scene.mjcf_of` gives it.
+        tool: what it carries, likewise; its mass is known to the servos.
+        mounting: of its base in the world; None for on the floor.
+
+    Raises:
+        SceneError: MuJoCo does not take the scene or the tool.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        timestep: float = 0.001,
+        q: Array | None = None,
+        *,
+        scene: str | None = None,
+        tool: str | None = None,
+        mounting: Pose | None = None,
+    ) -> None:
+        self.arm = arm
+        self.mounting: Pose = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if mounting is None else mounting
+        bare = mjcf(arm, timestep, self.mounting)
+        self.model: Any = compose(bare, scene, tool)
+        self.data: Any = mujoco.MjData(self.model)
+        # What the servos model: the tool and load that were set, and nothing of the scene.
+        self._known = InverseDynamics(compose(bare, None, tool))
+        self._stiffness = self.model.actuator_gainprm[:6, 0].copy()
+        self._damping = -self.model.actuator_biasprm[:6, 2] / self._stiffness
+        self._timestep = timestep
+        self._lead: Array = self._damping - timestep
+        self._half: Array = 0.5 * timestep * self._lead
+        self._drag: Array = self._stiffness * self._damping
+        self._effort = np.array(arm.effort)
+        self._hold: Array = _BRAKE * self._effort
+        # The arm's share of what MuJoCo keeps; it comes first.
+        data = self.data
+        self._q: Array = data.qpos[:6]
+        self._qd: Array = data.qvel[:6]
+        self._qdd: Array = data.qacc[:6]
+        self._bias: Array = data.qfrc_bias[:6]
+        self._applied: Array = data.qfrc_applied[:6]
+        self._ctrl: Array = data.ctrl[:6]
+        self._force: Array = data.actuator_force[:6]
+        self._sensor: Array = data.sensordata[:6]
+        # Arm and tool: what the servos know of.
+        self._known_qpos: Array = data.qpos[: self._known.positions]
+        self._known_qvel: Array = data.qvel[: self._known.speeds]
+        self._others: Array = data.qvel[6:]
+        self._target = self._torque = self._external = np.zeros(6)
+        self._flange = self.model.site("flange").id
+        self._turn = self.mounting.matrix[:3, :3]
+        self._base = self.mounting.inverse().matrix
+        self._braked = False
+        self.reset(np.zeros(6) if q is None else q)
+
+    def reset(self, q: Array) -> None:
+        """Stand at q [rad] at once, with everything else where the scene puts it."""
+        mujoco.mj_resetData(self.model, self.data)
+        self._q[:] = q
+        self._ctrl[:] = q
+        self._target = self._torque = self._external = np.zeros(6)
+        mujoco.mj_forward(self.model, self.data)
+
+    def step(self, setpoint: JointSetPoint) -> None:
+        """Go on by one time step, towards a set-point for its end."""
+        data = self.data
+        if self._braked:
+            # The brakes carry the weight, as far as they reach: MuJoCo's friction would creep.
+            np.clip(self._bias, -self._hold, self._hold, out=self._applied)
+            mujoco.mj_step(self.model, data)
+            self._target = self._torque = self._external = np.zeros(6)
+            return
+        known = self._known
+        known.at(self._known_qpos, self._known_qvel)
+        self._target = known.torque(setpoint.qdd).copy()
+        # MuJoCo pulls at the joint where the step begins, and damps the speed that the step
+        # ends with, which is its mean speed: both are taken from the set-point of the end.
+        ahead = setpoint.q + self._lead * setpoint.qd - self._half * setpoint.qdd
+        self._ctrl[:] = self._target / self._stiffness + ahead
+        before = self._known_qvel.copy()
+        # Releases the GIL for its few microseconds: what waits for it may come in between.
+        mujoco.mj_step(self.model, data)
+        change = self._known_qvel - before
+        # MuJoCo gives the torques for the speed that the step began with, but integrates them with
+        # the damping at the speed that it ended with, unless the drive is at its limit.
+        force = self._force
+        self._torque = force - self._drag * change[:6] * (np.abs(force) < self._effort)
+        self._external = known.torque(change / self._timestep) - self._torque
+
+    def load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        """Mount a load at the flange, and tell the servos about it.
+
+        Args:
+            mass: of the load, a point without inertia of its own [kg]; zero takes it off.
+            centre: its centre of mass in the frame of the flange [m].
+        """
+        self.carry(mass, centre)
+        self.tell(mass, centre)
+
+    def carry(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        """Mount a load at the flange, of which the servos know nothing [kg, m]."""
+        mount(self.model, mass, centre)
+        mujoco.mj_forward(self.model, self.data)
+
+    def tell(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        """Tell the servos about a load, whether or not it is there [kg, m]."""
+        self._known.load(mass, centre)
+
+    def push(self, wrench: Sequence[float]) -> None:
+        """Push at the flange from now on.
+
+        Args:
+            wrench: force [N], then torque [N m], in the base frame, at the flange; zeros to end.
+        """
+        turned = np.reshape(wrench, (2, 3)) @ self._turn.T
+        self.data.xfrc_applied[self.model.body("flange").id] = turned.ravel()
+
+    def brake(self, on: bool) -> None:
+        """Let the joint brakes fall and cut the drives' power, or the reverse.
+
+        The brakes hold by friction: a moving arm is slowed down by them, a standing one stays.
+        """
+        self._braked = on
+        self.model.opt.disableactuator = 1 << SERVOS if on else 0
+        self.model.dof_frictionloss[:6] = self._hold if on else 0.0
+        self._applied[:] = 0.0
+
+    @property
+    def braked(self) -> bool:
+        """Whether the brakes hold and the drives have no power."""
+        return self._braked
+
+    @property
+    def still(self) -> bool:
+        """Whether what is loose in the scene lies still."""
+        return self._others.size == 0 or float(np.abs(self._others).max()) < _STILL
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the last reset [s]."""
+        return float(self.data.time)
+
+    @property
+    def positions(self) -> Array:
+        """Positions of everything that moves, the joints first [rad, m]."""
+        positions: Array = self.data.qpos.copy()
+        return positions
+
+    @property
+    def q(self) -> Array:
+        """Joint angles [rad]. Shape (6,)."""
+        return self._q.copy()
+
+    @property
+    def qd(self) -> Array:
+        """Joint speeds [rad/s]. Shape (6,)."""
+        return self._qd.copy()
+
+    @property
+    def qdd(self) -> Array:
+        """Joint accelerations [rad/s²]. Shape (6,)."""
+        return self._qdd.copy()
+
+    @property
+    def torque(self) -> Array:
+        """Torques of the drives in the last step [N m]. Shape (6,)."""
+        return self._torque
+
+    @property
+    def target_torque(self) -> Array:
+        """Torques that the set-point needs, as far as the servos know [N m]. Shape (6,)."""
+        return self._target
+
+    @property
+    def external_torque(self) -> Array:
+        """What the arm's motion in the last step needed beyond its drives' torques [N m].
+
+        The torques of whatever pushes at the arm, and what is wrong about the load that the servos
+        know of. Shape (6,).
+        """
+        return self._external
+
+    @property
+    def wrench(self) -> Array:
+        """Force [N] and torque [N m] that the world applies to the flange, in its frame. (6,)"""
+        return -self._sensor
+
+    def flange(self) -> Array:
+        """Give the pose of the flange in the base frame. Shape (4, 4)."""
+        # A step leaves the frames where they were at its beginning.
+        mujoco.mj_kinematics(self.model, self.data)
+        pose = np.eye(4)
+        pose[:3, :3] = self.data.site_xmat[self._flange].reshape(3, 3)
+        pose[:3, 3] = self.data.site_xpos[self._flange]
+        return self._base @ pose

@@ -1,0 +1,111 @@
+"""The servo follower: each joint goes to its target for itself (manual 1.3.5, servoj).
+
+Each joint is drawn by a spring and a damper, kp (target - q) - kd qd, within its largest speed
+and acceleration, and never faster than it can brake before the target. The target is smoothed by
+two low-pass filters in a row. (Names, units and ranges of the parameters are the manual's; what
+the controller does with them is not published: all of this is an assumption.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aioduco.sim.planner.follower import TargetFollower
+
+if TYPE_CHECKING:
+    from aioduco.kinematics import Arm
+    from aioduco.models.rotation import Array
+    from aioduco.sim.planner.path import JointSetPoint
+
+__all__ = ["ServoFollower", "ServoTuning"]
+
+_SPEED_SMOOTHING = 1e-3  # time constant for a smooth_vel of 1 [s]
+_ACCELERATION_SMOOTHING = 1e-2  # time constant for a smooth_acc of 1 [s]
+_STEEPEST = 1e4  # stands for an acceleration without a limit [rad/s²]
+_THERE, _STILL = 5e-5, 5e-4  # when a joint is at its target, and stands [rad, rad/s]
+_HOLD = 0.05  # time there before it ends, so that a stream of slow targets is one motion [s]
+
+
+@dataclass(frozen=True, slots=True)
+class ServoTuning:
+    """How a target is followed.
+
+    Attributes:
+        v: largest joint speed [rad/s].
+        a: largest joint acceleration [rad/s²].
+        kp: proportional gain [1/s²].
+        kd: derivative gain [1/s].
+        smooth_vel: smoothing of the speed, 1 to 100.
+        smooth_acc: smoothing of the acceleration, 0 to 1.
+    """
+
+    v: float
+    a: float
+    kp: float
+    kd: float
+    smooth_vel: float
+    smooth_acc: float
+
+
+class ServoFollower(TargetFollower):
+    """Goes to a target that may be replaced at any time.
+
+    Args:
+        arm: the arm.
+        q: joints at the start [rad]. Shape (6,).
+        cycle: time between two ticks [s].
+    """
+
+    def __init__(self, arm: Arm, q: Array, cycle: float) -> None:
+        super().__init__(arm, q, cycle)
+        self._target = np.array(q)
+        self._once, self._twice = self._target, self._target  # the target, smoothed
+        self._held = 0.0  # time at the target
+        self._tuning = ServoTuning(0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+
+    @property
+    def target(self) -> Array:
+        """Joints to go to [rad]. Shape (6,)."""
+        return self._target
+
+    def aim(self, target: Array, tuning: ServoTuning) -> None:
+        """Go to other joints from now on [rad]. Shape (6,)."""
+        self._target = target
+        self._held = 0.0
+        self._tuning = tuning
+
+    def _resumed(self) -> None:
+        # The filters forget where the target was while the arm stood.
+        self._once = self._twice = self._setpoint.q
+
+    def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
+        tuning, cycle, last = self._tuning, self._cycle, self._setpoint
+        self._once = self._once + (self._target - self._once) * _share(
+            tuning.smooth_vel * _SPEED_SMOOTHING, cycle
+        )
+        self._twice = self._twice + (self._once - self._twice) * _share(
+            tuning.smooth_acc * _ACCELERATION_SMOOTHING, cycle
+        )
+        error = self._twice - last.q
+        if np.abs(last.qd).max() < _STILL and np.abs(self._target - last.q).max() < _THERE:
+            self._held += cycle
+            if self._held >= _HOLD:
+                self._end()
+                return self._setpoint
+        change = min(tuning.a, _STEEPEST) * cycle
+        speed = last.qd + np.clip(
+            (tuning.kp * error - tuning.kd * last.qd) * cycle, -change, change
+        )
+        # The speed from which whole cycles of braking end at the target.
+        arriving = change * (np.sqrt(0.25 + 2.0 * np.abs(error) / (change * cycle)) - 0.5)
+        towards = np.minimum(arriving, tuning.v)
+        speed = np.where(error > 0.0, np.minimum(speed, towards), np.maximum(speed, -towards))
+        speed = np.clip(speed, -tuning.v, tuning.v)
+        return self._step(np.clip(speed, last.qd - change, last.qd + change))
+
+
+def _share(time: float, cycle: float) -> float:
+    return cycle / (time + cycle)

@@ -1,0 +1,445 @@
+"""The track pool and its followers (轨迹池, manual 1.3.12).
+
+A follower goes through the points one after the other, without a stop between them while it can
+see enough of them ahead, at a speed and an acceleration: of the joint that turns furthest, or of
+the tool. Between two points it keeps to a cubic whose slope at a point is the mean way from the
+point before to the one behind it. (The manual says that the points are reached in order; the
+curve between them is an assumption.)
+
+Distances are along the chords from point to point. The follower may go through a point j, at a
+distance d_j, at most at a speed whose square is c_j. So at a distance d it may have a speed whose
+square is at most the least of c_j + 2 a (d_j - d) over all points ahead: a queue of those that
+can be the least is kept, so that a cycle costs the same for a thousand points as for ten.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+import numpy as np
+
+from aioduco.errors import Unreachable
+from aioduco.kinematics.forward import fkine
+from aioduco.models.rotation import (
+    matrix_from_quaternion,
+    quaternion_from_matrix,
+    rotvec_from_matrix,
+)
+from aioduco.sim.planner.follower import FollowError, TargetFollower
+from aioduco.sim.planner.path import JointSetPoint
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from aioduco.kinematics import Arm
+    from aioduco.models.rotation import Array
+
+
+__all__ = ["CAPACITY", "Fifo", "JointTrack", "ToolTrack", "TrackPool"]
+
+CAPACITY = 1000
+"""Points that fit: into the track pool by manual 1.3.12, into others by assumption."""
+
+T = TypeVar("T")
+_ACROSS = 0.5  # share of the acceleration for the bends of the way; the rest is along it
+_SAME = 1e-9  # points nearer than this are one [m, rad]
+_MARGIN = 0.95  # of the joints' largest speeds, for what chords do not tell of the curve
+_PER_CYCLE = 8  # points that are looked at in one cycle, so that none takes long
+_JUMP = 0.1  # largest change of a joint in one cycle that is still the same branch [rad]
+
+
+class Fifo(Generic[T]):
+    """A queue that takes all points of a call or none."""
+
+    def __init__(self) -> None:
+        self._points: deque[T] = deque()
+
+    def __len__(self) -> int:
+        return len(self._points)
+
+    def put(self, points: Iterable[T]) -> bool:
+        """Put all of them in, or none if they do not fit; whether they did."""
+        new = list(points)
+        if len(self._points) + len(new) > CAPACITY:
+            return False
+        self._points.extend(new)
+        return True
+
+    def clear(self) -> None:
+        """Drop all."""
+        self._points.clear()
+
+    def first(self) -> T | None:
+        """The next point, which stays."""
+        return self._points[0] if self._points else None
+
+    def take(self) -> T | None:
+        """The next point; None when there is none."""
+        return self._points.popleft() if self._points else None
+
+
+class TrackPool(Fifo[tuple[tuple[float, ...], Any]]):
+    """The track pool (轨迹池): points, each with what is to happen there, or None.
+
+    Attributes:
+        taken: points that have left it at its front, or were dropped.
+        cleared: how often it was emptied.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.taken: int = 0
+        self.cleared: int = 0
+
+    def clear(self) -> None:
+        """Drop all."""
+        self.taken += len(self)
+        self.cleared += 1
+        super().clear()
+
+    def get(self, number: int) -> tuple[tuple[float, ...], Any] | None:
+        """The point of a number, counted from the very first; None if there is none yet."""
+        index = number - self.taken
+        return self._points[index] if index < len(self) else None
+
+    def take_to(self, number: int) -> None:
+        """The point of a number, and any before it, leave the pool."""
+        while self.taken <= number and self.take() is not None:
+            self.taken += 1
+
+
+@dataclass(slots=True, eq=False)
+class _Node:
+    """A point of the way.
+
+    Attributes:
+        number: of the pool's points, counted from the very first.
+        x: what is interpolated. Shape (n,).
+        q: joints [rad]. Shape (6,).
+        at: distance from the start of the way.
+        event: what happens there.
+        slope: of x over the distance; None while the next point is not known.
+        most: square of the largest speed there, for its bend and its two chords.
+        stretch: how much longer than the chord the way to it is, where it is longest.
+    """
+
+    number: int
+    x: Array
+    q: Array
+    at: float
+    event: Any = None
+    slope: Array | None = None
+    most: float = math.inf
+    stretch: float = 1.0
+
+
+class _Track(TargetFollower):
+    def __init__(
+        self,
+        arm: Arm,
+        q: Array,
+        cycle: float,
+        pool: TrackPool,
+        speed: float,
+        acceleration: float,
+        reached: Callable[[Any], None],
+    ) -> None:
+        super().__init__(arm, q, cycle)
+        self._pool = pool
+        self._v, self._a = speed, acceleration
+        self._reached = reached
+        self._cleared = pool.cleared
+        self._rate = 0.0  # speed along the way
+        self._at = 0.0  # distance
+        self._drying = False  # slowing down because there are no more points
+        self._here = _Node(pool.taken - 1, *self._first(q), at=0.0)
+        self._nodes: deque[_Node] = deque()  # ahead; the arm is between _here and the first
+        self._window: deque[_Node] = deque()  # of them, those that can limit the speed
+
+    # -- what joints and tools do differently -------------------------------------------------
+
+    @abstractmethod
+    def _first(self, q: Array) -> tuple[Array, Array]:
+        """Give x and the joints where the arm stands."""
+
+    @abstractmethod
+    def _place(self, values: tuple[float, ...], last: _Node) -> tuple[Array, Array, float]:
+        """Give x, the joints and the distance of a point of the pool from the one before."""
+
+    @abstractmethod
+    def _joints(self, x: Array) -> Array:
+        """Give the joints for an x on the way."""
+
+    @abstractmethod
+    def _bend(self, second: Array) -> float:
+        """Give the size of a second derivative that the acceleration limits."""
+
+    # -- looking ahead ------------------------------------------------------------------------
+
+    def _look(self) -> None:
+        """Take note of the points that came, and of a pool that was emptied."""
+        if self._cleared != self._pool.cleared:
+            self._cleared = self._pool.cleared
+            self._forget()
+        last = self._nodes[-1] if self._nodes else self._here
+        for _ in range(_PER_CYCLE):
+            found = None if self._drying else self._pool.get(last.number + 1)
+            if found is None:
+                return
+            values, event = found
+            x, q, length = self._place(values, last)
+            node = _Node(last.number + 1, x, q, last.at + length, event)
+            if length < _SAME:
+                last.number += 1
+                self._pool.take_to(last.number)
+                if event is not None:
+                    self._reached(event)
+                continue
+            self._join(last, node, length)
+            self._nodes.append(node)
+            last = node
+
+    def _join(self, last: _Node, node: _Node, length: float) -> None:
+        """Now that what follows a point is known, so is how to go through it."""
+        first = self._nodes and last is self._nodes[-1]
+        chord = (node.x - last.x) / length
+        with np.errstate(divide="ignore"):
+            joints = _MARGIN * np.array(self._arm.velocity) * length / np.abs(node.q - last.q)
+        fastest = float(joints.min()) ** 2
+        node.most = fastest
+        if not first:
+            last.slope = last.slope if last.slope is not None else chord
+            last.most = min(last.most, fastest)
+            return
+        before = self._nodes[-2] if len(self._nodes) > 1 else self._here
+        if last.slope is None:
+            last.slope = (node.x - before.x) / (node.at - before.at)
+        slope = last.slope  # which stays once the way to the point has begun
+        last.most = min(last.most, fastest)
+        bend = self._bends(before, last, before.slope, slope)
+        allowed = _ACROSS * self._a / bend if bend > 0.0 else math.inf
+        last.most = min(last.most, allowed)
+        if self._window and self._window[-1] is before:
+            before.most = min(before.most, allowed)
+            self._window.pop()
+            self._limit(before)
+        self._limit(last)
+
+    def _bends(self, a: _Node, b: _Node, m: Array | None, n: Array) -> float:
+        """Give the sharpest bend between two points, and keep the longest slope."""
+        length = b.at - a.at
+        rise = (b.x - a.x) / length
+        m = rise if m is None else m
+        b.stretch = max(1.0, *map(self._bend, (m, n, 1.5 * rise - 0.25 * (m + n))))
+        return max(
+            self._bend((6.0 * rise - 4.0 * m - 2.0 * n) / length),
+            self._bend((-6.0 * rise + 2.0 * m + 4.0 * n) / length),
+        )
+
+    def _limit(self, node: _Node) -> None:
+        key = node.most + 2.0 * self._along * node.at
+        while self._window and self._key(self._window[-1]) >= key:
+            self._window.pop()
+        self._window.append(node)
+
+    def _key(self, node: _Node) -> float:
+        return node.most + 2.0 * self._along * node.at
+
+    @property
+    def _along(self) -> float:
+        return (1.0 - _ACROSS) * self._a
+
+    def _forget(self) -> None:
+        """Keep the points that the arm needs for braking, and drop the others."""
+        braking = self._at + 0.5 * self._rate**2 / self._along + self._rate * self._cycle
+        kept = deque[_Node]()
+        for node in self._nodes:
+            kept.append(node)
+            if node.at >= braking:
+                break
+        if not self._rate:
+            kept.clear()
+        for node in kept:
+            node.number = self._pool.taken - 1
+        self._here.number = self._pool.taken - 1
+        self._nodes = kept
+        self._window = deque(node for node in self._window if node in kept and node is not kept[-1])
+
+    # -- going --------------------------------------------------------------------------------
+
+    def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
+        self._look()
+        if not self._nodes:
+            if not self._drying:
+                self._end()
+            self._drying = False
+            return JointSetPoint.at_rest(self._setpoint.q)
+        most = self._v * self._speed / self._nodes[0].stretch
+        rate = min(self._rate + self._along * self._cycle, most)
+        rate = max(rate, self._rate - self._along * self._cycle)
+        ahead = self._window[0] if self._window else None
+        if ahead is not None:
+            rate = min(rate, self._rate_before(ahead.most, ahead.at))
+        last = self._nodes[-1]
+        ending = self._rate_before(0.0, last.at)
+        if ending < rate:
+            rate = ending
+            self._drying = self._drying or self._pool.get(last.number + 1) is None
+        return self._go(rate)
+
+    def _rate_before(self, most: float, at: float) -> float:
+        """The speed for this cycle, so that braking from then on ends at `most`."""
+        change = self._along * self._cycle
+        room = most + 2.0 * self._along * max(at - self._at, 0.0)
+        return math.sqrt(change * change + room) - change
+
+    def _slow_down(self) -> None:
+        if self._then != "stand" or self.failure is not None or not self._nodes:
+            super()._slow_down()
+            return
+        change = self._along * self._cycle
+        try:
+            self._setpoint = self._go(max(self._rate - change, 0.0))
+        except FollowError as exc:
+            self._fail(exc)
+            super()._slow_down()
+
+    def _go(self, rate: float) -> JointSetPoint:
+        at = self._at + 0.5 * (self._rate + rate) * self._cycle
+        last = self._nodes[-1]
+        stands = rate < 1e-3 * self._along * self._cycle or last.at - at < 1e-3 * _SAME
+        if stands and last.at - at < max(1e-6, rate * self._cycle):
+            at, rate = last.at, 0.0
+        self._at, self._rate = at, rate
+        while self._nodes and self._at >= self._nodes[0].at - 1e-15:
+            self._pass()
+        if not self._nodes:
+            q = self._here.q
+            self._rate = 0.0
+            return JointSetPoint.at_rest(q)
+        self._pool.take_to(self._nodes[0].number)
+        q = self._joints(self._curve())
+        qd = (q - self._setpoint.q) / self._cycle if rate > 0.0 else np.zeros(6)
+        return JointSetPoint(q, qd, (qd - self._setpoint.qd) / self._cycle)
+
+    def _pass(self) -> None:
+        self._here = self._nodes.popleft()
+        if self._window and self._window[0] is self._here:
+            self._window.popleft()
+        self._pool.take_to(self._here.number)
+        if self._here.event is not None:
+            self._reached(self._here.event)
+        if not self._nodes:
+            self._here.slope = None
+
+    def _curve(self) -> Array:
+        a, b = self._here, self._nodes[0]
+        length = b.at - a.at
+        chord = (b.x - a.x) / length
+        m = (a.slope if a.slope is not None else chord) * length
+        if b.slope is None and len(self._nodes) == 1:
+            b.slope = chord  # the way to it has begun: what comes later cannot bend it
+        n = (b.slope if b.slope is not None else chord) * length
+        t = (self._at - a.at) / length
+        u = 1.0 - t
+        x: Array = (
+            (1.0 + 2.0 * t) * u * u * a.x + t * u * u * m + t * t * (3.0 - 2.0 * t) * b.x
+        ) - t * t * u * n
+        return x
+
+
+class JointTrack(_Track):
+    """Through points that are joints [rad]; speeds are of the joint that turns furthest."""
+
+    def _first(self, q: Array) -> tuple[Array, Array]:
+        return q, q
+
+    def _place(self, values: tuple[float, ...], last: _Node) -> tuple[Array, Array, float]:
+        q = np.array(values)
+        return q, q, float(np.abs(q - last.q).max())
+
+    def _joints(self, x: Array) -> Array:
+        return x
+
+    def _bend(self, second: Array) -> float:
+        return float(np.abs(second).max())
+
+
+class ToolTrack(_Track):
+    """Through points that are poses of the tool in a work object; speeds are the tool's [m/s].
+
+    Where the tool only turns, they are taken as radians.
+
+    Args:
+        arm: the arm.
+        q: joints at the start [rad]. Shape (6,).
+        cycle: time between two ticks [s].
+        pool: of the points.
+        speed: of the tool [m/s].
+        acceleration: of the tool [m/s²].
+        reached: told what was to happen at a point, when it is passed.
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
+        wobj: work object in the base frame. Shape (4, 4).
+        matrix: makes a matrix of the six numbers of a pose.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        q: Array,
+        cycle: float,
+        pool: TrackPool,
+        speed: float,
+        acceleration: float,
+        reached: Callable[[Any], None],
+        *,
+        tool: Array,
+        wobj: Array,
+        matrix: Callable[[tuple[float, ...]], Array],
+    ) -> None:
+        self._tool, self._untool, self._wobj = tool, np.linalg.inv(tool), wobj
+        self._matrix = matrix
+        super().__init__(arm, q, cycle, pool, speed, acceleration, reached)
+
+    def _first(self, q: Array) -> tuple[Array, Array]:
+        return _numbers(fkine(self._arm.geometry, q) @ self._tool), q
+
+    def _place(self, values: tuple[float, ...], last: _Node) -> tuple[Array, Array, float]:
+        goal = self._wobj @ self._matrix(values)
+        x = _numbers(goal)
+        if x[3:] @ last.x[3:] < 0.0:
+            x[3:] = -x[3:]
+        try:
+            q = self._arm.ikine(goal @ self._untool, last.q)
+        except Unreachable as exc:
+            raise FollowError(f"a point of the track pool: {exc}") from exc
+        metres = float(np.linalg.norm(x[:3] - last.x[:3]))
+        if metres > 1e-6:
+            return x, q, metres
+        between = _rotation(last.x).T @ goal[:3, :3]
+        return x, q, float(np.linalg.norm(rotvec_from_matrix(between)))
+
+    def _joints(self, x: Array) -> Array:
+        goal = np.eye(4)
+        goal[:3, :3] = _rotation(x)
+        goal[:3, 3] = x[:3]
+        try:
+            return self._arm.ikine(goal @ self._untool, self._setpoint.q, max_jump=_JUMP)
+        except Unreachable as exc:
+            raise FollowError(f"the way through the track pool: {exc}") from exc
+
+    def _bend(self, second: Array) -> float:
+        return float(np.linalg.norm(second[:3]))
+
+
+def _numbers(pose: Array) -> Array:
+    return np.concatenate([pose[:3, 3], quaternion_from_matrix(pose[:3, :3])])
+
+
+def _rotation(x: Array) -> Array:
+    rotation: Array = matrix_from_quaternion(x[3:] / np.linalg.norm(x[3:]))
+    return rotation

@@ -1,0 +1,165 @@
+"""Followers of a velocity: of each joint, or of the tool (manual 1.3.5, speedj, speedl, move_jog).
+
+A velocity is brought up and down at an acceleration, and goes on until a time is over or it is
+told to end.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+import numpy as np
+
+from aioduco.kinematics.forward import fkine, jacobian
+from aioduco.sim.planner.follower import FollowError, TargetFollower
+
+if TYPE_CHECKING:
+    from aioduco.kinematics import Arm
+    from aioduco.models.rotation import Array
+    from aioduco.sim.planner.path import JointSetPoint
+
+__all__ = ["Axes", "JointVelocity", "ToolVelocity"]
+
+#: the frame whose axes a tool's velocity is along: the tool's own, or one that stands
+Axes: TypeAlias = Literal["tool", "fixed"]
+
+_SINGULAR = 2e-3  # singularity measure below which a tool cannot be moved at a velocity
+
+
+class _Velocity(TargetFollower):
+    """What joints and tool have in common: six numbers that are brought up and down."""
+
+    def __init__(self, arm: Arm, q: Array, cycle: float) -> None:
+        super().__init__(arm, q, cycle)
+        self._goal = np.zeros(6)
+        self._present = np.zeros(6)
+        self._acceleration = 0.0
+        self._left = math.inf  # time until it ends [s]
+        self._ending = False
+
+    def aim(self, velocity: Array, acceleration: float, time: float = math.inf) -> None:
+        """Go on at another velocity.
+
+        Args:
+            velocity: six numbers.
+            acceleration: of the joint that changes most, or of the tool, per second.
+            time: after which it ends [s].
+        """
+        self._goal, self._acceleration, self._left = velocity, acceleration, time
+        self._ending = False
+
+    def finish(self) -> None:
+        """Come to rest at the acceleration given, and end."""
+        self._ending = True
+        if self._then == "stand":
+            self._then = "end"
+
+    def _ramp(self) -> Array:
+        self._left -= self._cycle
+        if self._left < 0.5 * self._cycle:
+            self._ending = True
+        change = (0.0 if self._ending else self._speed) * self._goal - self._present
+        most, step = self._size(change), self._acceleration * self._cycle
+        self._present = self._present + change * (min(1.0, step / most) if most > 0.0 else 1.0)
+        if self._ending and not self._present.any():
+            self._end()
+        return self._present
+
+    @staticmethod
+    def _size(change: Array) -> float:
+        return float(np.abs(change).max())
+
+
+class JointVelocity(_Velocity):
+    """Turns each joint at a velocity [rad/s], brought up at an acceleration [rad/s²]."""
+
+    def _resumed(self) -> None:
+        self._present = self._setpoint.qd
+
+    def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
+        speeds = self._ramp()
+        return self._setpoint if self._ended else self._step(speeds)
+
+
+class ToolVelocity(_Velocity):
+    """Moves the tool at a velocity, linear [m/s] before angular [rad/s].
+
+    Args:
+        arm: the arm.
+        q: joints at the start [rad]. Shape (6,).
+        cycle: time between two ticks [s].
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
+        axes: "tool" for the tool's axes, which turn with it; "fixed" for those of `frame`.
+        frame: orientation of the fixed axes in the base. Shape (3, 3).
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        q: Array,
+        cycle: float,
+        tool: Array,
+        axes: Axes = "tool",
+        frame: Array | None = None,
+    ) -> None:
+        super().__init__(arm, q, cycle)
+        self.tool = tool
+        self.frame = frame
+        self.axes = axes
+
+    @staticmethod
+    def _size(change: Array) -> float:
+        # One to one: m/s² along the way, rad/s² about it.
+        return float(max(np.linalg.norm(change[:3]), np.linalg.norm(change[3:])))
+
+    def _resumed(self) -> None:
+        self._present = np.zeros(6)
+
+    def _next(self, q: Array, qd: Array) -> JointSetPoint:  # noqa: ARG002 - it follows no sensors
+        velocity = self._ramp()
+        if self._ended:
+            return self._setpoint
+        # A step by the mean of the speeds at both ends would need the end: half a step ahead
+        # is as exact.
+        half = self._setpoint.q + 0.5 * self._cycle * self._setpoint.qd
+        here = joint_speeds(self._arm, half, self._rotated(half, velocity), self.tool)
+        last = self._setpoint
+        point = self._step(here)
+        point.q[:] = last.q + self._cycle * here
+        return point
+
+    def _rotated(self, q: Array, velocity: Array) -> Array:
+        if self.axes == "fixed":
+            if self.frame is None:
+                return velocity
+            rotation = self.frame
+        else:
+            rotation = (fkine(self._arm.geometry, q) @ self.tool)[:3, :3]
+        return np.concatenate([rotation @ velocity[:3], rotation @ velocity[3:]])
+
+
+def joint_speeds(arm: Arm, q: Array, twist: Array, tool: Array) -> Array:
+    """Give the joint speeds [rad/s] that move a tool at a velocity.
+
+    Args:
+        arm: the arm.
+        q: joints [rad]. Shape (6,).
+        twist: of the tool centre point in the base frame [m/s, rad/s]. Shape (6,).
+        tool: tool centre point in the frame of the flange. Shape (4, 4).
+
+    Raises:
+        FollowError: the arm is at a singularity.
+    """
+    if not twist.any():
+        return np.zeros(6)
+    singularity = arm.singularity(q)
+    if min(singularity) < _SINGULAR:
+        raise FollowError(f"the {singularity.nearest} is at a singularity")
+    flange = fkine(arm.geometry, q)
+    # The flange moves with the tool, and turns about it.
+    lever = flange[:3, :3] @ tool[:3, 3]
+    at_flange = twist.copy()
+    at_flange[:3] -= np.cross(twist[3:], lever)
+    speeds: Array = np.linalg.solve(jacobian(arm.geometry, q), at_flange).astype(np.float64)
+    return speeds

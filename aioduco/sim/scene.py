@@ -1,0 +1,377 @@
+"""Where the arm is mounted, what stands around it, and what it carries.
+
+Boxes, tables and springs are values that write themselves as MJCF, which needs no MuJoCo; any MJCF
+will do instead. In a scene, places are in the world's frame: the floor is at z = 0, and an arm on
+the floor has its base at the origin. In a tool they are in the frame of the flange.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from aioduco.errors import ParameterError, SceneError
+from aioduco.models.pose import Pose
+from aioduco.models.rotation import quaternion_from_matrix
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from aioduco.kinematics import Arm
+    from aioduco.models.rotation import Array
+
+
+__all__ = [
+    "GRAVITY",
+    "Box",
+    "Cylinder",
+    "MountingLike",
+    "Pad",
+    "Rod",
+    "SceneLike",
+    "Sphere",
+    "Table",
+    "Thing",
+    "gravity",
+    "mjcf_of",
+    "mounting_of",
+]
+
+Colour = tuple[float, float, float]
+_WOOD, _STEEL, _RUBBER = (0.72, 0.6, 0.45), (0.6, 0.63, 0.66), (0.2, 0.2, 0.2)
+# How surfaces touch; of two the one with the higher priority says so. As stiff as a step of 1 ms
+# allows, without bouncing:
+_LOOSE = {"solref": "0.004 1", "solimp": "0.99 0.999 0.0005", "priority": "1"}
+# What slides on it under load must not lose touch. MuJoCo takes friction times speed times the
+# contact's damping from the force between things that slide, so that is low, and it bounces a bit:
+_FIXED = {"solref": "0.05 0.2", "solimp": "0.5 0.5 0.001", "priority": "2"}
+# What gives way is to be the spring, not the surface.
+_SPRUNG = {**_LOOSE, "priority": "3"}
+_PERIOD = 0.004  # of what vibrates, over 2π: a step of 1 ms still follows it [s]
+MountingLike: TypeAlias = Literal["floor", "wall", "ceiling"] | Sequence[float]
+"""Where the arm is: on the floor, at a wall, at the ceiling, or a pose of its base [m, rad]."""
+
+GRAVITY = 9.81
+"""Acceleration of gravity [m/s²]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Thing(ABC):
+    """An object.
+
+    Attributes:
+        at: where its centre is: x, y, z [m], or a pose of six numbers [m, rad].
+        mass: kg. In a scene zero stands still for good, and anything above falls and can be
+            pushed; in a tool it is what the arm carries.
+        colour: red, green, blue, 0 to 1.
+        name: for the physics; a scene's names must differ.
+    """
+
+    at: Sequence[float] = (0.0, 0.0, 0.0)
+    mass: float = 0.0
+    colour: Colour = _STEEL
+    name: str = ""
+
+    _anchored: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        _pose(self.at)
+        if not (math.isfinite(self.mass) and self.mass >= 0.0):
+            raise ParameterError("mass", self.mass, "a number of kilograms, 0 or more")
+        for field in self._sizes():
+            for size in _numbers(getattr(self, field)):
+                if not (math.isfinite(size) and size > 0.0):
+                    raise ParameterError(field, getattr(self, field), "above 0")
+
+    @abstractmethod
+    def _sizes(self) -> tuple[str, ...]:
+        """Names of the fields that must be above 0."""
+
+    @abstractmethod
+    def _shapes(self, body: ET.Element) -> None:
+        """Add the geometry to its body."""
+
+    def mjcf(self, *, free: bool) -> ET.Element:
+        """Give it as an MJCF body.
+
+        Args:
+            free: whether a mass may move on its own, as in a scene; a tool is one piece.
+        """
+        pose = _pose(self.at)
+        quat = quaternion_from_matrix(pose.matrix[:3, :3])
+        body = ET.Element("body", pos=_text(pose[:3]), quat=_text(quat))
+        if self.name:
+            body.set("name", self.name)
+        if free and self.mass > 0.0 and not self._anchored:
+            ET.SubElement(body, "freejoint")
+        self._shapes(body)
+        return body
+
+    def _geom(self, body: ET.Element, kind: str, size: Iterable[float], **more: str) -> None:
+        look = {"rgba": _text((*self.colour, 1.0)), "mass": _text((self.mass,))}
+        shape = {"type": kind, "size": _text(size)}
+        surface = _LOOSE if self.mass > 0.0 else _FIXED
+        ET.SubElement(body, "geom", {**surface, **look, **shape, **more})
+
+    def _plate(
+        self, body: ET.Element, size: tuple[float, float, float], surface: dict[str, str]
+    ) -> None:
+        """A box whose top is where the body is."""
+        half = tuple(0.5 * length for length in size)
+        self._geom(body, "box", half, pos=_text((0, 0, -half[2])), mass="0", **surface)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Box(Thing):
+    """A box.
+
+    Attributes:
+        size: whole lengths along x, y, z [m].
+    """
+
+    size: tuple[float, float, float] = (0.1, 0.1, 0.1)
+
+    def _sizes(self) -> tuple[str, ...]:
+        return ("size",)
+
+    def _shapes(self, body: ET.Element) -> None:
+        self._geom(body, "box", (0.5 * length for length in self.size))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sphere(Thing):
+    """A sphere.
+
+    Attributes:
+        radius: m.
+    """
+
+    radius: float = 0.05
+
+    def _sizes(self) -> tuple[str, ...]:
+        return ("radius",)
+
+    def _shapes(self, body: ET.Element) -> None:
+        self._geom(body, "sphere", (self.radius,))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cylinder(Thing):
+    """A cylinder along its z axis.
+
+    Attributes:
+        radius: m.
+        length: m.
+    """
+
+    radius: float = 0.05
+    length: float = 0.1
+
+    def _sizes(self) -> tuple[str, ...]:
+        return ("radius", "length")
+
+    def _shapes(self, body: ET.Element) -> None:
+        self._geom(body, "cylinder", (self.radius, 0.5 * self.length))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rod(Thing):
+    """A rod with round ends along its z axis, from where it is; as a tool, a probe.
+
+    Its tip is `length` from there: `Rod(length=0.12)` as a tool has it at (0, 0, 0.12).
+
+    Attributes:
+        length: from the place to the tip [m].
+        radius: of the rod and its end [m].
+    """
+
+    length: float = 0.1
+    radius: float = 0.015
+
+    def _sizes(self) -> tuple[str, ...]:
+        return ("length", "radius")
+
+    def _shapes(self, body: ET.Element) -> None:
+        straight = max(self.length - self.radius, 1e-4)
+        # The flat end is inside the other one, so that only the tip is round.
+        self._geom(
+            body, "cylinder", (self.radius, 0.5 * straight), pos=_text((0, 0, 0.5 * straight))
+        )
+        self._geom(
+            body, "sphere", (self.radius,), pos=_text((0, 0, self.length - self.radius)), mass="0"
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pad(Thing):
+    """A plate on a spring, which gives way along its z axis and in no other direction.
+
+    Pressed by a force F it stands F / stiffness lower. Its own weight rests on nothing that gives
+    way: unpressed, its top is where it is put.
+
+    Attributes:
+        at: the centre of its top.
+        size: lengths along x and y, thickness [m].
+        stiffness: of the spring [N/m].
+        damping: of the plate on its spring, 1 for no vibration.
+        travel: how far it can be pressed [m]; there it is hard.
+    """
+
+    size: tuple[float, float, float] = (0.1, 0.1, 0.02)
+    stiffness: float = 10_000.0
+    damping: float = 1.0
+    travel: float = 0.03
+    colour: Colour = _RUBBER
+
+    _anchored: ClassVar[bool] = True
+
+    def _sizes(self) -> tuple[str, ...]:
+        return ("size", "stiffness", "damping", "travel")
+
+    def _shapes(self, body: ET.Element) -> None:
+        plate = _sprung(body, self.stiffness, self.damping, self.travel, self.name)
+        self._plate(plate, self.size, _SPRUNG)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table(Thing):
+    """A table on four legs, hard, or with a top that gives way.
+
+    Attributes:
+        at: the centre of its top.
+        size: lengths along x and y [m].
+        stiffness: of the top along z [N/m]; None for a hard one.
+        damping: of a top that gives way, 1 for no vibration.
+        height: of the legs [m]; None for down to the floor.
+    """
+
+    size: tuple[float, float] = (0.6, 0.4)
+    stiffness: float | None = None
+    damping: float = 1.0
+    height: float | None = None
+    colour: Colour = _WOOD
+
+    _anchored: ClassVar[bool] = True
+
+    def _sizes(self) -> tuple[str, ...]:
+        optional = (name for name in ("stiffness", "height") if getattr(self, name) is not None)
+        return ("size", "damping", *optional)
+
+    def _shapes(self, body: ET.Element) -> None:
+        top = body
+        if self.stiffness is not None:
+            top = _sprung(body, self.stiffness, self.damping, 0.05, self.name)
+        self._plate(top, (*self.size, 0.02), _FIXED if top is body else _SPRUNG)
+        self._legs(body, float(self.at[2]) if self.height is None else self.height)
+
+    def _legs(self, body: ET.Element, height: float) -> None:
+        # Below a top that gives way there is room for it to do so.
+        above, thick = (0.02 if self.stiffness is None else 0.08), 0.02
+        half = 0.5 * (height - above)
+        if half <= 0.0:
+            return
+        for x in (-1.0, 1.0):
+            for y in (-1.0, 1.0):
+                leg = (x * (0.5 * self.size[0] - thick), y * (0.5 * self.size[1] - thick))
+                self._geom(
+                    body, "cylinder", (thick, half), pos=_text((*leg, -above - half)), mass="0"
+                )
+
+
+def _sprung(
+    body: ET.Element, stiffness: float, damping: float, travel: float, name: str
+) -> ET.Element:
+    plate = ET.SubElement(body, "body", gravcomp="1")
+    # Light enough to be no load, heavy enough for the time step.
+    mass = max(0.1, stiffness * _PERIOD**2)
+    joint = ET.SubElement(
+        plate, "joint", type="slide", axis="0 0 1", limited="true", range=_text((-travel, 0.0)),
+        stiffness=_text((stiffness,)), margin="0",
+        damping=_text((2.0 * damping * math.sqrt(stiffness * mass),)),
+    )  # fmt: skip
+    if name:
+        plate.set("name", f"{name}/plate")
+        joint.set("name", f"{name}/spring")
+    ET.SubElement(
+        plate, "inertial", pos="0 0 0", mass=_text((mass,)), diaginertia=_text((0.01 * mass,) * 3)
+    )
+    return plate
+
+
+def _pose(at: Sequence[float]) -> Pose:
+    numbers = list(at)
+    return Pose.of([*numbers, 0.0, 0.0, 0.0] if len(numbers) == 3 else numbers)
+
+
+def _numbers(value: float | Sequence[float]) -> tuple[float, ...]:
+    return (value,) if isinstance(value, int | float) else tuple(value)
+
+
+def _text(values: Iterable[float]) -> str:
+    return " ".join(f"{float(value):.12g}" for value in values)
+
+
+SceneLike: TypeAlias = str | os.PathLike[str] | Sequence[Thing]
+"""Path of an MJCF file, MJCF as text, or things."""
+
+
+def mjcf_of(scene: SceneLike, *, free: bool = True) -> str:
+    """Give a scene as one text: MJCF, or the absolute path of a file of it.
+
+    Args:
+        scene: a path, MJCF text (what begins with "<"), or things.
+        free: whether things with a mass may move on their own; not so in a tool.
+
+    Raises:
+        SceneError: It is none of these.
+    """
+    if isinstance(scene, str) and scene.lstrip().startswith("<"):
+        return scene
+    if isinstance(scene, str | os.PathLike):
+        return os.path.abspath(scene)  # noqa: PTH100 - a path that need not exist here
+    root = ET.Element("mujoco")
+    world = ET.SubElement(root, "worldbody")
+    for thing in scene:
+        if not isinstance(thing, Thing):
+            raise SceneError(f"{thing!r} is no thing: give things, or one file, or MJCF as text")
+        world.append(thing.mjcf(free=free))
+    return ET.tostring(root, encoding="unicode")
+
+
+def mounting_of(mounting: MountingLike, arm: Arm) -> Pose:
+    """Give the pose of an arm's base in the world, whose z axis is up and whose floor is at 0.
+
+    Args:
+        mounting: "floor": at the origin; "wall": as high as the arm reaches with a third to
+            spare, its z axis along the world's x axis; "ceiling": twice as high as it reaches,
+            upside down about the x axis; or six numbers [m, rad].
+        arm: the arm.
+
+    Raises:
+        SceneError: It is neither a name nor a pose.
+    """
+    high = arm.reach + arm.geometry.d1
+    named = {
+        "floor": (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        "wall": (0.0, 0.0, 4.0 / 3.0 * high, 0.0, 0.5 * np.pi, 0.0),
+        "ceiling": (0.0, 0.0, 2.0 * high, np.pi, 0.0, 0.0),
+    }
+    if isinstance(mounting, str) and mounting not in named:
+        raise SceneError(f"no mounting is called {mounting!r}: floor, wall, ceiling, or a pose")
+    try:
+        return Pose.of(named[mounting] if isinstance(mounting, str) else mounting)
+    except ParameterError as exc:
+        raise SceneError(f"mounting is {mounting!r}, but must be {exc.expected}") from None
+
+
+def gravity(mounting: Pose) -> Array:
+    """Give the acceleration of gravity along the base's axes [m/s²]. Shape (3,)."""
+    down: Array = -GRAVITY * mounting.matrix[2, :3]
+    return down

@@ -1,0 +1,218 @@
+"""Accept loop, and a thread for each connection."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import selectors
+import socket
+import threading
+import time
+from typing import TYPE_CHECKING
+
+from aioduco._wire import idl
+from aioduco.reporting import BackgroundLogger
+from aioduco.sim.server.processor import CallInbox, Malformed, Processor
+
+if TYPE_CHECKING:
+    from types import TracebackType
+    from typing import Self
+
+
+_log = BackgroundLogger(__name__)
+
+_RECEIVE = 1 << 16
+#: warnings about peers, after which they are for debugging: a hostile one must not fill a disk
+_WARNINGS = 20
+#: pause after the system refused to accept, so that a full descriptor table is no busy loop [s]
+_ACCEPT_PAUSE = 0.1
+
+
+class Server:
+    """Serves a handler on one TCP port.
+
+    Args:
+        handler: answers the calls by its methods, from many threads at once.
+        host: address to listen on; loopback unless told otherwise.
+        port: TCP port; 0 picks a free one, which `port` then tells.
+        max_connections: more are closed as soon as they are accepted.
+    """
+
+    def __init__(
+        self,
+        handler: object,
+        *,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        max_connections: int = 2048,
+    ) -> None:
+        self.host = host
+        self.port: int = port
+        self.max_connections = max_connections
+        self._handler = handler
+        self._lock = threading.Lock()
+        self._connections: dict[socket.socket, threading.Thread] = {}
+        self._listener: socket.socket | None = None
+        self._acceptor: threading.Thread | None = None
+        self._wake: tuple[socket.socket, socket.socket] | None = None
+        self._refusing = False
+        self._closing = threading.Event()
+        self._warned = 0
+
+    def __repr__(self) -> str:
+        state = "closed" if self._listener is None else f"{len(self._connections)} connections"
+        return f"<{type(self).__name__} {self.host}:{self.port} {state}>"
+
+    @property
+    def connections(self) -> int:
+        """How many connections are open."""
+        return len(self._connections)
+
+    def start(self) -> None:
+        """Listen, and begin to accept.
+
+        Raises:
+            OSError: The address cannot be listened on, for instance because the port is taken.
+        """
+        idl.functions()  # parsed before the first client waits for it
+        family = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)[0][0]
+        self._listener = socket.create_server((self.host, self.port), family=family, backlog=512)
+        self._listener.setblocking(False)
+        self.port = self._listener.getsockname()[1]
+        self._wake = socket.socketpair()
+        self._closing.clear()
+        self._acceptor = threading.Thread(
+            target=self._accept,
+            args=(self._listener, self._wake[1]),
+            name="sim-accept",
+            daemon=True,
+        )
+        self._acceptor.start()
+
+    def refuse(self, refusing: bool, *, last_answers: bool = False) -> None:
+        """While true, drop every connection: those that are open and those that come.
+
+        A controller that is starting looks like this: it accepts connections and closes them.
+
+        Args:
+            refusing: whether to.
+            last_answers: let calls that are being answered have their answer before.
+        """
+        self._refusing = refusing
+        if refusing:
+            self._shut(socket.SHUT_RD if last_answers else socket.SHUT_RDWR)
+
+    def drop(self) -> int:
+        """Cut every open connection, as a pulled cable would; how many there were."""
+        return self._shut(socket.SHUT_RDWR)
+
+    def _shut(self, how: int) -> int:
+        with self._lock:
+            for connection in self._connections:
+                with contextlib.suppress(OSError):  # the peer was faster
+                    connection.shutdown(how)
+            return len(self._connections)
+
+    def close(self, timeout: float = 10.0) -> None:
+        """Stop accepting, cut every connection, wait until every thread has ended.
+
+        The handler has to let go of calls that wait before this is called.
+
+        Raises:
+            TimeoutError: A handler did not return within `timeout` seconds.
+        """
+        if self._listener is None or self._acceptor is None or self._wake is None:
+            return
+        deadline = time.monotonic() + timeout
+        self._closing.set()
+        self._wake[0].send(b"x")
+        self._acceptor.join()
+        self.drop()
+        with self._lock:
+            threads = list(self._connections.values())
+        for thread in threads:
+            thread.join(max(0.0, deadline - time.monotonic()))
+        for end in (*self._wake, self._listener):
+            end.close()
+        self._listener = self._acceptor = self._wake = None
+        if stuck := [thread.name for thread in threads if thread.is_alive()]:
+            raise TimeoutError(f"calls still run after {timeout} s on: {', '.join(stuck)}")
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _accept(self, listener: socket.socket, wake: socket.socket) -> None:
+        with selectors.DefaultSelector() as selector, selectors.DefaultSelector() as pause:
+            selector.register(listener, selectors.EVENT_READ)
+            for each in (selector, pause):
+                each.register(wake, selectors.EVENT_READ)
+            while not self._closing.is_set():
+                selector.select()
+                if self._closing.is_set():
+                    return
+                try:
+                    connection, peer = listener.accept()
+                except (BlockingIOError, ConnectionAbortedError):
+                    continue  # the peer went away between the two calls
+                except OSError:
+                    _log.exception("cannot accept a connection")
+                    pause.select(_ACCEPT_PAUSE)
+                    continue
+                self._admit(connection, f"{peer[0]}:{peer[1]}")
+
+    def _admit(self, connection: socket.socket, peer: str) -> None:
+        with self._lock:
+            if self._refusing or len(self._connections) >= self.max_connections:
+                self._warn("%s: connection refused", peer)
+                connection.close()
+                return
+            thread = threading.Thread(
+                target=self._serve, args=(connection, peer), name=f"sim-{peer}", daemon=True
+            )
+            self._connections[connection] = thread
+        try:
+            thread.start()
+        except RuntimeError:
+            _log.exception("%s: no thread for another connection", peer)
+            with self._lock:
+                del self._connections[connection]
+                connection.close()
+
+    def _warn(self, message: str, *args: object) -> None:
+        level = logging.WARNING if self._warned < _WARNINGS else logging.DEBUG
+        self._warned += 1
+        _log.log(level, message, *args)
+
+    def _serve(self, connection: socket.socket, peer: str) -> None:
+        """Answer one connection until it ends. Runs on a thread of its own."""
+        inbox, processor = CallInbox(), Processor(self._handler)
+        try:
+            connection.setblocking(True)
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+            # Asked besides the shutdown: Linux delivers what arrives after a SHUT_RD.
+            while not self._refusing and (data := connection.recv(_RECEIVE)):
+                inbox.feed(data)
+                while (message := inbox.take()) is not None:
+                    if answer := processor.answer(message):
+                        connection.sendall(answer)
+        except Malformed as exc:
+            self._warn("%s: connection closed: %s", peer, exc)
+        except OSError as exc:
+            _log.info("%s: connection lost: %s", peer, exc)
+        except Exception:
+            _log.exception("%s: connection closed", peer)
+        finally:
+            # Under the lock, so that `drop` never touches a descriptor that was given away.
+            with self._lock:
+                del self._connections[connection]
+                connection.close()

@@ -1,0 +1,77 @@
+"""The frames of a film: which instants are kept, and how long each is shown. No pictures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Vector = NDArray[np.float64]
+
+__all__ = ["Film", "Frame"]
+
+#: change of a position that can be seen [rad, m]
+_VISIBLE = 1e-3
+
+
+class Frame(NamedTuple):
+    """One picture of a film.
+
+    Attributes:
+        positions: of everything that moves.
+        duration: how long it is shown [s].
+    """
+
+    positions: Vector
+    duration: float
+
+
+class Film:
+    """Keeps the frames that differ visibly, up to a limit.
+
+    While nothing moves, nothing is kept, and a long rest is cut short. When the film is full, every
+    other frame goes: a long film has fewer frames to the second.
+
+    Args:
+        limit: of frames, at least 2.
+        rest: how long a rest is shown at most [s].
+    """
+
+    def __init__(self, limit: int = 300, rest: float = 1.0) -> None:
+        self._limit = limit
+        self._rest = rest
+        self._interval = 0.0
+        self._times: list[float] = []
+        self._positions: list[Vector] = []
+        self._end = 0.0
+
+    def add(self, time: float, positions: Vector) -> None:
+        """Look at an instant.
+
+        Args:
+            time: of the simulation [s]; later than the one before.
+            positions: of everything that moves.
+        """
+        self._end = time
+        if self._times:
+            same = float(np.abs(positions - self._positions[-1]).max()) < _VISIBLE
+            if same or time - self._times[-1] < self._interval:
+                return
+        self._times.append(time)
+        self._positions.append(positions)
+        if len(self._times) > self._limit:
+            span = self._times[-1] - self._times[0]
+            self._times, self._positions = self._times[::2], self._positions[::2]
+            self._interval = span / self._limit * 2.0
+
+    @property
+    def frames(self) -> list[Frame]:
+        """The film so far, in simulated time."""
+        ends = [*self._times[1:], self._end][: len(self._times)]
+        return [
+            Frame(positions, min(end - time, self._rest))
+            for time, end, positions in zip(self._times, ends, self._positions, strict=True)
+        ]

@@ -1,0 +1,139 @@
+"""Pictures of the simulated arm, drawn off screen by a process of their own.
+
+A picture takes milliseconds to a second, much of it under the interpreter's lock, and graphics
+drivers crash. Neither may disturb a controller with a cycle of a millisecond.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import subprocess
+import sys
+import tempfile
+import threading
+from typing import TYPE_CHECKING, Any
+
+from aioduco.errors import ParameterError, RenderError
+from aioduco.sim.view.camera import Camera
+from aioduco.sim.view.drawing import ADVICE, PictureRequest, receive, send
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Picture = NDArray[np.uint8]
+
+__all__ = ["PictureProcess"]
+
+_END = 5.0  # until the process has ended after its input was closed [s]
+
+
+class PictureProcess:
+    """Has pictures of one model drawn.
+
+    Args:
+        model: of MuJoCo; a copy is taken.
+
+    Attributes:
+        model: the copy, which is never changed.
+    """
+
+    def __init__(self, model: Any) -> None:
+        self.model: Any = copy.copy(model)
+        self._lock = threading.Lock()
+        self._process: subprocess.Popen[bytes] | None = None
+        self._errors: Any = None
+
+    def picture(
+        self, positions: NDArray[np.float64], width: int, height: int, camera: Camera | str
+    ) -> Picture:
+        """Have a picture drawn.
+
+        Args:
+            positions: of everything that moves.
+            width: of the picture [pixels].
+            height: of the picture [pixels].
+            camera: from where; a text names a camera of the scene.
+
+        Returns:
+            Red, green, blue. Shape (height, width, 3).
+
+        Raises:
+            ParameterError: The picture is too large, there is no such camera, or there are not as
+                many positions as the model has.
+            RenderError: This computer cannot draw.
+        """
+        most = self.model.vis.global_
+        if not (0 < width <= most.offwidth and 0 < height <= most.offheight):
+            raise ParameterError(
+                "size", (width, height), f"from (1, 1) to ({most.offwidth}, {most.offheight})"
+            )
+        if positions.shape != (self.model.nq,):
+            raise ParameterError("positions", positions.shape, f"of shape ({self.model.nq},)")
+        request = PictureRequest(positions, width, height, self._camera(camera))
+        with self._lock:
+            answer = self._ask(request)
+        if isinstance(answer, str):
+            raise RenderError(answer)
+        picture: Picture = answer
+        return picture
+
+    def close(self) -> None:
+        """End the process; returns when it has ended."""
+        with self._lock:
+            if self._process is not None:
+                self._end(self._process)
+
+    def _ask(self, request: PictureRequest) -> Any:
+        process, new = self._process, self._process is None
+        if process is None:
+            process = self._process = self._start()
+        assert process.stdin is not None
+        assert process.stdout is not None
+        try:
+            if new:
+                send(process.stdin, self.model)
+            send(process.stdin, request)
+            return receive(process.stdout)
+        except (EOFError, OSError) as exc:
+            self._errors.seek(0)
+            said = self._errors.read().decode(errors="replace").strip().splitlines()
+            self._end(process)
+            why = said[-1] if said else repr(exc)
+            raise RenderError(f"the process that draws has ended ({why}). {ADVICE}") from exc
+
+    def _start(self) -> subprocess.Popen[bytes]:
+        # A file, not a pipe: a pipe that is not read fills up and stops the process.
+        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
+        # In a session of its own: a Ctrl-C on the terminal is for the program, which may draw on.
+        return subprocess.Popen(
+            [sys.executable, "-m", "aioduco.sim.view.drawing"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self._errors,
+            start_new_session=True,
+        )
+
+    def _end(self, process: subprocess.Popen[bytes]) -> None:
+        self._process = None
+        assert process.stdin is not None
+        assert process.stdout is not None
+        with contextlib.suppress(OSError):  # the process has ended: the rest of the request is lost
+            process.stdin.close()
+        try:
+            process.wait(_END)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        process.stdout.close()
+        self._errors.close()
+
+    def _camera(self, camera: Camera | str) -> Camera | int:
+        if isinstance(camera, Camera):
+            return camera
+        names = [self.model.camera(i).name for i in range(self.model.ncam)]
+        for name in (camera, f"scene/{camera}", f"tool/{camera}"):
+            if name in names:
+                return names.index(name)
+        raise ParameterError("camera", camera, f"a Camera, or one of the scene's: {names}")

@@ -1,0 +1,105 @@
+"""MuJoCo's window, on what a simulator does."""
+
+from __future__ import annotations
+
+import copy
+import importlib
+import os
+import sys
+import warnings
+from typing import TYPE_CHECKING, Any
+
+from aioduco.errors import RenderError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import TracebackType
+    from typing import Self
+
+    from numpy.typing import NDArray
+
+    from aioduco.sim.view.camera import Camera
+
+    mujoco: Any  # its bindings are compiled, without types
+else:
+    import mujoco
+
+__all__ = ["Viewer"]
+
+
+class Viewer:
+    """A window that shows what it is given; it moves nothing itself.
+
+    Its thread is its own: closing the window ends `running` and nothing else.
+
+    Args:
+        model: of MuJoCo; a copy is taken.
+        positions: gives what is to be shown.
+        camera: from where it is seen at first.
+
+    Raises:
+        RenderError: There is no display.
+    """
+
+    def __init__(self, model: Any, positions: Callable[[], NDArray[Any]], camera: Camera) -> None:
+        need_display()
+        self._model = copy.copy(model)
+        self._data = mujoco.MjData(self._model)
+        self._positions = positions
+        self._data.qpos[:] = positions()
+        viewer = importlib.import_module("mujoco.viewer")
+        self._window = viewer.launch_passive(
+            self._model, self._data, show_left_ui=False, show_right_ui=False
+        )
+        with self._window.lock():
+            camera.put(self._window.cam)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def running(self) -> bool:
+        """Whether the window is open."""
+        return bool(self._window.is_running())
+
+    def show(self) -> None:
+        """Show how things are now. Call it some thirty times a second."""
+        with self._window.lock():
+            self._data.qpos[:] = self._positions()
+            mujoco.mj_forward(self._model, self._data)
+        self._window.sync()
+
+    def close(self) -> None:
+        """Close the window."""
+        self._window.close()
+
+
+def need_display() -> None:
+    """Make sure that a window can be opened: MuJoCo itself would wait for one for ever.
+
+    Raises:
+        RenderError: It cannot.
+    """
+    variables = ("DISPLAY", "WAYLAND_DISPLAY")
+    if sys.platform == "linux" and not any(os.environ.get(name) for name in variables):
+        raise RenderError(
+            "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set): draw pictures "
+            "instead, by Simulator.render() or `aioduco sim --render out.gif`"
+        )
+    try:
+        glfw = importlib.import_module("glfw")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # it warns of what it also answers
+            opened = glfw.init()
+    except Exception as exc:
+        raise RenderError(f"no window can be opened: {exc}") from exc
+    if not opened:
+        raise RenderError("no window can be opened on this display")

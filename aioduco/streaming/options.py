@@ -1,0 +1,154 @@
+"""What a program says when it opens a stream, checked: how it is fed, and how its worker runs.
+
+The worker gets the same values without the checks (`shared.config`), which need numpy.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypedDict
+
+import numpy as np
+
+from aioduco.errors import ParameterError
+from aioduco.models.rules import Flag, Integer, Number
+from aioduco.streaming.shared.config import (
+    MOST_POINTS,
+    UPSAMPLING,
+    FeedingSettings,
+    Upsampling,
+    WorkerSettings,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = [
+    "Feeding",
+    "FeedingOptions",
+    "LaneOptions",
+    "PacedOptions",
+    "Upsampling",
+    "checked",
+    "per_group",
+]
+
+_FASTEST = 100_000.0
+
+_SOURCE = "this package"
+_RATE = Number(0.0, _FASTEST, "Hz", open_low=True, source=_SOURCE)
+_HOLD = Number(0.0, 60.0, "s", open_low=True, source=_SOURCE)
+_AHEAD = Integer(1, MOST_POINTS, "targets", source=_SOURCE)
+_TIME = Number(0.0, 3600.0, "s", source=_SOURCE)
+_PRIORITY = Integer(0, 99, source=_SOURCE)
+_LATEST_ONLY = Flag(source=_SOURCE)
+_LIMIT = Number(0.0, open_low=True, source=_SOURCE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaneOptions(WorkerSettings):
+    """How a stream's worker runs.
+
+    Attributes:
+        lane: "process" for one of its own, which nothing in the program can delay; "thread" for
+            light use, or where no process can be started.
+        cpus: processors that the worker may use; none given: all.
+        priority: priority under SCHED_FIFO, 1 to 99, if the system allows it; 0: none.
+        spin: how long before each tick to watch the clock instead of sleeping [s]. It costs
+            that share of a processor and takes the system's wake-up time out of the lateness.
+        timeout: most time for one answer of the controller [s].
+        connect_timeout: most time to connect, and for the worker to start [s].
+        watch: time between two looks at whether the controller still follows [s]; 0: never.
+    """
+
+    def __post_init__(self) -> None:
+        if self.lane not in ("process", "thread"):
+            raise ParameterError("lane", self.lane, '"process" or "thread"')
+        _PRIORITY("priority", self.priority)
+        for name in ("spin", "timeout", "connect_timeout", "watch"):
+            _TIME(name, getattr(self, name))
+
+
+class FeedingOptions(TypedDict, total=False):
+    """Keywords of every stream that says how its program feeds it; `Feeding` describes them."""
+
+    source_rate: float | None
+    latest: bool
+    upsample: Upsampling
+    hold: float
+    ahead: int | None
+
+
+class PacedOptions(FeedingOptions, total=False):
+    """The same for streams that choose their own rate to the controller."""
+
+    rate: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Feeding(FeedingSettings):
+    """How the program feeds a stream, and what becomes of it.
+
+    Attributes:
+        rate: set-points that are sent to the controller per second [Hz].
+        source_rate: targets that the program sends per second [Hz]; None: as many as `rate`
+            without up-sampling, else measured.
+        latest: only the newest target counts, and `send` never waits; otherwise every one
+            counts, and `send` waits while enough are queued.
+        upsample: how targets are brought to `rate`: "none", "linear", "cubic" or "ruckig".
+        hold: time without a target after which the stream ends [s].
+        ahead: targets that `send` queues before it waits; None: those of 50 ms.
+        max_step: largest step between two targets, per group [rad, m]; empty: not checked.
+        reach: how far the first target may be from where the arm is, per group [rad, m].
+    """
+
+    def __post_init__(self) -> None:
+        _RATE("rate", self.rate)
+        _LATEST_ONLY("latest", self.latest)
+        if self.source_rate is not None and _RATE("source_rate", self.source_rate) > self.rate:
+            raise ParameterError(
+                "source_rate",
+                self.source_rate,
+                f"above 0 and up to the stream's rate, {self.rate:g} Hz",
+            )
+        if self.upsample not in UPSAMPLING:
+            raise ParameterError("upsample", self.upsample, f"one of {', '.join(UPSAMPLING)}")
+        if self.upsample == "ruckig" and importlib.util.find_spec("ruckig") is None:
+            raise ParameterError(
+                "upsample", "ruckig", 'another one, or installed: pip install "aioduco[stream]"'
+            )
+        if self.upsample != "none" and not self.latest and self.source_rate is None:
+            raise ParameterError(
+                "source_rate", None, "given when every target counts and is up-sampled"
+            )
+        _HOLD("hold", self.hold)
+        if self.ahead is not None:
+            _AHEAD("ahead", self.ahead)
+
+
+def per_group(name: str, value: float | Sequence[float], groups: int) -> tuple[float, ...]:
+    """A limit for each group, from one number or one per group.
+
+    Raises:
+        ParameterError: it is not that, or not above zero.
+    """
+    one: Any = value
+    if isinstance(value, (list, tuple, np.ndarray)):
+        if np.shape(value) != (groups,):
+            raise ParameterError(name, value, f"one number, or {groups}")
+        return tuple(_LIMIT(f"{name}[{group}]", each) for group, each in enumerate(value))
+    return (_LIMIT(name, one),) * groups
+
+
+def checked(options: LaneOptions | None) -> LaneOptions:
+    """The options of a worker, the usual ones for None.
+
+    Raises:
+        ParameterError: they are something else.
+    """
+    if options is None:
+        return LaneOptions()
+    if not isinstance(options, LaneOptions):
+        raise ParameterError("options", options, "LaneOptions, or None")
+    return options

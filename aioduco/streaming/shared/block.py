@@ -1,0 +1,211 @@
+"""The block of memory between a program and its worker.
+
+It is a memory file without a name (memfd), handed to the worker's process as an open descriptor:
+when both processes are gone, however they went, so is the block. A worker in a thread uses the
+same layout in anonymous memory.
+
+Each word has one writer: the program writes `StreamCommand` and `ControlWord`, the worker writes
+`StatusWord`, the histograms and the report. Words are 64 bits wide and aligned, so that a reader
+never sees half a word.
+"""
+
+from __future__ import annotations
+
+import mmap
+import os
+import struct
+from enum import IntEnum, IntFlag
+
+from aioduco.streaming.shared.config import WorkerConfig
+from aioduco.streaming.shared.histogram import Histogram
+from aioduco.streaming.shared.ring import Ring
+
+__all__ = ["HISTOGRAMS", "Block", "ControlWord", "StatusWord", "StreamCommand", "Unmet"]
+
+_MAGIC = 0x61696F6475636F31
+_HEADER = struct.Struct("<QQ")
+_CONFIG = 8192
+_TEXT = 1024
+
+#: what the worker measures; times in nanoseconds, depth in points
+HISTOGRAMS = ("lateness", "interval", "round_trip", "work", "age", "depth")
+
+
+class StreamCommand(IntEnum):
+    """What the program wants of the worker; a higher one overrides a lower one.
+
+    Each is a word of `ControlWord`, set once and never taken back: so two threads that want
+    different things at the same moment cannot undo each other.
+    """
+
+    #: follow what was sent to its end, then end
+    CLOSE = 0
+    #: come to rest at once, then end
+    ABORT = 1
+    #: send nothing more, at once: the robot was stopped
+    HALT = 2
+
+
+class ControlWord(IntEnum):
+    """Words that the program writes, after those of `StreamCommand`."""
+
+    #: wake the program when no more than this many set-points are in the ring; 0: do not
+    WAKE_BELOW = 3
+    #: monotonic time at which the program's event loop last ran, and the heartbeat beat [ns]
+    ALIVE = 4
+
+
+class StatusWord(IntEnum):
+    """Words that the worker writes."""
+
+    #: the worker is connected and runs
+    READY = 0
+    STATE = 1
+    REASON = 2
+    TICKS = 3
+    SENT = 4
+    MISSED = 5
+    STARVED = 6
+    LIMITED = 7
+    OVERWRITTEN = 8
+    #: points in the controller's queue when last looked at
+    DEPTH = 9
+    #: times at which the controller's queue was found empty
+    DRAINED = 10
+    #: number of the last set-point taken
+    TAKEN = 11
+    #: monotonic time of the last tick [ns]
+    BEAT = 12
+    #: length of the text that says why the stream ended
+    TEXT = 13
+    #: size of the worker's process at its largest [kB]
+    MEMORY = 14
+    #: what was asked of the system and not allowed: flags of `Unmet`
+    UNMET = 15
+    #: whether the worker waits until an unanswered set-point cannot move the arm any more
+    UNANSWERED = 16
+
+
+class Unmet(IntFlag):
+    """What a worker asked of the system and did not get."""
+
+    TIMER_SLACK = 1
+    CPUS = 2
+    PRIORITY = 4
+    SLICE = 8
+
+
+_WORDS = 32
+_REPORT = 4  # slots: the reader always finds one that is not being written
+
+
+class Block:
+    """The block, from either side.
+
+    Args:
+        memory: the mapped memory.
+        config: the worker's configuration, for the side that makes the block.
+
+    Attributes:
+        control: words of `StreamCommand` and `ControlWord`.
+        status: words of `StatusWord`.
+        ring: the program's set-points.
+        report: the set-points that the worker sent, the newest only.
+        histograms: one for each name of `HISTOGRAMS`.
+    """
+
+    def __init__(
+        self, memory: mmap.mmap, config: WorkerConfig | None = None, descriptor: int = -1
+    ) -> None:
+        self._memory = memory
+        self._view = memoryview(memory)
+        self.descriptor: int = descriptor
+        if config is not None:
+            text = config.pack()
+            if len(text) > _CONFIG:
+                raise ValueError(f"the configuration of a lane has {len(text)} bytes")
+            _HEADER.pack_into(memory, 0, _MAGIC, len(text))
+            memory[_HEADER.size : _HEADER.size + len(text)] = text
+        magic, length = _HEADER.unpack_from(memory)
+        if magic != _MAGIC:
+            raise ValueError("this is no block of a lane, or one of another version")
+        self.config: WorkerConfig = WorkerConfig.unpack(
+            memory[_HEADER.size : _HEADER.size + length]
+        )
+        capacity, extra = self.config.feeding.capacity, self.config.sent.extra
+        at = _HEADER.size + _CONFIG
+        self.control: memoryview[int] = self._view[at : at + 8 * _WORDS].cast("Q")
+        at += 8 * _WORDS
+        self.status: memoryview[int] = self._view[at : at + 8 * _WORDS].cast("Q")
+        at += 8 * _WORDS
+        self._text = self._view[at : at + _TEXT]
+        at += _TEXT
+        self.histograms: dict[str, Histogram] = {}
+        for name in HISTOGRAMS:
+            words = self._view[at : at + 8 * Histogram.WORDS].cast("Q")
+            self.histograms[name] = Histogram(words)
+            at += 8 * Histogram.WORDS
+        self.report: Ring = Ring(self._view[at : at + Ring.size(_REPORT)], _REPORT)
+        at += Ring.size(_REPORT)
+        self.ring: Ring = Ring(self._view[at : at + Ring.size(capacity, extra)], capacity, extra)
+
+    @staticmethod
+    def _size(config: WorkerConfig) -> int:
+        fixed = _HEADER.size + _CONFIG + 16 * _WORDS + _TEXT + Ring.size(_REPORT)
+        counts = 8 * Histogram.WORDS * len(HISTOGRAMS)
+        return fixed + counts + Ring.size(config.feeding.capacity, config.sent.extra)
+
+    @classmethod
+    def make(cls, config: WorkerConfig, *, shared: bool) -> Block:
+        """Make a block.
+
+        Args:
+            config: the worker's configuration.
+            shared: whether another process is to open it, by its `descriptor`.
+        """
+        size = cls._size(config)
+        if not shared:
+            return cls(mmap.mmap(-1, size), config)
+        descriptor = os.memfd_create("aioduco-stream", os.MFD_CLOEXEC)
+        try:
+            os.ftruncate(descriptor, size)
+            return cls(mmap.mmap(descriptor, size), config, descriptor)
+        except BaseException:
+            os.close(descriptor)
+            raise
+
+    @classmethod
+    def open(cls, descriptor: int) -> Block:
+        """Open a block that another process made, and close its descriptor."""
+        try:
+            return cls(mmap.mmap(descriptor, os.fstat(descriptor).st_size))
+        finally:
+            os.close(descriptor)
+
+    @property
+    def text(self) -> str:
+        """Why the stream ended, in words."""
+        return bytes(self._text[: self.status[StatusWord.TEXT]]).decode("utf-8", "replace")
+
+    @text.setter
+    def text(self, text: str) -> None:
+        encoded = text.encode()[:_TEXT]
+        self._text[: len(encoded)] = encoded
+        self.status[StatusWord.TEXT] = len(encoded)
+
+    def close_descriptor(self) -> None:
+        """Close the program's descriptor, once the worker's process has its own."""
+        if self.descriptor >= 0:
+            os.close(self.descriptor)
+            self.descriptor = -1
+
+    def close(self) -> None:
+        """Let go of the memory, and of what the system holds open for it."""
+        self.close_descriptor()
+        for histogram in self.histograms.values():
+            histogram.close()
+        self.ring.close()
+        self.report.close()
+        for view in (self.control, self.status, self._text, self._view):
+            view.release()
+        self._memory.close()

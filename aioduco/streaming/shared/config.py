@@ -1,0 +1,233 @@
+"""All that a worker is told: plain values, which stand as JSON in the shared block.
+
+They were checked where the program gave them (`streaming.options`). A stream's factory fills in
+`Sent`; where to, how it is fed and how it runs come from its caller.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Limits, Space
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = [
+    "MOST_POINTS",
+    "UPSAMPLING",
+    "Calls",
+    "Drive",
+    "FeedingSettings",
+    "Meaning",
+    "PoolDrive",
+    "QueueDrive",
+    "Sent",
+    "Upsampling",
+    "WorkerConfig",
+    "WorkerSettings",
+]
+
+#: most set-points in the ring
+MOST_POINTS = 16384
+_LATEST = 8  # slots of a ring of which only the newest counts
+
+Upsampling = Literal["none", "linear", "cubic", "ruckig"]
+#: the ways to bring targets to the stream's rate; "ruckig" also keeps the limit of jerk
+UPSAMPLING: tuple[str, ...] = get_args(Upsampling)
+
+#: what a set-point is: a place, a speed that is kept, or a step from where the last one led
+Meaning = Literal["place", "speed", "step"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorkerSettings:
+    """How a worker runs; `LaneOptions` describes the values."""
+
+    lane: Literal["process", "thread"] = "process"
+    cpus: Sequence[int] = ()
+    priority: int = 0
+    spin: float = 0.0
+    timeout: float = 1.0
+    connect_timeout: float = 10.0
+    watch: float = 0.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FeedingSettings:
+    """How the program feeds a stream, and what becomes of it; `Feeding` describes the values."""
+
+    rate: float = 500.0
+    source_rate: float | None = None
+    latest: bool = False
+    upsample: Upsampling = "none"
+    hold: float = 0.5
+    ahead: int | None = None
+    max_step: Sequence[float] = ()
+    reach: Sequence[float] = ()
+
+    @property
+    def interval(self) -> float | None:
+        """Time between two targets [s]; None: measured."""
+        if self.source_rate is not None:
+            return 1 / self.source_rate
+        return None if self.latest else 1 / self.rate
+
+    @property
+    def queued(self) -> int:
+        """Targets that `send` queues before it waits."""
+        if self.ahead is not None:
+            return self.ahead
+        return max(2, round(0.05 * (self.source_rate or self.rate)))
+
+    @property
+    def capacity(self) -> int:
+        """Set-points that fit into the ring: four seconds of them, for whole arrays."""
+        if self.latest:
+            return _LATEST
+        wanted = round(4 * (self.source_rate or self.rate))
+        return min(MOST_POINTS, max(256, wanted, 2 * self.queued))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Calls:
+    """One call per tick: servo and speeds.
+
+    Attributes:
+        function: the function of the wire.
+        arguments: its arguments behind the set-point, which is the first.
+    """
+
+    function: str
+    arguments: Sequence[Any]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QueueDrive:
+    """The realtime queue.
+
+    Attributes:
+        field: field of a point of the queue that carries the set-point.
+        mode: arguments of start_realtime_mode.
+        depth: points to keep in the queue.
+        period: time between two looks at the queue [s].
+    """
+
+    field: str
+    mode: Sequence[float]
+    depth: int
+    period: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PoolDrive:
+    """The track pool.
+
+    Attributes:
+        function: the function of the wire that follows the pool.
+        arguments: its arguments.
+        low: the pool is filled up when it has fewer points.
+        high: it is filled up to so many.
+        period: time between two looks at the pool [s].
+        extra: bytes for what goes with a point; 0: points go alone.
+    """
+
+    function: str
+    arguments: Sequence[Any]
+    low: int
+    high: int
+    period: float
+    extra: int = 0
+
+
+Drive = Calls | QueueDrive | PoolDrive | None
+_DRIVES: dict[str, type[Calls | QueueDrive | PoolDrive]] = {
+    kind.__name__: kind for kind in (Calls, QueueDrive, PoolDrive)
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sent:
+    """What a stream sends, and how.
+
+    Attributes:
+        name: what the stream is called, mostly by its function of the wire.
+        in_joints: whether set-points are joints [rad]; else poses, twists or offsets [m, rad].
+        limits: of each group, see `Limits`.
+        drive: how set-points are brought to the controller; None: not at all, it is only asked
+            for its state.
+        meaning: what a set-point is.
+        read: function of the wire that reads where the arm is, and its arguments.
+        leave: calls at the end of the stream: a function and its arguments each.
+        ending: function of the wire that ends the mode in which the controller is meanwhile.
+    """
+
+    name: str
+    in_joints: bool
+    limits: Limits
+    drive: Drive
+    meaning: Meaning = "place"
+    read: Sequence[str] = ()
+    leave: Sequence[Sequence[Any]] = ()
+    ending: str = ""
+
+    @property
+    def space(self) -> Space:
+        """The space of the set-points."""
+        return JOINT_SPACE if self.in_joints else POSE_SPACE
+
+    @property
+    def extra(self) -> int:
+        """Bytes for what goes with a set-point."""
+        return self.drive.extra if isinstance(self.drive, PoolDrive) else 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorkerConfig:
+    """All that a worker is told.
+
+    Attributes:
+        host: name or address of the controller.
+        port: its TCP port.
+        guarded: whether the robot is stopped by others when the program dies.
+        stall_limit: time after which a program whose event loop does not run counts as hung [s].
+        unanswered_timeout: most time for which an unanswered set-point is waited for [s].
+        options: how the worker runs.
+        feeding: how it is fed.
+        sent: what it sends.
+    """
+
+    host: str
+    port: int
+    guarded: bool
+    stall_limit: float
+    unanswered_timeout: float
+    options: WorkerSettings
+    feeding: FeedingSettings
+    sent: Sent
+
+    @property
+    def period(self) -> float:
+        """Time between two ticks of the worker [s]."""
+        drive = self.sent.drive
+        if isinstance(drive, QueueDrive | PoolDrive):
+            return drive.period
+        return 1 / self.feeding.rate
+
+    def pack(self) -> bytes:
+        """As it stands in the shared block."""
+        drive = self.sent.drive
+        return json.dumps([asdict(self), type(drive).__name__ if drive else ""]).encode()
+
+    @classmethod
+    def unpack(cls, text: bytes) -> WorkerConfig:
+        """What `pack` made."""
+        values, kind = json.loads(text)
+        sent = values.pop("sent")
+        sent["limits"] = Limits(*map(tuple, sent["limits"]))
+        sent["drive"] = _DRIVES[kind](**sent["drive"]) if kind else None
+        options = WorkerSettings(**values.pop("options"))
+        feeding = FeedingSettings(**values.pop("feeding"))
+        return cls(**values, options=options, feeding=feeding, sent=Sent(**sent))

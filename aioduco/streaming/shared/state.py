@@ -1,0 +1,45 @@
+"""The states of a stream, and the reasons for its end."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+__all__ = ["Reason", "StreamState"]
+
+
+class StreamState(IntEnum):
+    """StreamState of a stream."""
+
+    WAITING = 0
+    FOLLOWING = 1
+    HOLDING = 2
+    DECELERATING = 3
+    ENDED = 4
+
+
+class Reason(IntEnum):
+    """Why a stream ended."""
+
+    NONE = 0
+    #: the program closed it
+    CLOSED = 1
+    #: the program left the stream by an error or a cancellation
+    ABORTED = 2
+    #: the program sent nothing for longer than the hold time
+    STARVED = 3
+    #: the program died
+    PROGRAM_DIED = 4
+    #: the robot was stopped
+    STOPPED = 5
+    #: the first set-point was too far from where the arm is
+    TOO_FAR = 6
+    #: the controller refused a set-point, or left the state in which it takes any
+    REFUSED = 7
+    #: the connection to the controller broke, or an answer did not come in time
+    CONNECTION = 8
+    #: the worker ended by an error of its own
+    FAILED = 9
+    #: the worker's process is gone
+    LANE_DIED = 10
+    #: the program's event loop hung, or the robot's heartbeat was lost
+    HUNG = 11

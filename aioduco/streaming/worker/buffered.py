@@ -1,0 +1,494 @@
+"""What a worker does in one tick, for streams through a buffer of the controller.
+
+`Depth` and `PoolStates` decide when to fill the realtime queue and the track pool, and when their
+end has come. They are pure: no clock, no calls.
+"""
+
+from __future__ import annotations
+
+import time
+from enum import Enum, auto
+from typing import TYPE_CHECKING, Any
+
+from aioduco._wire.rpc import Op, PointOp, RealTimeControlData
+from aioduco.streaming.shared.block import StatusWord
+from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.worker.encoding import Batch
+from aioduco.streaming.worker.setpoints import SetpointFeed, within
+from aioduco.streaming.worker.watch import ControllerWatch, refused
+
+if TYPE_CHECKING:
+    from aioduco._wire.connection import Connection
+    from aioduco.streaming.shared.block import Block
+    from aioduco.streaming.shared.config import PoolDrive, QueueDrive
+    from aioduco.streaming.shared.ring import SetPoint
+
+__all__ = ["Depth", "PoolStates", "RealtimeQueueDriver", "Todo", "TrackPoolDriver"]
+
+_MOST = 100  # points in one call: about 6 kB
+_PATIENCE = 0.25  # seconds for which the controller may take no point before it counts as gone
+_RUNNING = (0, 1, 2)  # not yet begun, running, paused
+
+
+class Depth:
+    """How many points the realtime queue wants, and whether the controller takes any.
+
+    Args:
+        depth: points to keep in the queue.
+        patience: time for which a full queue may stay so, before the controller counts as one
+            that takes nothing any more [s].
+
+    Attributes:
+        drained: looks at which the queue was empty.
+        stuck: whether the controller takes nothing any more.
+    """
+
+    def __init__(self, depth: int, patience: float) -> None:
+        self._depth = depth
+        self._patience = patience
+        self._full_since: float | None = None
+        self._resting = 0
+        self.drained: int = 0
+        self.stuck: bool = False
+
+    def look(self, left: int, now: float) -> int:
+        """Take account of a look at the queue.
+
+        Args:
+            left: points in it.
+            now: the time [s].
+
+        Returns:
+            How many points to add.
+        """
+        self.drained += left == 0
+        wanted = min(self._depth - left, _MOST)
+        if wanted > 0:
+            self._full_since = None
+            return wanted
+        if self._full_since is None:
+            self._full_since = now
+        self.stuck = now - self._full_since > self._patience
+        return 0
+
+    def rest(self, count: int) -> None:
+        """So many points were added at which the arm rests, for lack of others."""
+        self._resting += count
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the queue holds nothing but rest."""
+        return self._resting >= self._depth
+
+
+class Todo(Enum):
+    """What is to be done about the track pool after a look at it."""
+
+    FOLLOW = auto()
+    """Nothing: the arm follows."""
+    RESUME = auto()
+    """The pool had run dry: have the controller begin anew, if it has come to rest."""
+    WAIT = auto()
+    """Nothing: the pool is dry, and the program sends nothing."""
+    FINISH = auto()
+    """End, once the arm has come to rest at the last point."""
+    EMPTY = auto()
+    """Empty the pool, so that the arm comes to rest: the program sends nothing any more."""
+
+
+class PoolStates:
+    """The states of a stream through the track pool.
+
+    WAITING until there are enough points to begin with; HOLDING while the pool is dry, where the
+    controller comes to rest by itself; DECELERATING once the pool was emptied on purpose.
+
+    Args:
+        low: fill the pool up when it has fewer points.
+        high: fill it up to so many.
+        hold: time with a dry pool after which the stream ends [s].
+
+    Attributes:
+        state: the state.
+        reason: why it ends; NONE before.
+        drained: times at which the pool ran dry though the program was not done.
+        starved: looks at which it was dry then.
+    """
+
+    def __init__(self, low: int, high: int, hold: float) -> None:
+        self._low = low
+        self._high = high
+        self._hold = hold
+        self._closing = False
+        self._dry_since: float | None = None
+        self.state: StreamState = StreamState.WAITING
+        self.reason: Reason = Reason.NONE
+        self.drained: int = 0
+        self.starved: int = 0
+
+    def may_begin(self, waiting: int, capacity: int) -> bool:
+        """Whether there are enough points to begin with.
+
+        The controller follows at its best with enough points in its pool, so they are waited for.
+
+        Args:
+            waiting: points that the program has sent.
+            capacity: how many of them fit before they are taken.
+        """
+        if self._closing and not waiting:
+            self.end(Reason.CLOSED)
+        return waiting > 0 and (self._closing or waiting >= min(self._low, capacity))
+
+    def begin(self) -> None:
+        """The controller follows the pool."""
+        self.state = StreamState.FOLLOWING
+
+    def wanted(self, left: int) -> int:
+        """How many points to add to a pool that has so many left."""
+        return self._high - left if left < self._low else 0
+
+    def look(self, left: int, added: int, now: float) -> Todo:
+        """Take account of a look at the pool.
+
+        Args:
+            left: points that were in it.
+            added: points that were added to it.
+            now: the time [s].
+        """
+        was_dry = self._dry_since is not None
+        if left or added:
+            self._dry_since = None
+            self.state = StreamState.FOLLOWING
+            return Todo.RESUME if was_dry and added else Todo.FOLLOW
+        if self._dry_since is None:
+            self._dry_since = now
+            self.drained += not self._closing
+        if self._closing:
+            return Todo.FINISH
+        self.starved += 1
+        self.state = StreamState.HOLDING
+        if now - self._dry_since > self._hold:
+            self.brake(Reason.STARVED)
+            return Todo.EMPTY
+        return Todo.WAIT
+
+    def close(self) -> None:
+        """The program sends nothing more."""
+        self._closing = True
+
+    def brake(self, reason: Reason) -> bool:
+        """Come to rest at once, then end.
+
+        Returns:
+            Whether the pool is to be emptied for that.
+        """
+        if self.state is StreamState.WAITING:
+            self.end(reason)
+        if self.state >= StreamState.DECELERATING:
+            return False
+        self.state, self.reason = StreamState.DECELERATING, reason
+        return True
+
+    def end(self, reason: Reason) -> None:
+        """Send nothing more."""
+        if self.state is not StreamState.ENDED:
+            self.state, self.reason = StreamState.ENDED, self.reason or reason
+
+
+class RealtimeQueueDriver:
+    """The realtime queue (实时控制, manual 1.3.15), kept at a depth.
+
+    The controller takes a point every cycle, by its own clock. So the worker does not count time:
+    each tick it asks how many points are left and adds what is missing to the depth.
+    """
+
+    def __init__(self, queue: QueueDrive, connection: Connection, block: Block) -> None:
+        options = block.config.options
+        self._feed = SetpointFeed(connection, block)
+        self._connection = connection
+        self._timeout = options.timeout
+        self._block = block
+        self._queue = queue
+        self._depth = Depth(queue.depth, max(_PATIENCE, 20 * queue.period))
+
+        def element(values: list[float]) -> RealTimeControlData:
+            data = RealTimeControlData(status=True)
+            setattr(data, queue.field, values)
+            return data
+
+        self._batch = Batch(connection, "realtime_data_enqueue", element, (True,), self._timeout)
+        self._watch = ControllerWatch(connection, options.watch, self._timeout)
+        self._round_trip = block.histograms["round_trip"].record
+        self._depths = block.histograms["depth"].record
+        self._running = False
+        self._sent = 0
+        self._last = b""
+
+    @property
+    def state(self) -> StreamState:
+        """State of the stream; it ends once the queue holds nothing but rest."""
+        state = self._feed.source.state
+        if state is StreamState.ENDED and self._running:
+            return StreamState.DECELERATING
+        return state
+
+    @property
+    def reason(self) -> Reason:
+        """Why it ends."""
+        return self._feed.source.reason
+
+    def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - what is late is made up by the queue
+        """Do the work of one tick; returns whether there is another one."""
+        if self._running:
+            return self._fill()
+        source = self._feed.source
+        if source.state is not StreamState.ENDED and self._feed.begin():
+            return self._start()
+        self._feed.step()
+        return source.state < StreamState.ENDED
+
+    def _start(self) -> bool:
+        """Fill the empty queue, and have the controller begin with it.
+
+        The first points are where the arm is, as the manual asks for.
+        """
+        if not self._accepted("clear_realtime_data_queue", ()):
+            return False
+        rest = self._batch.element(self._feed.resting())
+        if not self._enqueue([rest] * self._queue.depth):
+            return False
+        self._running = self._accepted("start_realtime_mode", tuple(self._queue.mode))
+        return self._running
+
+    def _fill(self) -> bool:
+        start = time.monotonic_ns()
+        left = self._connection.call("get_realtime_data_queue_size", (), self._timeout)
+        self._depths(left)
+        self._block.status[StatusWord.DEPTH] = max(left, 0)
+        wanted = self._depth.look(left, start * 1e-9)
+        if wanted and not self._enqueue(self._more(wanted)):
+            return False
+        self._round_trip(time.monotonic_ns() - start)
+        if self._depth.at_rest:
+            return self._stop()
+        if self._depth.stuck:
+            return self._refuse("the controller takes no points from its queue any more")
+        reason, text = self._watch.look(0)
+        return not reason or self._refuse(text)
+
+    def _more(self, count: int) -> list[bytes]:
+        """The next points; after the end those at which the arm rests."""
+        elements: list[bytes] = []
+        for _ in range(count):
+            values = self._feed.step()
+            if values is None:
+                break
+            self._last = self._batch.element(values)
+            elements.append(self._last)
+        lacking = count - len(elements)
+        self._depth.rest(lacking)
+        return elements + [self._last] * lacking
+
+    def _enqueue(self, elements: list[bytes]) -> bool:
+        answer = self._batch.send(elements)
+        self._sent += len(elements)
+        return not refused(answer) or self._refuse(f"realtime_data_enqueue answered {answer}")
+
+    def _accepted(self, name: str, args: tuple[Any, ...]) -> bool:
+        answer = self._connection.call(name, args, self._timeout)
+        return not refused(answer) or self._refuse(f"{name} answered {answer}")
+
+    def _refuse(self, text: str) -> bool:
+        self._feed.source.end(Reason.REFUSED)
+        self._block.text = text
+        if self._running:
+            self._stop()
+        return False
+
+    def _stop(self) -> bool:
+        self._running = False
+        self._connection.call("end_realtime_mode", (), self._timeout)
+        return False
+
+    def close(self) -> None:
+        """The program sends nothing more."""
+        self._feed.source.close()
+
+    def brake(self, reason: Reason) -> None:
+        """Come to rest at once, then end."""
+        self._feed.source.brake(reason)
+
+    def end(self, reason: Reason) -> None:
+        """Send nothing more: the robot was stopped, and realtime mode is left."""
+        self._feed.source.end(reason)
+        if self._running:
+            self._stop()
+
+    def publish(self) -> None:
+        """Write what the program wants to know into the shared block."""
+        self._block.status[StatusWord.SENT] = self._sent
+        self._block.status[StatusWord.DRAINED] = self._depth.drained
+        self._feed.publish()
+
+
+class TrackPoolDriver:
+    """The track pool (轨迹池, manual 1.3.12), kept between a low and a high mark.
+
+    The controller plans the motion through the points itself, and comes to rest by itself when
+    the pool is empty: nothing is interpolated or limited here.
+    """
+
+    def __init__(self, pool: PoolDrive, connection: Connection, block: Block) -> None:
+        options = block.config.options
+        self._connection = connection
+        self._block = block
+        self._sent_as = block.config.sent
+        self._timeout = options.timeout
+        self._pool = pool
+        self._states = PoolStates(pool.low, pool.high, block.config.feeding.hold)
+        if pool.extra:
+            self._batch = Batch(connection, "trackEnqueueOp", _plain, (True,), self._timeout)
+        else:
+            self._batch = Batch(connection, "trackEnqueue", list, (True,), self._timeout)
+        self._watch = ControllerWatch(connection, options.watch, self._timeout)
+        self._round_trip = block.histograms["round_trip"].record
+        self._depths = block.histograms["depth"].record
+        self._age = block.histograms["age"].record
+        self._task = 0
+        self._sent = 0
+
+    @property
+    def state(self) -> StreamState:
+        """State of the stream."""
+        return self._states.state
+
+    @property
+    def reason(self) -> Reason:
+        """Why it ends."""
+        return self._states.reason
+
+    def tick(self, hurry: bool) -> bool:  # noqa: ARG002 - what is late is made up by the pool
+        """Do the work of one tick; returns whether there is another one."""
+        match self.state:
+            case StreamState.WAITING:
+                return self._start()
+            case StreamState.FOLLOWING | StreamState.HOLDING:
+                return self._serve()
+            case StreamState.DECELERATING:
+                # The pool was emptied, so the controller comes to rest by itself.
+                return self._task_runs() or self._finish(self.reason, "")
+            case StreamState.ENDED:
+                return False
+
+    def _start(self) -> bool:
+        ring = self._block.ring
+        if not self._states.may_begin(ring.level, ring.capacity):
+            return self.state < StreamState.ENDED
+        first = ring.take()
+        if first is None:
+            return True
+        name, *args = self._sent_as.read
+        actual = self._connection.call(name, tuple(args), self._timeout)
+        space = self._sent_as.space
+        reach = tuple(self._block.config.feeding.reach)
+        if not within(space, space.decode(actual), space.decode(first.values), reach):
+            return self._finish(Reason.TOO_FAR, "")
+        if refused(self._connection.call("trackClearQueue", (), self._timeout)):
+            return self._finish(Reason.REFUSED, "trackClearQueue was refused")
+        return self._add(self._pool.high, first) >= 0 and self._go()
+
+    def _serve(self) -> bool:
+        start = time.monotonic_ns()
+        left = max(0, self._connection.call("getQueueSize", (), self._timeout))
+        self._depths(left)
+        self._block.status[StatusWord.DEPTH] = left
+        added = self._add(self._states.wanted(left))
+        if added < 0:
+            return False
+        self._round_trip(time.monotonic_ns() - start)
+        match self._states.look(left, added, start * 1e-9):
+            case Todo.FINISH:
+                return self._task_runs() or self._finish(Reason.CLOSED, "")
+            case Todo.RESUME:
+                if not self._task_runs() and not self._go():
+                    return False
+            case Todo.EMPTY:
+                self._empty()
+                return True
+            case Todo.WAIT | Todo.FOLLOW:
+                pass
+        reason, text = self._watch.look(self._task if left else 0)
+        return not reason or self._finish(reason, text)
+
+    def _go(self) -> bool:
+        """Have the controller follow what is in the pool."""
+        name, args = self._pool.function, tuple(self._pool.arguments)
+        self._task = self._connection.call(name, args, self._timeout)
+        if refused(self._task):
+            return self._finish(Reason.REFUSED, f"{name} answered {self._task}")
+        self._states.begin()
+        return True
+
+    def _add(self, room: int, first: SetPoint | None = None) -> int:
+        """Add points of the program to the pool.
+
+        Returns:
+            How many; -1: they were refused, and this is the end.
+        """
+        point = first
+        elements: list[bytes] = []
+        while len(elements) < room:
+            point = point or self._block.ring.take()
+            if point is None:
+                break
+            elements.append(self._batch.element(point.values, point.extra))
+            self._age(time.monotonic_ns() - point.stamp)
+            point = None
+        for at in range(0, len(elements), _MOST):
+            batch = elements[at : at + _MOST]
+            answer = self._batch.send(batch)
+            if refused(answer):
+                full = "the pool is full" if answer == -1 else f"it answered {answer}"
+                self._finish(Reason.REFUSED, f"points were refused: {full}")
+                return -1
+            self._sent += len(batch)
+        return len(elements)
+
+    def _empty(self) -> None:
+        self._connection.call("trackClearQueue", (), self._timeout)
+
+    def _task_runs(self) -> bool:
+        if not self._task:
+            return False
+        state = self._connection.call("get_noneblock_taskstate", (self._task,), self._timeout)
+        return state in _RUNNING
+
+    def _finish(self, reason: Reason, text: str) -> bool:
+        self._states.end(reason)
+        if text:
+            self._block.text = text
+        return False
+
+    def close(self) -> None:
+        """The program sends nothing more."""
+        self._states.close()
+
+    def brake(self, reason: Reason) -> None:
+        """Come to rest at once, then end."""
+        if self._states.brake(reason):
+            self._empty()
+
+    def end(self, reason: Reason) -> None:
+        """Send nothing more."""
+        self._states.end(reason)
+
+    def publish(self) -> None:
+        """Write what the program wants to know into the shared block."""
+        status = self._block.status
+        status[StatusWord.SENT] = self._sent
+        status[StatusWord.DRAINED] = self._states.drained
+        status[StatusWord.STARVED] = self._states.starved
+        status[StatusWord.TAKEN] = self._block.ring.read
+
+
+def _plain(values: list[float]) -> PointOp:
+    return PointOp(values, Op())

@@ -1,0 +1,138 @@
+"""Calls whose constant parts are encoded once, so that a set-point costs one `struct.pack`.
+
+Encoding a servoj by thriftpy2 takes as long as everything else that a worker does for a
+set-point. Here thriftpy2 encodes each call once, with numbers that occur nowhere else in the
+place of the set-point; what lies before and after them stays.
+"""
+
+from __future__ import annotations
+
+import struct
+import time
+from typing import TYPE_CHECKING, Any
+
+from aioduco._wire import codec, idl
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from aioduco._wire.connection import Connection
+
+__all__ = ["Batch", "Point", "element_tail"]
+
+_MARKS = tuple(-1.2345678901e-217 * (axis + 1) for axis in range(6))
+_MARK = struct.pack("!6d", *_MARKS)
+_SIX = struct.Struct("!6d").pack
+_LIST_HEAD = 3 + 1 + 4  # field type and id, type of the elements, their number
+
+
+class Point:
+    """A call that carries one set-point.
+
+    Args:
+        connection: what it is sent by, always on its owner's thread.
+        name: the function of the wire.
+        args: makes the arguments from the six numbers of a set-point.
+        timeout: time for each call [s].
+    """
+
+    __slots__ = ("_connection", "_function", "_head", "_pack", "_tail", "_timeout")
+
+    def __init__(
+        self,
+        connection: Connection,
+        name: str,
+        args: Callable[[list[float]], tuple[Any, ...]],
+        timeout: float,
+    ) -> None:
+        self._connection = connection
+        self._timeout = timeout
+        self._function = idl.functions()[name]
+        self._head, self._tail = _around(codec.encode(self._function, args(list(_MARKS))))
+        self._pack = struct.Struct(f"!{len(self._head)}s6d{len(self._tail)}s").pack
+
+    def encode(self, values: Sequence[float]) -> bytes:
+        """The arguments with a set-point in them, as `codec.encode` would write them."""
+        return self._pack(self._head, *values, self._tail)
+
+    def send(self, values: Sequence[float], meanwhile: Callable[[], object] | None = None) -> int:
+        """Send a set-point and return the controller's answer.
+
+        Args:
+            values: the set-point.
+            meanwhile: what to do while the controller answers.
+        """
+        arguments = self._pack(self._head, *values, self._tail)
+        deadline = time.monotonic() + self._timeout
+        answer: int = self._connection.exchange(self._function, arguments, deadline, meanwhile)
+        return answer
+
+
+class Batch:
+    """A call whose first argument is a list of set-points.
+
+    Args:
+        connection: what it is sent by, always on its owner's thread.
+        name: the function of the wire.
+        element: makes an element of the list from the six numbers of a set-point.
+        others: the arguments behind the list.
+        timeout: time for each call [s].
+    """
+
+    __slots__ = ("_connection", "_function", "_kind", "_rest", "_timeout", "head", "tail")
+
+    def __init__(
+        self,
+        connection: Connection,
+        name: str,
+        element: Callable[[list[float]], Any],
+        others: tuple[Any, ...],
+        timeout: float,
+    ) -> None:
+        self._connection = connection
+        self._timeout = timeout
+        self._function = idl.functions()[name]
+        self._kind, encoded, self._rest = _parts(self._function, element, others)
+        #: what lies before and behind the six numbers in an element of the list
+        self.head: bytes
+        self.tail: bytes
+        self.head, self.tail = _around(encoded)
+
+    def element(self, values: Sequence[float], tail: bytes = b"") -> bytes:
+        """One set-point as it stands in the list, perhaps with another tail."""
+        return self.head + _SIX(*values) + (tail or self.tail)
+
+    def encode(self, elements: Sequence[bytes]) -> bytes:
+        """The arguments with these set-points, as `codec.encode` would write them."""
+        return b"".join((self._kind, struct.pack("!i", len(elements)), *elements, self._rest))
+
+    def send(self, elements: Sequence[bytes]) -> int:
+        """Send set-points and return the controller's answer."""
+        deadline = time.monotonic() + self._timeout
+        answer: int = self._connection.exchange(self._function, self.encode(elements), deadline)
+        return answer
+
+
+def element_tail(
+    name: str, element: Callable[[list[float]], Any], others: tuple[Any, ...]
+) -> bytes:
+    """What lies behind the six numbers of an element, for `Batch.element`."""
+    return _around(_parts(idl.functions()[name], element, others)[1])[1]
+
+
+def _parts(
+    function: idl.Function, element: Callable[[list[float]], Any], others: tuple[Any, ...]
+) -> tuple[bytes, bytes, bytes]:
+    """A call with one element in its list: what comes before the count, the element, the rest."""
+    encoded = codec.encode(function, ([element(list(_MARKS))], *others))
+    # What an empty list leaves behind its head is the rest of the call.
+    rest = codec.encode(function, ([], *others))[_LIST_HEAD:]
+    return encoded[: _LIST_HEAD - 4], encoded[_LIST_HEAD : len(encoded) - len(rest)], rest
+
+
+def _around(encoded: bytes) -> tuple[bytes, bytes]:
+    """What lies before and behind the set-point."""
+    head, found, tail = encoded.partition(_MARK)
+    if not found or _MARK in tail:
+        raise ValueError("the set-point must occur exactly once in the call")
+    return head, tail

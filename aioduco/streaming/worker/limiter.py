@@ -1,0 +1,352 @@
+"""Limits that no set-point of a stream exceeds, whatever it is fed.
+
+`Limiter` keeps those of speed and acceleration, `JerkLimiter` that of jerk, too; `Rates` keeps
+those of set-points that are speeds.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.streaming.shared.space import Config, Displacement, Limits, Space
+
+__all__ = ["JerkLimiter", "Limiter", "Rates"]
+
+_ZERO: Displacement = (0.0,) * 6
+_SLACK = 1 + 1e-9  # a trajectory exactly at its limits passes in spite of rounding
+_MET = 1e-9  # displacement, speed and acceleration below which nothing moves any more
+#: displacement from the target from which on it counts as kept from it by the limits [rad, m]
+_FAR = 1e-3
+_MARGIN = 0.98  # of the speed limit: the fastest target, so that a lag can be caught up
+
+
+class Limiter:
+    """Follows a moving target as closely as the limits allow. Pure: one call is one tick.
+
+    A target that moves within the limits is met exactly. Any other is approached: with the
+    acceleration limit up to the speed limit, and braking in time. Each group is limited by
+    itself, since the controller moves each joint by itself too (manual 1.3.5, servoj).
+
+    Args:
+        space: the space of the set-points.
+        limits: velocity and acceleration; jerk is not kept here.
+        period: time between two ticks [s].
+        start: where the arm is, at rest.
+
+    Attributes:
+        config: the set-point of the last tick.
+        limited: ticks in which the target could not be met.
+    """
+
+    __slots__ = (
+        "_axes",
+        "_period",
+        "_rules",
+        "_space",
+        "_step",
+        "_target",
+        "config",
+        "limited",
+    )
+
+    def __init__(self, space: Space, limits: Limits, period: float, start: Config) -> None:
+        self._space = space
+        self._period = period
+        self._rules = tuple(zip(space.groups, limits.velocity, limits.acceleration, strict=True))
+        # The same limits as displacements in one tick, where each axis has its own.
+        self._axes = tuple(
+            (v * period * _SLACK, a * period * period * _SLACK)
+            for group, v, a in self._rules
+            if group.stop - group.start == 1
+        )
+        self.config: Config = start
+        self.limited: int = 0
+        self._step: Displacement = _ZERO
+        self._target = start
+
+    @property
+    def velocity(self) -> Displacement:
+        """Velocity of the last tick, per second."""
+        return tuple(step / self._period for step in self._step)
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the last target is met, and nothing moves."""
+        return self.config == self._target and self._step == _ZERO
+
+    def follow(self, target: Config) -> Config:
+        """One tick towards the target of this tick; returns the set-point."""
+        gap = self._space.difference(self.config, target)
+        moved = self._space.difference(self._target, target)
+        self._target = target
+        if self._axes:
+            for (top, change), g, s, m in zip(self._axes, gap, self._step, moved, strict=False):
+                if not (
+                    -top <= g <= top and -change <= g - s <= change and -change <= g - m <= change
+                ):
+                    break
+            else:
+                self._step = gap
+                self.config = target
+                return target
+        return self._limit(target, gap, moved)
+
+    def _limit(self, target: Config, gap: Displacement, moved: Displacement) -> Config:
+        """The tick, when the target may be beyond the limits."""
+        period, velocity = self._period, self.velocity
+        new: list[float] = []
+        met = True
+        for group, top, acceleration in self._rules:
+            change = acceleration * period
+            wanted = [g / period for g in gap[group]]
+            speed = [m / period for m in moved[group]]
+            if (
+                _length(wanted) <= top * _SLACK
+                and _distance(wanted, velocity[group]) <= change * _SLACK
+                and _distance(wanted, speed) <= change * _SLACK
+            ):
+                new += wanted
+                continue
+            met = False
+            ahead = _at_most(speed, top)
+            behind = [g - a * period for g, a in zip(gap[group], ahead, strict=True)]
+            closing = _closing_speed(_length(behind), acceleration, period)
+            wished = [a + c for a, c in zip(ahead, _of_length(behind, closing), strict=True)]
+            delta = [w - v for w, v in zip(wished, velocity[group], strict=True)]
+            reached = zip(velocity[group], _at_most(delta, change), strict=True)
+            new += _at_most([v + d for v, d in reached], top)
+        self._step = tuple(v * period for v in new)
+        if met:
+            self.config = target
+        else:
+            self.limited += 1
+            self.config = self._space.moved(self.config, self._step)
+        return self.config
+
+    def brake(self) -> Config:
+        """One tick of coming to rest, all axes at the same moment; returns the set-point."""
+        velocity = self.velocity
+        rest = max(_length(velocity[group]) / a for group, _, a in self._rules)
+        share = 1 - self._period / rest if rest > self._period else 0.0
+        self._step = tuple(step * share for step in self._step)
+        self.config = self._space.moved(self.config, self._step)
+        self._target = self.config
+        return self.config
+
+
+class JerkLimiter:
+    """Follows a moving target within limits of velocity, acceleration and jerk.
+
+    Each tick plans the fastest way to meet the target and goes the first tick of it. The plan
+    is made in a frame that moves with the target, so that a target of constant speed is
+    followed without a lag. The limits of a group of three hold for its length, so each of its
+    axes has 1/√3 of them.
+
+    Args:
+        space: the space of the set-points.
+        limits: velocity, acceleration and jerk.
+        period: time between two ticks [s].
+        start: where the arm is, at rest.
+
+    Attributes:
+        config: the set-point of the last tick.
+        velocity: its velocity, per second.
+        limited: ticks in which the limits kept it 1 mrad or 1 mm from its target, or more.
+    """
+
+    def __init__(self, space: Space, limits: Limits, period: float, start: Config) -> None:
+        # imported here: only this way of up-sampling needs it
+        import ruckig  # noqa: PLC0415
+
+        self._modes: Any = ruckig.ControlInterface
+        self._error: type[Exception] = ruckig.RuckigError
+        self._generator = ruckig.Ruckig(6, period)
+        self._input = ruckig.InputParameter(6)
+        self._output = ruckig.OutputParameter(6)
+        self._top = _per_axis(space, limits.velocity)
+        self._input.max_acceleration = _per_axis(space, limits.acceleration)
+        self._input.max_jerk = _per_axis(space, limits.jerk)
+        self._input.synchronization = ruckig.Synchronization.No
+        self._space = space
+        self._period = period
+        self._target = start
+        self._acceleration: Displacement = _ZERO
+        self.config: Config = start
+        self.velocity: Displacement = _ZERO
+        self.limited: int = 0
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the last target is met, and nothing moves."""
+        return self.config == self._target and self.velocity == _ZERO
+
+    def follow(self, target: Config) -> Config:
+        """One tick towards the target of this tick; returns the set-point."""
+        if target == self._target and self.at_rest:
+            return self.config
+        period, plan = self._period, self._input
+        speeds = (d / period for d in self._space.difference(self._target, target))
+        frame = [
+            max(-_MARGIN * top, min(_MARGIN * top, v))
+            for v, top in zip(speeds, self._top, strict=True)
+        ]
+        # `target` is where to be at the end of this tick; the plan begins where it was before.
+        gap = self._space.difference(self.config, target)
+        behind = [f * period - g for f, g in zip(frame, gap, strict=True)]
+        self._target = target
+        plan.control_interface = self._modes.Position
+        plan.current_position = behind
+        plan.current_velocity = [v - f for v, f in zip(self.velocity, frame, strict=True)]
+        plan.current_acceleration = list(self._acceleration)
+        plan.target_position = plan.target_velocity = [0.0] * 6
+        plan.max_velocity = [t - f for t, f in zip(self._top, frame, strict=True)]
+        plan.min_velocity = [-t - f for t, f in zip(self._top, frame, strict=True)]
+        self._one_tick()
+        rest = self._output.new_position
+        moved = [p - b + f * period for p, b, f in zip(rest, behind, frame, strict=True)]
+        self.velocity = tuple(v + f for v, f in zip(self._output.new_velocity, frame, strict=True))
+        miss = max(map(abs, rest))
+        met = miss <= _MET
+        self.limited += miss > _FAR
+        still = max(map(abs, self.velocity)) <= _MET > max(map(abs, self._acceleration))
+        if met and still:
+            self.config, self.velocity, self._acceleration = target, _ZERO, _ZERO
+        else:
+            self.config = self._space.moved(self.config, tuple(moved))
+        return self.config
+
+    def brake(self) -> Config:
+        """One tick of coming to rest within the limits; returns the set-point."""
+        if self.velocity == _ZERO and self._acceleration == _ZERO:
+            return self.config
+        plan = self._input
+        plan.control_interface = self._modes.Velocity
+        plan.current_position = plan.target_velocity = [0.0] * 6
+        plan.current_velocity = list(self.velocity)
+        plan.current_acceleration = list(self._acceleration)
+        plan.max_velocity = list(self._top)
+        plan.min_velocity = None
+        self._one_tick()
+        self.velocity = tuple(self._output.new_velocity)
+        if max(map(abs, self.velocity)) <= _MET > max(map(abs, self._acceleration)):
+            self.velocity, self._acceleration = _ZERO, _ZERO
+        self.config = self._space.moved(self.config, tuple(self._output.new_position))
+        self._target = self.config
+        return self.config
+
+    def _one_tick(self) -> None:
+        """Go the first tick of a new plan.
+
+        For a few states in a million ruckig finds no way to a place (its error -110). Then this
+        tick matches the target's speed instead, within the same limits; the next one finds one.
+        """
+        try:
+            self._generator.reset()
+            self._generator.update(self._input, self._output)
+        except self._error:
+            self._input.control_interface = self._modes.Velocity
+            self._generator.reset()
+            self._generator.update(self._input, self._output)
+        self._acceleration = tuple(self._output.new_acceleration)
+
+
+class Rates:
+    """Follows a speed within a limit of its size and of its change.
+
+    Args:
+        space: whose groups are limited, each by its length.
+        limits: `velocity` is the largest speed, `acceleration` its change per second.
+        period: time between two ticks [s].
+
+    Attributes:
+        config: the speed of the last tick.
+        limited: ticks in which the limits kept it from what was asked for.
+    """
+
+    ready = True
+
+    def __init__(self, space: Space, limits: Limits, period: float) -> None:
+        self._rules = tuple(zip(space.groups, limits.velocity, limits.acceleration, strict=True))
+        self._period = period
+        self._target: Displacement = _ZERO
+        self.config: Config = _ZERO
+        self.limited: int = 0
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether it is zero, and to stay so."""
+        return self.config == self._target == _ZERO
+
+    def aim(self, target: Config, interval: float, duration: float) -> None:  # noqa: ARG002
+        """Take a new speed, to be met as soon as the limits allow it."""
+        self._target = target
+
+    def step(self) -> Config:
+        """Go on by one tick and return the speed."""
+        if self.config == self._target:
+            return self.config
+        new: list[float] = []
+        for group, top, change in self._rules:
+            now = self.config[group]
+            wanted = _at_most(list(self._target[group]), top)
+            delta = [w - n for w, n in zip(wanted, now, strict=True)]
+            step = _at_most(delta, change * self._period)
+            if step is delta:
+                new += wanted
+            else:
+                new += (n + s for n, s in zip(now, step, strict=True))
+        self.config = tuple(new)
+        self.limited += self.config != self._target
+        return self.config
+
+    def brake(self) -> Config:
+        """Go on by one tick of coming to rest, all axes at the same moment."""
+        self._target = _ZERO
+        rest = max(_length(self.config[group]) / change for group, _, change in self._rules)
+        share = 1 - self._period / rest if rest > self._period else 0.0
+        self.config = tuple(r * share for r in self.config) if share else _ZERO
+        return self.config
+
+
+def _length(vector: tuple[float, ...] | list[float]) -> float:
+    if len(vector) == 1:
+        return abs(vector[0])
+    return sqrt(sum(v * v for v in vector))
+
+
+def _distance(a: tuple[float, ...] | list[float], b: tuple[float, ...] | list[float]) -> float:
+    if len(a) == 1:
+        return abs(a[0] - b[0])
+    return sqrt(sum((x - y) ** 2 for x, y in zip(a, b, strict=True)))
+
+
+def _at_most(vector: list[float], length: float) -> list[float]:
+    return vector if _length(vector) <= length else _of_length(vector, length)
+
+
+def _of_length(vector: list[float], length: float) -> list[float]:
+    now = _length(vector)
+    return [v * length / now for v in vector] if now else vector
+
+
+def _closing_speed(distance: float, acceleration: float, period: float) -> float:
+    """The greatest speed from which the rest of a distance suffices to stop, tick by tick.
+
+    The speeds u, u - a·dt, … down to zero cover u²/2a + u·dt/2.
+    """
+    half = period / 2
+    speed = acceleration * (sqrt(half * half + 2 * distance / acceleration) - half)
+    return min(speed, distance / period)
+
+
+def _per_axis(space: Space, limits: Sequence[float]) -> list[float]:
+    """The limit of each of the six axes, from those of the groups."""
+    found: list[float] = []
+    for group, limit in zip(space.groups, limits, strict=True):
+        width = group.stop - group.start
+        found += [limit / width**0.5] * width
+    return found

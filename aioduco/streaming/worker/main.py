@@ -1,0 +1,347 @@
+"""The worker of a stream: it owns a connection and a schedule, and sends what the program feeds.
+
+The same code runs in a process of its own, started with
+the descriptors of the shared block and of a socket to the program, or in a thread. The socket
+carries no data: the worker writes a byte when there is something to look at in the block, and
+the end of the stream from the other side means that the other side is gone.
+
+When the program dies, the worker brings the arm to rest, stops the robot, and ends.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import os
+import select
+import signal
+import socket
+import threading
+import time
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from aioduco._wire.connection import Connection
+from aioduco._wire.lifecycle import ConnectionState
+from aioduco.errors import ControllerError, DucoError, OutcomeUnknown, StopUnconfirmed
+from aioduco.scheduling import shorten_slice
+from aioduco.streaming.shared.block import Block, ControlWord, StatusWord, StreamCommand, Unmet
+from aioduco.streaming.shared.config import Calls, PoolDrive, QueueDrive
+from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.worker.buffered import RealtimeQueueDriver, TrackPoolDriver
+from aioduco.streaming.worker.clock import Schedule, sharpen_sleep, sleep_until
+from aioduco.streaming.worker.drivers import CallDriver, Driver, ProbeDriver
+from aioduco.streaming.worker.outlast import outlast
+
+if TYPE_CHECKING:
+    from aioduco.streaming.shared.config import WorkerConfig, WorkerSettings
+
+__all__ = ["StreamWorker", "main", "run_in_thread"]
+
+#: ends after which the worker stops the robot itself: nobody else knows, or nobody else can
+_STOPS = (
+    Reason.STARVED,
+    Reason.PROGRAM_DIED,
+    Reason.HUNG,
+    Reason.REFUSED,
+    Reason.CONNECTION,
+    Reason.FAILED,
+)
+_ANSWER = 50_000  # ns: no controller answers sooner
+_SLICE = 100_000  # ns: the shortest that the system gives
+_LOOK = 5_000_000  # ns between two looks at whether the program lives
+_STANDING = 2  # answers in a row that the arm does not move
+_STAND_EVERY = 10_000_000  # ns between two questions for that
+_STAND_LIMIT = 5_000_000_000  # ns for the arm to stand
+_REPORT = 10_000_000  # ns between two reports of the set-point
+
+
+class StreamWorker:
+    """One run of a worker, from the connection to the last call.
+
+    Args:
+        block: the shared block, with the configuration.
+        link: the worker's end of the socket to the program.
+        process: whether this is a process of its own.
+    """
+
+    def __init__(self, block: Block, link: socket.socket, *, process: bool) -> None:
+        self._block = block
+        self._config: WorkerConfig = block.config
+        self._timeout = block.config.options.timeout
+        self._stall_limit = int(block.config.stall_limit * 1e9)
+        self._link = link
+        self._poll = select.poll()
+        self._poll.register(link, select.POLLIN | select.POLLHUP)
+        self._looked = self._reported = 0
+        self._told: object = None
+        self._driver: Driver | None = None
+        self._terminated = False
+        self._process = process
+        self._parent = os.getppid()
+        #: whether a set-point was sent of which it is not known what became of it
+        self._unanswered = False
+
+    def run(self) -> None:
+        """Run to the end of the stream. Whatever happens is written into the block."""
+        block = self._block
+        reason, text = Reason.NONE, ""
+        connection = self._connection(keeps_overdue=True)
+        block.status[StatusWord.UNMET] = prepare(self._config.options)
+        try:
+            connection.open()
+            self._driver = self._make_driver(connection)
+            block.status[StatusWord.READY] = 1
+            self._tell()
+            self._loop(self._driver)
+        except ControllerError as exc:
+            reason, text = Reason.REFUSED, str(exc)
+        except DucoError as exc:
+            reason, text = Reason.CONNECTION, str(exc)
+            self._unanswered = isinstance(exc, OutcomeUnknown)
+        except Exception:
+            # A worker's own error is the program's to see: it must not end without a word.
+            reason, text = Reason.FAILED, traceback.format_exc()[-900:]
+        if self._driver is not None:
+            reason = self._driver.reason or reason
+            with contextlib.suppress(DucoError):
+                self._driver.publish()
+        text = block.text or text
+        try:
+            self._leave(connection, reason)
+        except (DucoError, OSError) as exc:
+            text = f"{text}; and it is not known that the arm stands: {exc}".strip("; ")
+            if reason in (Reason.CLOSED, Reason.ABORTED):
+                reason = Reason.FAILED
+        finally:
+            connection.close()
+            block.text = text
+            block.status[StatusWord.MEMORY] = _memory()
+            block.status[StatusWord.REASON] = reason
+            block.status[StatusWord.STATE] = StreamState.ENDED
+            self._tell()
+            self._link.close()
+
+    def terminate(self) -> None:
+        """Come to rest and end, from a signal handler."""
+        self._terminated = True
+
+    def _connection(self, *, keeps_overdue: bool = False) -> Connection:
+        config = self._config
+        timeout = config.options.connect_timeout
+        return Connection(
+            config.host, config.port, connect_timeout=timeout, keeps_overdue=keeps_overdue
+        )
+
+    def _make_driver(self, connection: Connection) -> Driver:
+        match self._config.sent.drive:
+            case Calls() as calls:
+                return CallDriver(calls, connection, self._block)
+            case QueueDrive() as queue:
+                return RealtimeQueueDriver(queue, connection, self._block)
+            case PoolDrive() as pool:
+                return TrackPoolDriver(pool, connection, self._block)
+            case None:
+                return ProbeDriver(connection, self._block)
+
+    def _leave(self, connection: Connection, reason: Reason) -> None:
+        """Make what the worker was streaming end on the controller's side, too."""
+        if self._unanswered:
+            self._outlast(connection)
+        elif self._block.status[StatusWord.SENT] == 0:
+            return
+        if reason is Reason.STOPPED:
+            return
+        calls = [tuple(call) for call in self._config.sent.leave]
+        if reason in _STOPS:
+            calls.append(("stop", True))
+        if calls and connection.state is not ConnectionState.IDLE:
+            connection.close()
+            connection = self._connection()
+            connection.open()
+        try:
+            for name, *args in calls:
+                connection.call(name, tuple(args), self._timeout)
+            self._stand(connection)
+        finally:
+            connection.close()
+
+    def _outlast(self, connection: Connection) -> None:
+        """Stop the arm until the unanswered set-point cannot move it any more."""
+        status, config = self._block.status, self._config
+
+        def alive() -> None:
+            status[StatusWord.BEAT] = time.monotonic_ns()
+
+        status[StatusWord.UNANSWERED] = 1
+        self._tell()
+        outlast(connection, self._connection, self._timeout, config.unanswered_timeout, alive)
+        status[StatusWord.UNANSWERED] = 0
+
+    def _stand(self, connection: Connection) -> None:
+        """Wait until the arm stands: a controller smooths what it is sent, and so lags behind."""
+        start = time.monotonic_ns()
+        standing = looks = 0
+        while standing < _STANDING:
+            looks += 1
+            try:
+                moving = connection.call("robotmoving", (), self._timeout)
+            except ControllerError:
+                # This controller does not tell, so nothing more can be known here.
+                return
+            standing = 0 if moving else standing + 1
+            now = sleep_until(start + looks * _STAND_EVERY)
+            if now - start > _STAND_LIMIT:
+                connection.call("stop", (True,), self._timeout)
+                raise StopUnconfirmed("it was still moving long after the end, and told to stop")
+
+    def _loop(self, driver: Driver) -> None:
+        block, config = self._block, self._config
+        clock = time.monotonic_ns
+        spin = int(config.options.spin * 1e9)
+        lateness = block.histograms["lateness"].record
+        interval = block.histograms["interval"].record
+        work = block.histograms["work"].record
+        status = block.status
+        schedule = Schedule(int(config.period * 1e9), clock())
+        before = clock()
+        while True:
+            due = schedule.due
+            now = sleep_until(due, spin)
+            lateness(now - due)
+            interval(now - before)
+            before = now
+            self._obey(driver, now)
+            more = driver.tick(now + _ANSWER >= due + schedule.period)
+            status[StatusWord.TICKS] += 1
+            status[StatusWord.BEAT] = now
+            self._publish(driver, now)
+            if not more:
+                return
+            now = clock()
+            work(now - before)
+            # A tick that was skipped was as late as the time since it was due: without it the
+            # percentiles of a worker that stood still would look well.
+            for missed in range(schedule.advance(now)):
+                lateness(now - due - (missed + 1) * schedule.period)
+            status[StatusWord.MISSED] = schedule.missed
+
+    def _obey(self, driver: Driver, now: int) -> None:
+        """Do what the program wants, and see whether it lives."""
+        control = self._block.control
+        if control[StreamCommand.HALT]:
+            driver.end(Reason.STOPPED)
+        elif control[StreamCommand.ABORT]:
+            driver.brake(Reason.ABORTED)
+        elif control[StreamCommand.CLOSE]:
+            driver.close()
+        if now - self._looked < _LOOK:
+            return
+        self._looked = now
+        if self._terminated:
+            driver.brake(Reason.FAILED)
+            self._block.text = "the lane's process was told to end by a signal"
+        # The controller stops the arm of a hung program by its heartbeat; set-points that are
+        # still queued would set it moving again.
+        if now - control[ControlWord.ALIVE] > self._stall_limit:
+            driver.brake(Reason.HUNG)
+        if self._gone():
+            dead = self._process and os.getppid() != self._parent
+            # Where others stop the robot at once, set-points would only set it moving again.
+            end = driver.end if dead and self._config.guarded else driver.brake
+            end(Reason.PROGRAM_DIED)
+
+    def _gone(self) -> bool:
+        """Whether the program is gone: its end of the socket is closed, or its process is.
+
+        A child that the program forked keeps the socket open, so that is not enough to know.
+        """
+        if self._process and os.getppid() != self._parent:
+            return True
+        if not self._poll.poll(0):
+            return False
+        try:
+            return not self._link.recv(64, socket.MSG_DONTWAIT)
+        except BlockingIOError:
+            return False
+        except OSError:
+            return True
+
+    def _publish(self, driver: Driver, now: int) -> None:
+        block = self._block
+        told = (driver.state, driver.reason)
+        if told != self._told:
+            self._told = told
+            driver.publish()
+            block.status[StatusWord.STATE], block.status[StatusWord.REASON] = told
+            self._tell()
+        elif now - self._reported >= _REPORT:
+            self._reported = now
+            driver.publish()
+        below = block.control[ControlWord.WAKE_BELOW]
+        if below and block.ring.level <= below:
+            self._tell()
+
+    def _tell(self) -> None:
+        """Wake the program; what there is to see stands in the block."""
+        with contextlib.suppress(OSError):
+            self._link.send(b"\1", socket.MSG_DONTWAIT | socket.MSG_NOSIGNAL)
+
+
+def prepare(options: WorkerSettings) -> Unmet:
+    """Give the calling thread what is asked for of the system.
+
+    Returns:
+        What the system did not allow.
+    """
+    unmet = Unmet(0)
+    if not sharpen_sleep(threading.get_native_id()):
+        unmet |= Unmet.TIMER_SLACK
+    if not shorten_slice(_SLICE):
+        unmet |= Unmet.SLICE
+    if options.cpus:
+        try:
+            os.sched_setaffinity(0, options.cpus)
+        except OSError:
+            unmet |= Unmet.CPUS
+    if options.priority:
+        try:
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(options.priority))
+        except OSError:
+            unmet |= Unmet.PRIORITY
+    return unmet
+
+
+def _memory() -> int:
+    """The largest size of this process so far [kB]; 0 where the system does not tell."""
+    try:
+        lines = Path("/proc/self/status").read_text().splitlines()
+    except OSError:
+        return 0
+    return next((int(line.split()[1]) for line in lines if line.startswith("VmHWM")), 0)
+
+
+def run_in_thread(block: Block, link: socket.socket) -> None:
+    """Run a worker in the calling thread, to its end."""
+    StreamWorker(block, link, process=False).run()
+
+
+def main(arguments: list[str]) -> int:
+    """Run a worker in this process.
+
+    Args:
+        arguments: the descriptors of the shared block and of the socket to the program.
+    """
+    # Ctrl-C reaches every process of a terminal; the end of the stream is the program's.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    memory, link = (int(argument) for argument in arguments)
+    block = Block.open(memory)
+    lane = StreamWorker(block, socket.socket(fileno=link), process=True)
+    signal.signal(signal.SIGTERM, lambda *_: lane.terminate())
+    signal.signal(signal.SIGHUP, lambda *_: lane.terminate())
+    # Nothing that was imported is garbage: leave it out of every collection from here on.
+    gc.collect()
+    gc.freeze()
+    lane.run()
+    return 0

@@ -1,0 +1,125 @@
+"""What a worker does about a set-point that was sent and not answered: it outlasts it.
+
+The supervision's rule for motions, `UnansweredMotion`, without an event loop: the worker has
+connections of its own and no more than one thread.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from aioduco._wire.lifecycle import ConnectionState
+from aioduco._wire.unanswered import NextStep, UnansweredMotion
+from aioduco.errors import ControllerError, DucoError, StopUnconfirmed
+from aioduco.streaming.worker.clock import sleep_until
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco._wire.connection import Connection
+
+__all__ = ["outlast"]
+
+#: ns between two looks at the arm
+_LOOK_EVERY = 10_000_000
+#: seconds for which each step waits for the late answer
+_LISTEN = 0.001
+#: seconds for a stop and a standstill after the last answer that was waited for
+_MARGIN = 5.0
+#: ns between two attempts to reach a controller that does not answer
+_TRY_EVERY = 50_000_000
+
+
+def outlast(
+    lost: Connection,
+    connect: Callable[[], Connection],
+    timeout: float,
+    limit: float,
+    alive: Callable[[], None],
+) -> None:
+    """Stop the robot, and return when an unanswered set-point cannot set it moving any more.
+
+    Args:
+        lost: the connection on which the answer did not come.
+        connect: makes another one, not open yet.
+        timeout: seconds for one answer of the controller.
+        limit: most seconds for which the answer is waited for.
+        alive: called at each step: the worker works.
+
+    Raises:
+        StopUnconfirmed: the set-point may still set the arm moving.
+    """
+    now = time.monotonic()
+    motion = UnansweredMotion(now, now + limit, now + limit + _MARGIN)
+    line = _Line(connect, timeout)
+    due = time.monotonic_ns()
+    try:
+        while (step := _next(motion, lost)) is not NextStep.DONE:
+            alive()
+            match step:
+                case NextStep.DISSOLVE:
+                    lost.close()
+                case NextStep.GIVE_UP:
+                    raise StopUnconfirmed(
+                        "a set-point was sent, and it is not known what became of it: the arm may "
+                        "be moving, or begin to. Press the emergency stop"
+                    )
+                case _:
+                    every = _LOOK_EVERY if line.ask(motion, step) else _TRY_EVERY
+                    due = sleep_until(max(due + every, time.monotonic_ns()))
+    finally:
+        line.close()
+        lost.close()
+
+
+def _next(motion: UnansweredMotion, lost: Connection) -> NextStep:
+    """Tell what has become of the set-point; what to do now."""
+    if lost.late_answer(time.monotonic() + _LISTEN):
+        motion.answered(time.monotonic())
+    elif not lost.overdue:
+        motion.dissolved(time.monotonic())
+    return motion.step(time.monotonic())
+
+
+class _Line:
+    """Stops the arm and asks whether it moves, over new connections."""
+
+    def __init__(self, connect: Callable[[], Connection], timeout: float) -> None:
+        self._connect = connect
+        self._timeout = timeout
+        self._connection: Connection | None = None
+
+    def ask(self, motion: UnansweredMotion, step: NextStep) -> bool:
+        """Do a step and tell what came of it. Returns whether the controller answered."""
+        begin = time.monotonic()
+        try:
+            connection = self._open()
+            if step is NextStep.STOP:
+                connection.call("stop", (False,), self._timeout)
+                motion.stopped(begin, time.monotonic())
+            else:
+                motion.seen(time.monotonic(), moving=self._moves(connection))
+        except DucoError:
+            motion.unheard(time.monotonic())
+            return False
+        return True
+
+    def close(self) -> None:
+        """Close what is open."""
+        if self._connection is not None:
+            self._connection.close()
+
+    def _open(self) -> Connection:
+        if self._connection is None or self._connection.state is not ConnectionState.IDLE:
+            self.close()
+            self._connection = self._connect()
+            self._connection.open(time.monotonic() + self._timeout)
+        return self._connection
+
+    def _moves(self, connection: Connection) -> bool:
+        try:
+            moving: bool = connection.call("robotmoving", (), self._timeout)
+        except ControllerError:
+            return False  # this controller does not tell, so nothing more can be known here
+        return moving

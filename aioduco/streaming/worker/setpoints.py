@@ -1,0 +1,367 @@
+"""From what the program sends to one set-point of the wire per tick, within the limits.
+
+`SetpointSource` decides what is followed, and when and why the stream ends; it is pure. Its states:
+
+WAITING     nothing has been sent yet.
+FOLLOWING   the program sends, and the arm follows.
+HOLDING     the program is late. The arm goes to the last target and stands there; a stream of
+            speeds keeps its speed. A new set-point leads back to FOLLOWING.
+DECELERATING  the end is decided and its reason known. Nothing more is taken; the arm comes to
+            rest within the limits.
+ENDED       nothing more is sent.
+
+There is no way back from DECELERATING or ENDED, and the first reason stays.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Protocol
+
+from aioduco.streaming.shared.block import StatusWord
+from aioduco.streaming.shared.space import POSE_SPACE
+from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.worker.interpolation import REFERENCES
+from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, Rates
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco._wire.connection import Connection
+    from aioduco.streaming.shared.block import Block
+    from aioduco.streaming.shared.ring import SetPoint
+    from aioduco.streaming.shared.space import Config, Displacement, Limits, Space
+    from aioduco.streaming.worker.interpolation import Reference
+
+__all__ = ["Follower", "Follows", "SetpointFeed", "SetpointSource", "within"]
+
+_LONGEST = 0.5  # seconds between two targets beyond which their slope says nothing
+_FIRST = 0.05  # taken for the interval before there is one
+_LATE = 1.2  # share of the interval in which a target is met: the next one may be a bit late
+_DUE = 1.5  # share of the interval after which an unpaced set-point counts as late
+_ROUNDING = 1 - 1e-9
+
+
+class Follower:
+    """A reference and the limiter that follows it.
+
+    Args:
+        way: one of `REFERENCES`.
+        space: the space of the set-points.
+        limits: velocity and acceleration; for "ruckig" also jerk.
+        period: time between two ticks of the stream [s].
+        start: where the arm is, at rest.
+    """
+
+    def __init__(
+        self, way: str, space: Space, limits: Limits, period: float, start: Config
+    ) -> None:
+        self._reference: Reference = REFERENCES[way](space, period, start)
+        kind = JerkLimiter if way == "ruckig" else Limiter
+        self._limiter = kind(space, limits, period, start)
+
+    @property
+    def config(self) -> Config:
+        """The set-point of the last tick."""
+        return self._limiter.config
+
+    @property
+    def velocity(self) -> Displacement:
+        """Its velocity, per second."""
+        return self._limiter.velocity
+
+    @property
+    def limited(self) -> int:
+        """Ticks in which the limits kept the set-point from the reference."""
+        return self._limiter.limited
+
+    @property
+    def ready(self) -> bool:
+        """Whether the last target has had its time, so that the next one may come."""
+        return self._reference.ready
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the last target is met and nothing moves."""
+        return self._reference.ready and self._limiter.at_rest
+
+    def aim(self, target: Config, interval: float, duration: float) -> None:
+        """Take a new target, to be met if the limits allow it.
+
+        Args:
+            target: the target.
+            interval: time since the target before it [s].
+            duration: time in which to meet it [s].
+        """
+        self._reference.aim(target, interval, duration)
+
+    def step(self) -> Config:
+        """Go on by one tick and return the set-point."""
+        return self._limiter.follow(self._reference.step())
+
+    def brake(self) -> Config:
+        """Go on by one tick of coming to rest within the limits and return the set-point."""
+        config = self._limiter.brake()
+        self._reference.rest(config)
+        return config
+
+
+class Follows(Protocol):
+    """What a source needs of a `Follower` or of `Rates`."""
+
+    @property
+    def config(self) -> Config: ...  # noqa: D102
+    @property
+    def ready(self) -> bool: ...  # noqa: D102
+    @property
+    def at_rest(self) -> bool: ...  # noqa: D102
+    def aim(self, target: Config, interval: float, duration: float) -> None: ...  # noqa: D102
+    def step(self) -> Config: ...  # noqa: D102
+    def brake(self) -> Config: ...  # noqa: D102
+
+
+class SetpointSource:
+    """One set-point per tick, until a defined end.
+
+    Args:
+        space: the space of the set-points.
+        period: time between two ticks [s].
+        hold: time without a set-point after which the stream ends [s].
+        interval: time between two targets of the program [s]; None: measured by their stamps.
+        paced: whether each target has its whole interval before the next one is taken (first
+            in, first out); otherwise the next one is taken as soon as it is there.
+        reach: how far the first target may be from where the arm is, per group [rad, m].
+        rates: whether the set-points are speeds, which end at zero.
+
+    Attributes:
+        state: the state.
+        reason: why it ends; NONE before.
+        starved: ticks in which the arm moved, a set-point was due and none was there.
+    """
+
+    def __init__(
+        self,
+        space: Space,
+        period: float,
+        *,
+        hold: float,
+        interval: float | None = None,
+        paced: bool = False,
+        reach: tuple[float, ...] = (),
+        rates: bool = False,
+    ) -> None:
+        self._space = space
+        self._period = period
+        self._hold = hold
+        self._fixed = interval
+        self._interval = _FIRST if interval is None else interval
+        self._paced = paced
+        self._reach = reach
+        self._rates = rates
+        self._follower: Follows | None = None
+        self._closing = False
+        self._stamp = 0
+        self._idle = 0
+        self.state: StreamState = StreamState.WAITING
+        self.reason: Reason = Reason.NONE
+        self.starved: int = 0
+
+    def begin(self, follower: Follows) -> None:
+        """Take what follows the targets; it stands where the arm is."""
+        self._follower = follower
+
+    def close(self) -> None:
+        """The program sends nothing more: follow to the last target, then end."""
+        self._closing = True
+
+    def brake(self, reason: Reason) -> None:
+        """Come to rest at once, then end."""
+        if self.state is StreamState.WAITING:
+            self.end(reason)
+        if self.state < StreamState.DECELERATING:
+            self.state, self.reason = StreamState.DECELERATING, reason
+
+    def end(self, reason: Reason) -> None:
+        """Send nothing more: the arm is stopped by others, or cannot be reached."""
+        if self.state < StreamState.ENDED:
+            self.state = StreamState.ENDED
+            self.reason = self.reason or reason
+
+    def step(self, take: Callable[[], SetPoint | None]) -> Config | None:
+        """Go on by one tick.
+
+        Args:
+            take: returns the program's next set-point, if there is one.
+
+        Returns:
+            What to send; None: nothing.
+        """
+        follower = self._follower
+        if follower is None or self.state is StreamState.ENDED:
+            if self._closing:
+                self.end(Reason.CLOSED)
+            return None
+        if self.state is not StreamState.DECELERATING:
+            self._follow(follower, take)
+        match self.state:
+            case StreamState.WAITING | StreamState.ENDED:
+                return None
+            case StreamState.DECELERATING:
+                config = follower.brake()
+                if follower.at_rest:
+                    self.state = StreamState.ENDED
+            case _:
+                config = follower.step()
+        return config
+
+    def _follow(self, follower: Follows, take: Callable[[], SetPoint | None]) -> None:
+        point = take() if follower.ready or not self._paced else None
+        if point is not None:
+            self._aim(follower, point)
+        elif self.state is StreamState.WAITING:
+            if self._closing:
+                self.end(Reason.CLOSED)
+        elif self._closing and follower.ready:
+            self._finish(follower)
+        else:
+            self._wait(follower)
+
+    def _aim(self, follower: Follows, point: SetPoint) -> None:
+        target = point.values if self._rates else self._space.decode(point.values)
+        if self.state is StreamState.WAITING:
+            if not self._rates and not within(self._space, follower.config, target, self._reach):
+                self.end(Reason.TOO_FAR)
+                return
+        elif self._fixed is None:
+            since = (point.stamp - self._stamp) * 1e-9
+            self._interval = max(self._period, min(since, _LONGEST))
+        self._stamp = point.stamp
+        self._idle = 0
+        self.state = StreamState.FOLLOWING
+        duration = self._interval if self._paced else self._interval * _LATE
+        follower.aim(target, self._interval, duration)
+
+    def _finish(self, follower: Follows) -> None:
+        """All was taken: stay until the last target is met."""
+        if self._rates:
+            self.brake(Reason.CLOSED)
+        elif follower.at_rest:
+            self.end(Reason.CLOSED)
+
+    def _wait(self, follower: Follows) -> None:
+        """A tick without a set-point of its own; it matters only while the arm moves."""
+        self._idle += 1
+        idle = self._idle * self._period
+        due = self._interval if self._paced else self._interval * _DUE
+        if idle < due * _ROUNDING:
+            return
+        self.starved += not follower.at_rest
+        self.state = StreamState.HOLDING
+        if idle > self._hold:
+            self.brake(Reason.STARVED)
+
+
+def within(space: Space, start: Config, end: Config, reach: tuple[float, ...]) -> bool:
+    """Whether a point is no further from another one than a distance for each group."""
+    gap = space.difference(start, end)
+    lengths = (sum(g * g for g in gap[group]) ** 0.5 for group in space.groups)
+    return all(length <= most for length, most in zip(lengths, reach, strict=True))
+
+
+class SetpointFeed:
+    """Set-points from the shared ring through limits: what servo, speed and realtime share.
+
+    Args:
+        connection: the worker's connection, open.
+        block: the shared block.
+    """
+
+    def __init__(self, connection: Connection, block: Block) -> None:
+        config = block.config
+        self._config = config
+        self._connection = connection
+        self._block = block
+        self._space = config.sent.space
+        self._meaning = config.sent.meaning
+        self._before = POSE_SPACE.decode((0.0,) * 6)
+        self._period = 1 / config.feeding.rate
+        self.source: SetpointSource = SetpointSource(
+            self._space,
+            self._period,
+            hold=config.feeding.hold,
+            interval=config.feeding.interval,
+            paced=not config.feeding.latest,
+            reach=tuple(config.feeding.reach),
+            rates=self._meaning == "speed",
+        )
+        self._follower: Follower | Rates | None = None
+        self._sent: tuple[float, ...] | None = None
+        self._next = block.ring.newest if config.feeding.latest else block.ring.take
+        self._age = block.histograms["age"].record
+
+    def begin(self) -> bool:
+        """Find out where the arm is, once there is a first set-point.
+
+        Returns:
+            Whether the stream has begun.
+        """
+        if self._follower is not None:
+            return True
+        if not self._block.ring.level:
+            return False
+        limits, space = self._config.sent.limits, self._space
+        if self._meaning == "speed":
+            self._follower = Rates(space, limits, self._period)
+        else:
+            way, start = self._config.feeding.upsample, space.decode(self._actual())
+            self._follower = Follower(way, space, limits, self._period, start)
+        self.source.begin(self._follower)
+        return True
+
+    def _actual(self) -> list[float]:
+        """Where the arm is; steps count from there, so for them that is zero."""
+        if self._meaning == "step":
+            return [0.0] * 6
+        name, *args = self._config.sent.read
+        timeout = self._config.options.timeout
+        actual: list[float] = self._connection.call(name, tuple(args), timeout)
+        return actual
+
+    def step(self) -> tuple[float, ...] | None:
+        """The next set-point for the controller; None when there is nothing to send."""
+        config = self.source.step(self._take)
+        if config is None:
+            return None
+        self._sent = self.values(config)
+        return self._sent
+
+    def resting(self) -> tuple[float, ...]:
+        """The set-point at which the arm stays as it is; only after `begin`."""
+        assert self._follower is not None
+        return self.values(self._follower.config)
+
+    def values(self, config: Config) -> tuple[float, ...]:
+        """The six numbers of the wire."""
+        if self._meaning == "speed":
+            return config
+        if self._meaning == "place":
+            return self._space.encode(config)
+        before, self._before = self._before, config
+        return POSE_SPACE.encode(POSE_SPACE.offset(before, config))
+
+    def _take(self) -> SetPoint | None:
+        point = self._next()
+        if point is not None:
+            self._age(time.monotonic_ns() - point.stamp)
+        return point
+
+    def publish(self) -> None:
+        """Write what the program wants to know into the shared block."""
+        status, ring = self._block.status, self._block.ring
+        status[StatusWord.STARVED] = self.source.starved
+        status[StatusWord.TAKEN] = ring.read
+        status[StatusWord.OVERWRITTEN] = ring.overwritten
+        if self._follower is not None:
+            status[StatusWord.LIMITED] = self._follower.limited
+        if self._sent is not None:
+            self._block.report.overwrite(self._sent, time.monotonic_ns())

@@ -1,0 +1,65 @@
+"""Whether the controller still follows, by its answers and by asking it now and then."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from aioduco.streaming.shared.state import Reason
+
+if TYPE_CHECKING:
+    from aioduco._wire.connection import Connection
+
+__all__ = ["ControllerWatch", "refused"]
+
+_ENABLED = 6  # robot state (manual 1.2)
+_TASK_STOPPED = 3
+_TASK_FAILED = (6, 7, 8)  # error, illegal, parameter mismatch (manual 1.2)
+
+
+def refused(answer: int) -> bool:
+    """Whether an answer says that a call was not carried out: it is no id of a task, either."""
+    return answer < 0 or answer in _TASK_FAILED
+
+
+class ControllerWatch:
+    """Looks, now and then, at whether the controller still follows.
+
+    Args:
+        connection: the worker's connection.
+        every: time between two looks [s]; 0: never.
+        timeout: time for each call [s].
+    """
+
+    def __init__(self, connection: Connection, every: float, timeout: float) -> None:
+        self._connection = connection
+        self._every = int(every * 1e9)
+        self._timeout = timeout
+        self._due = time.monotonic_ns() + self._every
+        self._task_next = False
+
+    def look(self, task: int) -> tuple[Reason, str]:
+        """Look, if it is time to.
+
+        Args:
+            task: the id that the controller gave for the last set-point; 0: none.
+
+        Returns:
+            Why the stream must end, and in words; NONE if it need not.
+        """
+        now = time.monotonic_ns()
+        if not self._every or now < self._due:
+            return Reason.NONE, ""
+        self._due = now + self._every
+        self._task_next = not self._task_next
+        if self._task_next and task > 0:
+            state = self._connection.call("get_noneblock_taskstate", (task,), self._timeout)
+            if state == _TASK_STOPPED:
+                return Reason.STOPPED, f"the controller stopped task {task}"
+            if state in _TASK_FAILED:
+                return Reason.REFUSED, f"task {task} ended in state {state} (manual 1.2)"
+            return Reason.NONE, ""
+        robot, *_ = self._connection.call("get_robot_state", (), self._timeout) or [_ENABLED]
+        if robot != _ENABLED:
+            return Reason.REFUSED, f"the robot is in state {robot}, not enabled (manual 1.2)"
+        return Reason.NONE, ""

@@ -1,0 +1,289 @@
+"""Sending commands that become tasks.
+
+Guarantees:
+- A motion whose acceptance is not known for certain is stopped. A motion is sent by a background
+  task, so that a cancellation of the caller cannot cut off the answer that says whether it was
+  accepted: the stop would then overtake the motion.
+- A stop that is asked for while a motion is on its way holds for that motion too.
+- Motions reach the controller in the order in which they were started, over a lane of their
+  own: the start of a motion waits behind no blocking call.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import anyio
+import anyio.lowlevel
+
+from aioduco.errors import (
+    HeartbeatLost,
+    OutcomeUnknown,
+    Refused,
+    RobotStateError,
+    StopUnconfirmed,
+)
+from aioduco.supervision.command import Command
+from aioduco.supervision.concurrency import every, run_to_completion
+from aioduco.supervision.heartbeat import HeartbeatState
+from aioduco.supervision.task import Task
+from aioduco.supervision.task_state import TaskLifecycle
+from aioduco.supervision.unanswered import PendingCommand
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from aioduco._wire.lane import WireLane
+    from aioduco.models.enums import Outcome
+    from aioduco.supervision.concurrency import BackgroundTasks
+    from aioduco.supervision.heartbeat import HeartbeatLike
+    from aioduco.supervision.settings import RobotSettings
+    from aioduco.supervision.stop_coordinator import StopCoordinator
+    from aioduco.supervision.task import OnCancel
+
+
+#: seconds between two looks at whether anything is left of what was started
+_CLAIM_EVERY = 0.1
+
+
+class Dispatcher:
+    """Sends commands, one at a time, and makes tasks of them.
+
+    Args:
+        lane: where commands are sent.
+        coordinator: follows the tasks, and stops what went wrong.
+        background: sends, beside the caller.
+        heartbeat: without its beating no motion is started; None if there is none.
+        settings: times and limits.
+
+    Attributes:
+        closed: why nothing is started any more; empty while something is.
+        accepted: commands that the controller accepted.
+    """
+
+    def __init__(
+        self,
+        lane: WireLane,
+        coordinator: StopCoordinator,
+        background: BackgroundTasks,
+        heartbeat: HeartbeatLike | None,
+        settings: RobotSettings,
+    ) -> None:
+        self._lane = lane
+        self._coordinator = coordinator
+        self._background = background
+        self._heartbeat = heartbeat
+        self._settings = settings
+        self._order = anyio.Lock()
+        self._last: Task | None = None
+        self.closed = ""
+        self.accepted: int = 0
+
+    async def quiet(self, timeout: float) -> None:
+        """Wait until no command is on its way; after `closed` was set, none follows."""
+        with anyio.move_on_after(timeout):
+            async with self._order:
+                return
+
+    async def drop_claim_at_rest(self) -> None:
+        """Drop the claim on the arm whenever it stands and nothing that was started still runs."""
+        coordinator = self._coordinator
+        async for _ in every(_CLAIM_EVERY):
+            # Nothing is awaited between the last look at what is on its way, and the word.
+            stands = (
+                coordinator.claim.made and not coordinator.moving and await coordinator.stands()
+            )
+            if stands and not coordinator.moving and not self._order.statistics().locked:
+                coordinator.claim.drop()
+
+    async def admit_stream(self, name: str) -> None:
+        """See that a stream of set-points may begin.
+
+        Args:
+            name: what it is called.
+
+        Raises:
+            RobotStateError: the robot is not open, or something moves the arm.
+            HeartbeatLost: the heartbeat does not beat.
+        """
+        async with self._order:
+            self._admit(Command(name, ()))
+            coordinator = self._coordinator
+            tasks = [task for task in coordinator.follower.tasks if task.motion]
+            if tasks or coordinator.modes.moving or coordinator.pending:
+                moved = ", ".join(map(repr, tasks)) or "a mode in which the arm moves"
+                raise RobotStateError(
+                    f"{name} was not opened: {moved} is under way, and the arm can follow only one"
+                )
+
+    async def perform(self, name: str, args: tuple[Any, ...], timeout: float) -> Outcome:
+        """Send a command that moves nothing, and wait for its end.
+
+        Args:
+            name: the function of the wire.
+            args: its arguments, with block false.
+            timeout: seconds in which it must end.
+
+        Raises:
+            TaskError: it did not succeed.
+        """
+        task = await self.launch(Command(name, args, motion=False))
+        return await self._coordinator.follower.completed(task, timeout)
+
+    async def launch(
+        self,
+        command: Command,
+        *,
+        deadline: float | None = None,
+        on_cancel: OnCancel | None = None,
+    ) -> Task:
+        """Send a command and return its task; `MotionCommand.start` describes it."""
+        self._admit(command)
+        # Locked until it is certain what became of the command: while one that went astray is being
+        # stopped, no other motion is sent, and the robot is not closed.
+        async with self._order:
+            self._admit(command)
+            stops = self._coordinator.stops
+            before = self._last if command.motion else None
+            if before is not None:
+                before.life.successor_sent()
+            mode = (
+                command.continuous.ending
+                if command.continuous is not None and command.continuous.mode
+                else None
+            )
+            was_on = mode is not None and self._coordinator.modes.enter(mode, (False,))
+            try:
+                pending, cancelled = await self._sent(command)
+            except StopUnconfirmed:
+                if before is not None:
+                    before.life.successor_refused()
+                raise
+            error = pending.error
+            if error is None and pending.answer < 0:
+                error = Refused(command.name, pending.answer, "no reason is given")
+            if error is not None:
+                if mode is not None and not was_on and not isinstance(error, OutcomeUnknown):
+                    self._coordinator.modes.over(mode)
+                if before is not None:
+                    before.life.successor_refused()
+                raise cancelled or error
+            task = self._accept(command, pending.answer, pending.at, stops, deadline, on_cancel)
+            if command.motion and self._coordinator.stops != stops:
+                # Somebody asked for a stop in the meantime, and it may have been served first.
+                _, again = await run_to_completion(self._coordinator.halt)
+                cancelled = cancelled or again
+            await self._hand_over(task, cancelled)
+            return task
+
+    async def _sent(self, command: Command) -> tuple[PendingCommand, BaseException | None]:
+        """Send a command and wait until it is known what became of it."""
+        timeout = self._settings.call_timeout
+        if command.motion:
+            return await self._coordinator.answered(
+                self._lane, command.name, command.args, timeout, followed=True
+            )
+        pending = PendingCommand(command.name)
+        work = pending.carry_out(self._lane, command.args, timeout)
+        self._background.start(work, f"aioduco {command.name}", pending.close)
+        _, cancelled = await run_to_completion(pending.wait)
+        return pending, cancelled
+
+    async def conduct(self, command: Command, lane: WireLane, timeout: float | None) -> int:
+        """Send a motion that is answered only when it has ended, or a mode in which the arm moves.
+
+        Cancelling this stops the arm. So does the loss of the answer.
+
+        Args:
+            command: what is sent.
+            lane: where: it is taken until the answer comes.
+            timeout: seconds for the answer; None for as long as it takes.
+
+        Returns:
+            The answer.
+        """
+        self._admit(command)
+        pending, cancelled = await self._coordinator.answered(
+            lane, command.name, command.args, timeout, followed=False
+        )
+        if cancelled is not None:
+            raise cancelled
+        if pending.error is not None:
+            raise pending.error
+        return pending.answer
+
+    def adopt(self, command: Command, task_id: int) -> Task:
+        """Follow a task that the controller started for a call that is no task by the manual."""
+        return self._accept(command, task_id, time.monotonic(), self._coordinator.stops, None, None)
+
+    async def _hand_over(self, task: Task, cancelled: BaseException | None) -> None:
+        """Give the task to the caller, unless the caller was cancelled meanwhile."""
+        try:
+            if cancelled is not None:
+                raise cancelled  # noqa: TRY301  # one way out for both kinds of cancellation
+            await anyio.lowlevel.checkpoint_if_cancelled()
+        except BaseException:
+            await self._coordinator.cancelled_while_waiting(task)
+            raise
+
+    def _admit(self, command: Command) -> None:
+        self._lane.owner_loop.require(command.name)
+        if self.closed:
+            raise RobotStateError(f"{command.name} was not sent: {self.closed}")
+        if command.motion and self._coordinator.streams:
+            stream = next(iter(self._coordinator.streams))
+            raise RobotStateError(
+                f"{command.name} was not sent: the arm follows {stream!r}; close it first"
+            )
+        if not command.motion:
+            return
+        if (
+            self._heartbeat is not None
+            and (state := self._heartbeat.state) is not HeartbeatState.BEATING
+        ):
+            what = (
+                "the event loop hung; call robot.rearm_heartbeat() to go on"
+                if state is HeartbeatState.STALLED
+                else "the controller does not answer it; it is tried on"
+            )
+            raise HeartbeatLost(
+                f"{command.name} was not sent, since the heartbeat does not beat: {what}"
+            )
+        self._coordinator.claim.make(command.name)
+
+    def _accept(
+        self,
+        command: Command,
+        task_id: int,
+        accepted_at: float,
+        stops: int,
+        deadline: float | None,
+        on_cancel: OnCancel | None,
+    ) -> Task:
+        if not command.motion:
+            on_cancel = "detach"
+        elif command.continuous is not None and (on_cancel or self._settings.on_cancel) == "pause":
+            on_cancel = "stop"  # what was paused would go on, with nobody to end it
+        if deadline is None and command.continuous is not None:
+            deadline = command.continuous.limit
+        task = Task(
+            self._coordinator,
+            command.name,
+            task_id,
+            TaskLifecycle(blends=command.blends, continuous=command.continuous),
+            accepted_at=accepted_at,
+            stops_before=stops,
+            motion=command.motion,
+            on_cancel=on_cancel or self._settings.on_cancel,
+            deadline=None if deadline is None else accepted_at + deadline,
+            continuous=command.continuous,
+            eta=command.eta,
+        )
+        self.accepted += 1
+        if command.motion:
+            if self._last is not None:
+                self._last.life.successor_accepted()
+            self._last = task
+        self._coordinator.follower.follow(task)
+        return task

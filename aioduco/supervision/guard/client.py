@@ -1,0 +1,264 @@
+"""The program's end of its guard: one guard for all robots of a program.
+
+Guarantees:
+- Sending never waits: a guard that does not read is as good as none, and the caller goes on by
+  the local way.
+- Whoever waits for an answer is woken when the guard dies.
+- The socket pair is not inherited by other processes that the program starts, not even by a
+  fork, so that the guard sees the program's end when the program ends.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import socket
+import subprocess
+import threading
+from typing import TYPE_CHECKING, Final
+
+from aioduco._spawn import Process, Unstartable
+from aioduco._wire.forks import fork_hooks
+from aioduco._wire.nonblocking import send_at_once
+from aioduco._wire.resource_errors import resource_error
+from aioduco.errors import GuardLost
+from aioduco.reporting import BackgroundLogger
+from aioduco.supervision.guard.messages import LARGEST, Beat, Done, Said, pack, unpack
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco.supervision.guard.messages import Message
+
+_log = BackgroundLogger(__name__)
+
+#: seconds for a guard that has nothing left to do to end
+_END_LIMIT: Final = 2.0
+
+
+class Answer:
+    """The answer to a request, which may not have come yet.
+
+    Args:
+        notify: called on the link's thread when the answer is there.
+    """
+
+    def __init__(self, notify: Callable[[], None]) -> None:
+        self._notify = notify
+        self.given: bool = False
+        self.error: str = ""
+        self.lost: bool = False
+
+    def give(self, error: str, *, lost: bool = False) -> None:
+        """Set what came of the request."""
+        self.error, self.lost, self.given = error, lost, True
+        self._notify()
+
+
+class GuardListener:
+    """Callbacks of one robot; both are called on the link's thread."""
+
+    def __init__(self, beat: Callable[[Beat], None], lost: Callable[[], None]) -> None:
+        self.beat = beat
+        self.lost = lost
+
+
+class GuardLink:
+    """A running guard.
+
+    Raises:
+        GuardLost: it cannot be started.
+    """
+
+    def __init__(self) -> None:
+        self._tokens = itertools.count(1)
+        self._robots = itertools.count(1)
+        self._answers: dict[int, Answer] = {}
+        self._listeners: dict[int, GuardListener] = {}
+        self.alive: bool = True
+        self.users = 0
+        try:
+            ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        except OSError as exc:
+            raise _not_started(exc) from exc
+        try:
+            # In a session of its own: what ends the program's processes is not to end this.
+            process = Process("aioduco.supervision.guard.process", [theirs.fileno()])
+        except OSError as exc:
+            ours.close()
+            raise _not_started(exc) from exc
+        except Unstartable as exc:
+            ours.close()
+            raise GuardLost(
+                f"the guard's process was not started: {exc}, or connect without a guard"
+            ) from exc
+        finally:
+            theirs.close()
+        self._process = process
+        self._popen = process.popen
+        self._socket = ours
+        fork_hooks.add(self)
+        self._thread = threading.Thread(target=self._read, name="aioduco-guard", daemon=True)
+        try:
+            self._thread.start()
+        except RuntimeError as exc:
+            # Without a robot it ends as soon as its socket does.
+            self.alive = False
+            ours.close()
+            self._popen.wait()
+            process.close()
+            raise _not_started(exc) from exc
+
+    def __repr__(self) -> str:
+        state = "alive" if self.alive else "gone"
+        return f"<GuardLink to process {self.pid}, {state}, {self.users} robots>"
+
+    def __del__(self) -> None:
+        if (ours := getattr(self, "_socket", None)) is not None:
+            ours.close()
+
+    @property
+    def pid(self) -> int:
+        """The guard's process id."""
+        return self._popen.pid
+
+    @property
+    def last_words(self) -> str:
+        """The last line of what the guard wrote of itself, once it has ended."""
+        return self._process.last_words.rpartition("\n")[2]
+
+    def register(self, listener: GuardListener) -> int:
+        """Register a robot's callbacks. Returns the robot's number."""
+        robot = next(self._robots)
+        self._listeners[robot] = listener
+        return robot
+
+    def unregister(self, robot: int) -> None:
+        """Unregister a robot."""
+        self._listeners.pop(robot, None)
+
+    def tell(self, message: Message) -> bool:
+        """Send a message. Returns whether the guard will read it, as far as can be known."""
+        packet = pack(message)
+        return self.alive and send_at_once(self._socket.fileno(), packet) == len(packet)
+
+    def ask(self, request: Callable[[int], Message], answer: Answer) -> bool:
+        """Send a request that is answered by `Done`.
+
+        Args:
+            request: makes the message, given the token.
+            answer: is given what came of it; also when the guard dies.
+
+        Returns:
+            Whether it was sent; if not, the answer is never given.
+        """
+        token = next(self._tokens)
+        self._answers[token] = answer
+        if self.tell(request(token)):
+            return True
+        return self._answers.pop(token, None) is None
+
+    def end(self) -> None:
+        """Close the link: a guard without robots ends, one with robots stops their arms first."""
+        try:
+            self._socket.shutdown(socket.SHUT_RDWR)
+        except OSError:
+            # the guard's end is gone
+            return
+
+    def join(self, timeout: float) -> bool:
+        """Wait for the thread, which waits for the process. Returns whether both have ended."""
+        self._thread.join(timeout)
+        return not self._thread.is_alive()
+
+    def forked(self) -> None:
+        """Close this copy of the socket: in a forked child, the link is the parent's."""
+        self.alive = False
+        self._socket.close()
+
+    def _read(self) -> None:
+        try:
+            while packet := self._socket.recv(LARGEST):
+                match unpack(packet):
+                    case Done(token, error):
+                        answer = self._answers.pop(token, None)
+                        if answer is not None:
+                            answer.give(error)
+                    case Beat() as beat:
+                        listener = self._listeners.get(beat.robot)
+                        if listener is not None:
+                            listener.beat(beat)
+                    case Said(level, text):
+                        _log_for_the_guard(level, text)
+                    case other:
+                        raise ValueError(f"a guard sent {other!r} to its program")
+        except OSError:
+            # A guard that was killed with unread packets resets the pair instead of closing it.
+            _log.debug("the guard's socket was reset")
+        finally:
+            self._over()
+
+    def _over(self) -> None:
+        self.alive = False
+        # Not closed: whoever is sending must not find another file under its number.
+        self.end()
+        for token in list(self._answers):
+            answer = self._answers.pop(token, None)
+            if answer is not None:
+                answer.give("the guard's process is gone", lost=True)
+        for listener in list(self._listeners.values()):
+            listener.lost()
+        try:
+            self._popen.wait(_END_LIMIT)
+        except subprocess.TimeoutExpired:
+            # It still stops arms that were left to it, or hangs. Either way it is not killed:
+            # what stops an arm is not ended by force.
+            _log.warning("the guard %d has not ended yet", self.pid)
+        finally:
+            self._process.close()
+
+
+def _log_for_the_guard(level: int, text: str) -> None:
+    # The user's log handlers run here, on the thread that sees the guard's end.
+    with contextlib.suppress(Exception):
+        _log.log(level, "the guard says: %s", text)
+
+
+def _not_started(error: Exception) -> GuardLost:
+    why = resource_error(error) or error
+    return GuardLost(f"the guard's process could not be started: {why}. Nothing was moved")
+
+
+class _Shared:
+    """The one guard of this program, for as long as a robot uses it."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._link: GuardLink | None = None
+        fork_hooks.add(self)
+
+    def forked(self) -> None:
+        """In a forked child there is no guard yet, and nobody who would free the lock."""
+        self._lock = threading.Lock()
+        self._link = None
+
+    def acquire(self) -> GuardLink:
+        with self._lock:
+            if self._link is None or not self._link.alive:
+                self._link = GuardLink()
+            self._link.users += 1
+            return self._link
+
+    def release(self, link: GuardLink) -> None:
+        with self._lock:
+            link.users -= 1
+            if link.users:
+                return
+            if self._link is link:
+                self._link = None
+        link.end()
+        link.join(_END_LIMIT)
+
+
+#: one per process, since the guard is there for the process as a whole: it sees its end
+shared: Final = _Shared()

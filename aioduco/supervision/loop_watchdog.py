@@ -1,0 +1,189 @@
+"""Finds out when the event loop is blocked, and by which line.
+
+A program that computes, or sleeps, on the event loop keeps it from noticing the end of a motion,
+and from sending set-points in time. Asyncio's debug mode finds that afterwards; this looks at the
+loop's thread while it is blocked.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+import traceback
+from typing import TYPE_CHECKING, Final
+
+from aioduco._wire.forks import fork_hooks
+from aioduco.reporting import BackgroundLogger
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import FrameType
+
+
+__all__ = ["LoopWatchdog", "SignOfLife", "WatchedLoop", "culprit", "watchdogs"]
+
+_log = BackgroundLogger(__name__)
+
+#: lines of the call stack that are kept
+_DEPTH = 12
+
+
+class SignOfLife:
+    """When the event loop was last seen to run, and whether its program moves the arm.
+
+    Written by the loop, read by any thread.
+    """
+
+    __slots__ = ("longest_stall", "moves", "stamp")
+
+    def __init__(self) -> None:
+        self.stamp: float = time.monotonic()
+        #: how late the latest sign of life came [s]
+        self.longest_stall: float = 0.0
+        #: whether the program may be moving the arm: only then is it stopped for the program
+        self.moves: bool = False
+
+    def touch(self, due: float) -> None:
+        """The loop runs; `due` is when this sign of life was to be given."""
+        self.stamp = time.monotonic()
+        self.longest_stall = max(self.longest_stall, self.stamp - due)
+
+    def say(self, moves: bool) -> bool:
+        """Whether the program may move the arm from now on. Returns whether that is known."""
+        self.moves = moves
+        return True
+
+
+class WatchedLoop:
+    """An event loop's sign of life, as one robot gives it, and who wants to hear of a stall.
+
+    Args:
+        life: the sign of life.
+        limit: seconds without one after which the loop counts as blocked.
+        blocked: called on the monitor's thread when the loop runs again, with how long it did
+            not [s], and where it was.
+    """
+
+    def __init__(
+        self, life: SignOfLife, limit: float, blocked: Callable[[float, str], None]
+    ) -> None:
+        self.life = life
+        self.limit = limit
+        self.blocked = blocked
+
+
+class LoopWatchdog:
+    """Watches the loop of one thread, for all robots on it: it is blocked for all of them alike.
+
+    Args:
+        loop_thread: identifier of the loop's thread.
+    """
+
+    def __init__(self, loop_thread: int) -> None:
+        self._loop_thread = loop_thread
+        self._watched: tuple[WatchedLoop, ...] = ()
+        self._changed = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="aioduco-loop-watchdog", daemon=True)
+
+    def add(self, watched: WatchedLoop) -> None:
+        """Watch for one more robot."""
+        first = not self._watched
+        self._watched += (watched,)
+        if first:
+            try:
+                self._thread.start()
+            except BaseException:
+                self._watched = ()
+                raise
+
+    def remove(self, watched: WatchedLoop) -> bool:
+        """Watch for one robot less. Returns whether none is left, and the thread ends."""
+        self._watched = tuple(other for other in self._watched if other is not watched)
+        if self._watched:
+            return False
+        self._changed.set()
+        return True
+
+    def join(self, timeout: float) -> bool:
+        """Wait for the thread's end. Returns whether it ended."""
+        self._thread.join(timeout)
+        return not self._thread.is_alive()
+
+    def _run(self) -> None:
+        while watched := self._watched:
+            stamp = max(one.life.stamp for one in watched)
+            limit = min(one.limit for one in watched)
+            if self._changed.wait(max(0.0, stamp + limit - time.monotonic())):
+                return
+            if self._latest() != stamp:
+                continue
+            # Now, while it is blocked: afterwards nobody knows where it was.
+            where = culprit(sys._current_frames().get(self._loop_thread))
+            while self._latest() == stamp:
+                if self._changed.wait(limit / 4):
+                    return
+            self._report(watched, self._latest() - stamp, where)
+
+    def _latest(self) -> float:
+        return max((one.life.stamp for one in self._watched), default=0.0)
+
+    def _report(self, watched: tuple[WatchedLoop, ...], seconds: float, where: str) -> None:
+        for one in watched:
+            if seconds > one.limit:
+                one.blocked(seconds, where)
+        if where:
+            _log.warning("the event loop was blocked for %.2f s by:\n%s", seconds, where)
+        else:
+            _log.warning("the event loop did not get to run for %.2f s", seconds)
+
+
+class _Watchdogs:
+    """The watchdogs of this process, one per thread with an event loop."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._by_thread: dict[int, LoopWatchdog] = {}
+        fork_hooks.add(self)
+
+    def forked(self) -> None:
+        """In a forked child no watchdog runs, and nobody would free the lock."""
+        self._lock = threading.Lock()
+        self._by_thread = {}
+
+    def watch(self, watched: WatchedLoop) -> LoopWatchdog:
+        """Watch the loop of the calling thread."""
+        thread = threading.get_ident()
+        with self._lock:
+            watchdog = self._by_thread.get(thread) or LoopWatchdog(thread)
+            watchdog.add(watched)
+            self._by_thread[thread] = watchdog
+        return watchdog
+
+    def leave(self, watchdog: LoopWatchdog, watched: WatchedLoop, timeout: float) -> None:
+        """Stop watching for a robot, and wait for the thread's end if none is left."""
+        with self._lock:
+            if not watchdog.remove(watched):
+                return
+            for thread, other in list(self._by_thread.items()):
+                if other is watchdog:
+                    del self._by_thread[thread]
+        watchdog.join(timeout)
+
+
+#: one per process: a loop's thread is blocked for all robots on it, and is looked at once
+watchdogs: Final = _Watchdogs()
+
+
+def culprit(frame: FrameType | None) -> str:
+    """The call stack of a thread, its innermost calls, as Python prints it; "" if it is idle."""
+    if frame is None:
+        return ""
+    try:
+        stack = traceback.extract_stack(frame)[-_DEPTH:]
+    except Exception as exc:  # the lines come from the program's own loaders of modules
+        return f"(its call stack cannot be read: {type(exc).__name__})\n"
+    # A loop that waits in its selector is not blocked, but starved: by the GIL or by the machine.
+    if stack and stack[-1].name in {"select", "poll"}:
+        return ""
+    return "".join(traceback.format_list(stack))

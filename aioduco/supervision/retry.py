@@ -1,0 +1,105 @@
+"""Reads that are sent again while the connection is lost.
+
+A function that only reads is asked again, after a growing and scattered pause, until its deadline:
+a controller that restarts, or a switch that reboots, costs the program a moment instead of an
+error. A command is never sent again: one that was not sent raises that, one whose answer was lost
+raises `OutcomeUnknown`.
+"""
+
+from __future__ import annotations
+
+import random
+import time
+from typing import TYPE_CHECKING, Any, Final
+
+import anyio
+
+from aioduco._wire.idempotence import CallKind, call_kind
+from aioduco._wire.rpc import AsyncRpc
+from aioduco.errors import ConnectError, ConnectionLost, ProtocolError
+
+if TYPE_CHECKING:
+    from aioduco._wire.lane import WireLane
+
+__all__ = ["Backoff", "RetryingReads"]
+
+#: first and longest pause before another attempt [s]
+FIRST: Final = 0.02
+LONGEST: Final = 1.0
+_DEFAULT: Final = -1.0
+
+
+class Backoff:
+    """Pauses between attempts: each up to twice as long as the one before, drawn at random.
+
+    Many programs that lose the same controller must not come back all at once.
+
+    Args:
+        draw: a number from 0 to 1, at random.
+    """
+
+    def __init__(self, draw: random.Random) -> None:
+        self._draw = draw
+        self._limit = FIRST
+
+    def next(self) -> float:
+        """Return the next pause [s]: at least half of its limit, at most all of it."""
+        limit, self._limit = self._limit, min(self._limit * 2, LONGEST)
+        return limit * (0.5 + 0.5 * self._draw.random())
+
+
+class RetryingReads:
+    """The calls of a lane; those that only read are sent again while the connection is lost.
+
+    Args:
+        lane: where calls go.
+
+    Attributes:
+        rpc: the functions of the wire with the lane's time limit.
+        retries: reads that were asked again.
+    """
+
+    def __init__(self, lane: WireLane) -> None:
+        self._lane = lane
+        self._draw = random.Random()
+        self.rpc: AsyncRpc = AsyncRpc(self.call)
+        self.retries: int = 0
+
+    def within(self, timeout: float | None) -> AsyncRpc:
+        """The functions of the wire with another time limit; None: none."""
+        return AsyncRpc(lambda name, args: self.call(name, args, timeout))
+
+    async def call(self, name: str, args: tuple[Any, ...], timeout: float | None = _DEFAULT) -> Any:
+        """Call a function of the wire, as `WireLane.call`; a read is sent again.
+
+        Args:
+            name: the function.
+            args: one value per parameter.
+            timeout: most seconds for the whole call; None: no limit; by default the lane's. A
+                lost connection is waited for no longer than the lane's limit.
+        """
+        if timeout == _DEFAULT:
+            timeout = self._lane.call_timeout
+        begin = time.monotonic()
+        try:
+            return await self._lane.call(name, args, timeout)
+        except (ConnectError, ConnectionLost) as exc:
+            if call_kind(name) is not CallKind.READ or isinstance(exc, ProtocolError):
+                raise
+            limit = self._lane.call_timeout if timeout is None else timeout
+            return await self._again(name, args, begin + limit, exc)
+
+    async def _again(self, name: str, args: tuple[Any, ...], until: float, error: Exception) -> Any:
+        backoff = Backoff(self._draw)
+        while True:
+            pause = backoff.next()
+            if time.monotonic() + pause >= until:
+                raise error
+            await anyio.sleep(pause)
+            self.retries += 1
+            try:
+                return await self._lane.call(name, args, max(0.001, until - time.monotonic()))
+            except (ConnectError, ConnectionLost) as exc:
+                if isinstance(exc, ProtocolError):
+                    raise
+                error = exc

@@ -1,0 +1,367 @@
+"""The feed of the robot's state: samples at a steady rate, for any number of readers.
+
+Guarantees:
+- It asks over a lane of its own, so neither a stop nor the following of tasks waits for it.
+- A sample tells when it was received. One that is older than a reader allows is never returned:
+  `StaleState` is raised instead.
+- A slow reader holds up nobody: what happens to samples that it does not take is its own choice,
+  and how many went is counted.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Generic, Literal, NamedTuple, TypeAlias, TypeVar
+
+import anyio
+
+from aioduco.errors import DucoError, FeedOverflow, ParameterError, RobotStateError, StaleState
+from aioduco.models.ranges import TIMEOUT as SECONDS
+from aioduco.models.state import IOStatus, RobotStates, RobotStatus, Sample
+from aioduco.supervision.concurrency import every
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from typing import Self
+
+    from aioduco._wire.handoff import OwnerLoop
+    from aioduco._wire.lane import WireLane
+    from aioduco.models.samples import Samples
+    from aioduco.supervision.concurrency import BackgroundTasks
+
+__all__ = ["Buffer", "FeedStatistics", "Policy", "Snapshot", "StateFeed", "Subscription"]
+
+T = TypeVar("T")
+
+Policy: TypeAlias = Literal["latest", "drop_oldest", "every"]
+
+
+class Buffer(Generic[T]):
+    """Items between one who gives and one who takes.
+
+    Args:
+        policy: what happens to items that are not taken in time. "latest": a new one takes the
+            place of the one before. "drop_oldest": the oldest goes when `size` are waiting.
+            "every": none goes; when `size` are waiting, taking raises `FeedOverflow` after the
+            last of them, so that a gap is never passed off as a whole.
+        size: most items that wait; with "latest" it is one.
+
+    Attributes:
+        dropped: items that were never taken and went.
+    """
+
+    def __init__(self, policy: Policy, size: int) -> None:
+        if policy not in ("latest", "drop_oldest", "every"):
+            raise ParameterError("policy", policy, '"latest", "drop_oldest" or "every"')
+        if type(size) is not int or size < 1:
+            raise ParameterError("size", size, "a whole number from 1")
+        self.policy = policy
+        self.size: int = 1 if policy == "latest" else size
+        self.dropped: int = 0
+        self._items: deque[T] = deque()
+        self._overflown = False
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    @property
+    def ready(self) -> bool:
+        """Whether taking gives something, or raises."""
+        return bool(self._items) or self._overflown
+
+    def put(self, item: T) -> None:
+        """Give an item."""
+        if len(self._items) == self.size:
+            self.dropped += 1
+            if self.policy == "every":
+                self._overflown = True
+                return
+            self._items.popleft()
+        elif self._overflown:
+            # after a gap nothing is taken up again until the subscriber has heard of it
+            self.dropped += 1
+            return
+        self._items.append(item)
+
+    def take(self) -> T:
+        """Take the oldest item.
+
+        Raises:
+            FeedOverflow: items went missing here. Taking goes on behind the gap afterwards.
+            IndexError: nothing waits.
+        """
+        if self._items:
+            return self._items.popleft()
+        if self._overflown:
+            self._overflown = False
+            raise FeedOverflow(
+                f"more than {self.size} items waited, and {self.dropped} were dropped: take them "
+                "faster, ask for a larger size, or choose another policy"
+            )
+        raise IndexError("nothing waits")
+
+
+#: part of the interval that a new one has in the measured rate
+_SMOOTHING = 0.1
+#: seconds between two attempts while nobody answers
+_RETRY_EVERY = 0.1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Snapshot(Sample):
+    """Everything that the feed reads at one moment.
+
+    `received_at` is that of its oldest part.
+
+    Attributes:
+        states: states of robot, program, safety and mode.
+        status: positions, speeds, faults.
+        io: inputs, outputs and registers.
+    """
+
+    states: RobotStates
+    status: RobotStatus
+    io: IOStatus
+
+
+class FeedStatistics(NamedTuple):
+    """Figures of a feed.
+
+    Attributes:
+        rate: samples a second that were asked for [Hz].
+        measured_rate: samples a second that came of late [Hz]; 0.0 before the second one.
+        samples: samples that came.
+        failures: times that nobody answered.
+        subscribers: subscribers that there are now.
+        dropped: samples that subscribers there are now did not take in time.
+    """
+
+    rate: float
+    measured_rate: float
+    samples: int
+    failures: int
+    subscribers: int
+    dropped: int
+
+
+class Subscription(Generic[T]):
+    """Items for one reader: `async for item in subscription`.
+
+    Args:
+        buffer: what waits.
+        owner_loop: the event loop to which the robot belongs.
+    """
+
+    def __init__(self, buffer: Buffer[T], owner_loop: OwnerLoop) -> None:
+        self._buffer = buffer
+        self._owner_loop = owner_loop
+        self._there = anyio.Event()
+        self._over: DucoError | None = None
+
+    def __repr__(self) -> str:
+        buffer = self._buffer
+        return (
+            f"<Subscription {buffer.policy}, {len(buffer)} of {buffer.size} waiting, "
+            f"{buffer.dropped} dropped>"
+        )
+
+    @property
+    def dropped(self) -> int:
+        """Items that were not taken in time, and went."""
+        return self._buffer.dropped
+
+    def give(self, item: T) -> None:
+        """Give an item; on the event loop."""
+        self._buffer.put(item)
+        self._there.set()
+
+    def end(self, error: DucoError) -> None:
+        """No more items come: the reader is told so after what waits."""
+        self._over = error
+        try:
+            self._there.set()
+        except RuntimeError:
+            # the loop of whoever waits was closed: nobody waits any more
+            return
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> T:
+        self._owner_loop.require("the next item")
+        await anyio.lowlevel.checkpoint()
+        while not self._buffer.ready:
+            if self._over is not None:
+                raise self._over
+            self._there = anyio.Event()
+            await self._there.wait()
+        return self._buffer.take()
+
+
+class StateFeed:
+    """Samples of the robot's state. It begins when it is first used.
+
+    Args:
+        lane: where to ask; nothing else uses it.
+        samples: makes samples.
+        background: what runs the feed.
+        rate: samples a second [Hz].
+    """
+
+    def __init__(
+        self, lane: WireLane, samples: Samples, background: BackgroundTasks, rate: float
+    ) -> None:
+        self._lane = lane
+        self._samples = samples
+        self._background = background
+        self._subscriptions: list[Subscription[Snapshot]] = []
+        self._latest: Snapshot | None = None
+        self._error: DucoError | None = None
+        self._running = False
+        self._closed = False
+        self._interval: float | None = None
+        self._begun = time.monotonic()
+        self._count = 0
+        self._failures = 0
+        #: samples a second that are asked for [Hz]
+        self.rate = rate
+
+    def __repr__(self) -> str:
+        figures = self.statistics()
+        return f"<StateFeed {figures.rate:g} Hz, {figures.measured_rate:.1f} Hz measured>"
+
+    @property
+    def error(self) -> DucoError | None:
+        """Why the last question was not answered; None if it was."""
+        return self._error
+
+    @property
+    def heard_at(self) -> float:
+        """When a sample last came, or, before the first, when the feed began [s]."""
+        return self._begun if self._latest is None else self._latest.received_at
+
+    def statistics(self) -> FeedStatistics:
+        """Figures since the feed began."""
+        return FeedStatistics(
+            rate=self.rate,
+            measured_rate=1.0 / self._interval if self._interval else 0.0,
+            samples=self._count,
+            failures=self._failures,
+            subscribers=len(self._subscriptions),
+            dropped=sum(subscription.dropped for subscription in self._subscriptions),
+        )
+
+    async def latest(self, *, max_age: float = 0.5) -> Snapshot:
+        """Return the newest sample; the first one is waited for.
+
+        Args:
+            max_age: seconds that it may be old.
+
+        Raises:
+            StaleState: it is older, since the controller does not answer.
+        """
+        self._begin()
+        if self._latest is None or self._latest.age > max_age:
+            # One that is due, or the first: it may come within the time that is allowed.
+            with anyio.move_on_after(max_age), self.subscribe() as subscription:
+                return await anext(subscription)
+        snapshot = self._latest
+        if snapshot is not None and snapshot.age <= max_age:
+            return snapshot
+        age = "there is none yet" if snapshot is None else f"the newest is {snapshot.age:.2f} s old"
+        raise StaleState(
+            f"no sample of the state within {max_age:g} s: {age}; the controller does not answer"
+        ) from self._error
+
+    @contextmanager
+    def subscribe(
+        self, policy: Policy = "drop_oldest", *, size: int = 64
+    ) -> Iterator[Subscription[Snapshot]]:
+        """Read every sample from now on.
+
+        Args:
+            policy: what happens to samples that are not taken in time: "latest" keeps the newest
+                one, "drop_oldest" the newest `size`, "every" raises when `size` are waiting.
+            size: most samples that wait.
+
+        Yields:
+            The subscription, for `async for`. It raises `RobotStateError` when the robot closes.
+        """
+        self._begin()
+        subscription = Subscription[Snapshot](Buffer(policy, size), self._lane.owner_loop)
+        self._subscriptions.append(subscription)
+        try:
+            yield subscription
+        finally:
+            self._subscriptions.remove(subscription)
+
+    async def wait_for(
+        self, predicate: Callable[[Snapshot], bool], *, timeout: float | None = None
+    ) -> Snapshot:
+        """Wait for a sample that the predicate holds for, and return it.
+
+        Samples that were received before this was called do not count.
+
+        Args:
+            predicate: called with each sample, on the event loop.
+            timeout: seconds for which to wait; None for as long as it takes.
+
+        Raises:
+            ParameterError: the time is not above 0.
+            TimeoutError: none came in time.
+        """
+        if timeout is not None:
+            timeout = SECONDS("timeout", timeout)
+        with anyio.fail_after(timeout), self.subscribe() as subscription:
+            async for snapshot in subscription:
+                if predicate(snapshot):
+                    return snapshot
+        raise AssertionError("a subscription ends by an error")
+
+    def close(self) -> None:
+        """End: no more samples come."""
+        self._closed = True
+        for subscription in self._subscriptions:
+            subscription.end(RobotStateError("the robot is closed: no more samples come"))
+
+    def _begin(self) -> None:
+        if self._closed:
+            raise RobotStateError("the robot is closed: no more samples come")
+        self._lane.owner_loop.require("the feed")
+        if not self._running:
+            self._running = True
+            self._begun = time.monotonic()
+            self._background.start(self._run(), "aioduco feed")
+
+    async def _run(self) -> None:
+        ticker = every(1.0 / self.rate)
+        async for _ in ticker:
+            try:
+                snapshot = await self._read()
+            except DucoError as exc:
+                self._failures += 1
+                self._error = exc
+                ticker.postpone(_RETRY_EVERY)
+            else:
+                self._note(snapshot)
+            ticker.period = 1.0 / self.rate
+
+    async def _read(self) -> Snapshot:
+        rpc = self._lane.rpc
+        states = self._samples.states(await rpc.get_robot_state())
+        status = self._samples.status(await rpc.getRobotStatus())
+        io = self._samples.io(await rpc.getRobotIOStatus())
+        return Snapshot(self._count, states.received_at, states, status, io)
+
+    def _note(self, snapshot: Snapshot) -> None:
+        before, self._latest, self._error = self._latest, snapshot, None
+        self._count += 1
+        if before is not None:
+            interval = snapshot.received_at - before.received_at
+            known = self._interval
+            self._interval = interval if known is None else known + _SMOOTHING * (interval - known)
+        for subscription in self._subscriptions:
+            subscription.give(snapshot)

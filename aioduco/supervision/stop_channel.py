@@ -1,0 +1,258 @@
+"""Stop, pause, resume, abort: on connections that nothing else uses.
+
+Guarantees:
+- A stop waits behind nothing but another stop. It has a connection of its own, opened with the
+  robot; pause, resume and abort use a second one.
+- A stop that is not answered is repeated over a fresh connection until its deadline: it is the
+  one command that is safe to repeat. A deadline without an answer is an error of its own,
+  `StopUnconfirmed`.
+- A stop that was asked for while a motion was on its way to the controller may be served before
+  that motion. `epoch` lets the sender of the motion see this, and stop once more.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import anyio
+
+from aioduco.errors import DucoError, Refused, StopUnconfirmed
+from aioduco.supervision.concurrency import every
+
+if TYPE_CHECKING:
+    from aioduco._wire.lane import WireLane
+
+#: seconds after which an unanswered stop is repeated over a fresh connection; doubled each time
+FIRST_ATTEMPT = 0.25
+#: the most that this becomes: a connection that is made while nothing passes learns late that
+#: something does again
+_LONGEST_ATTEMPT = 1.0
+#: seconds between two questions whether the arm moves
+STANDSTILL_EVERY = 0.01
+#: seconds after which an arm that still moves is stopped once more
+STOP_AGAIN = 0.5
+#: answers "it does not move" in a row that count as standing
+STANDSTILL_COUNT = 2
+#: seconds of `robotmoving` without an answer after which a fresh connection is used
+_ASK_LIMIT = 0.5
+#: the same once the time is over
+_LAST_LIMIT = 0.25
+
+
+class StopChannel:
+    """Stops and pauses the arm, and sees it stand.
+
+    Args:
+        stop: lane for stops alone.
+        others: lane for pause, resume and abort.
+        watch: lane on which it is asked whether the arm moves.
+
+    Attributes:
+        others: lane for pause, resume and abort.
+        epoch: number of stops and aborts that were asked for. It rises before anything is sent.
+        stops: stops that the controller accepted.
+        attempts: stops that were sent, repeats included.
+    """
+
+    def __init__(self, stop: WireLane, others: WireLane, watch: WireLane) -> None:
+        self._stop = stop
+        self.others: WireLane = others
+        self._watch = watch
+        self.epoch: int = 0
+        self.stops: int = 0
+        self.attempts: int = 0
+
+    async def stop(self, timeout: float) -> None:
+        """Send a stop until the controller accepts one.
+
+        Args:
+            timeout: seconds in which that must happen.
+
+        Raises:
+            StopUnconfirmed: it did not.
+            WrongLoop: this is not the robot's event loop; nothing was sent.
+            WrongProcess: this is a forked child; nothing was sent.
+        """
+        self._stop.owner_loop.require("stop")
+        self.epoch += 1
+        until = time.monotonic() + timeout
+        if await self._by_guard(timeout):
+            self.stops += 1
+            return
+        budget = FIRST_ATTEMPT
+        lanes = (self._stop, self.others)
+        error: BaseException | None = None
+        attempt = 0
+        while (left := until - time.monotonic()) > 0:
+            # Each repeat is on the other lane: whatever holds the first, it does not hold both.
+            lane = lanes[attempt % 2]
+            began = time.monotonic()
+            self.attempts += 1
+            try:
+                answer: int = await lane.call("stop", (False,), min(budget, left))
+                if answer >= 0:
+                    self.stops += 1
+                    return
+                error = Refused("stop", answer, "no reason is given")
+            except DucoError as exc:
+                error = exc
+            attempt += 1
+            # One that fails at once (a refused port) is not repeated in a busy loop.
+            await anyio.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
+            budget = min(budget * 2, _LONGEST_ATTEMPT)
+        raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
+
+    def stop_now(self, timeout: float) -> None:
+        """Send a stop from any thread or signal handler, and block until it is accepted.
+
+        Args:
+            timeout: seconds in which that must happen.
+
+        Raises:
+            StopUnconfirmed: it did not.
+        """
+        self.epoch += 1
+        until = time.monotonic() + timeout
+        if self._by_guard_now(timeout):
+            self.stops += 1
+            return
+        error: BaseException | None = None
+        while (left := until - time.monotonic()) > 0:
+            self.attempts += 1
+            began = time.monotonic()
+            try:
+                answer: int = self._stop.call_from_thread("stop", (False,), left)
+                if answer >= 0:
+                    self.stops += 1
+                    return
+                error = Refused("stop", answer, "no reason is given")
+            except DucoError as exc:
+                error = exc
+            time.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
+        raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
+
+    async def _by_guard(self, timeout: float) -> bool:  # noqa: ARG002  # here there is none
+        """Ask the guard first, if there is one. Returns whether it had a stop accepted."""
+        return False
+
+    def _by_guard_now(self, timeout: float) -> bool:  # noqa: ARG002  # here there is none
+        """As `_by_guard`, for `stop_now`."""
+        return False
+
+    async def moving(self) -> bool:
+        """Whether the arm moves.
+
+        Raises:
+            DucoError: nobody answers.
+        """
+        answer: bool = await self._watch.call("robotmoving", (), _ASK_LIMIT)
+        return answer
+
+    async def rest(self, stop_timeout: float, standstill_timeout: float) -> None:
+        """See the arm stand after a stop. A stop that has no effect is repeated.
+
+        Args:
+            stop_timeout: seconds in which a further stop must be accepted.
+            standstill_timeout: seconds in which the arm must stand.
+
+        Raises:
+            StopUnconfirmed: it is not known that the arm stands.
+        """
+        begin = time.monotonic()
+        until = begin + standstill_timeout
+        while (left := until - time.monotonic()) > STOP_AGAIN:
+            try:
+                await self.standstill(STOP_AGAIN)
+            except StopUnconfirmed:
+                # It brakes for long, or something set it moving after the stop.
+                await self.stop(min(stop_timeout, left))
+            else:
+                return
+        await self._standstill(begin, until)
+
+    async def standstill(self, timeout: float) -> None:
+        """Wait until the arm stands.
+
+        Args:
+            timeout: seconds in which that must happen.
+
+        Raises:
+            StopUnconfirmed: the arm is still said to move, or nobody says anything.
+        """
+        begin = time.monotonic()
+        await self._standstill(begin, begin + timeout)
+
+    async def _standstill(self, begin: float, until: float) -> None:
+        """Wait until the arm stands.
+
+        This program may have been held up, so the time alone says nothing about the arm: only
+        what is answered to a question that was asked after it was over.
+
+        Args:
+            begin: since when it is waited for, for the error.
+            until: time of `time.monotonic()` by which it must have happened.
+        """
+        still = 0
+        error: DucoError | None = None
+        async for _ in every(STANDSTILL_EVERY):
+            left = until - time.monotonic()
+            limit = min(_ASK_LIMIT, left) if left > 0 else _LAST_LIMIT
+            error = None
+            try:
+                moving: bool = await self._watch.call("robotmoving", (), limit)
+            except DucoError as exc:
+                error, still = exc, 0
+            else:
+                still = 0 if moving else still + 1
+                if still >= STANDSTILL_COUNT:
+                    return
+            if left <= 0 and not still:
+                break
+        seconds = time.monotonic() - begin
+        if error is not None:
+            raise _unconfirmed(
+                f"nothing was heard of the arm for {seconds:.3g} s", error
+            ) from error
+        raise _unconfirmed(f"the arm still moves after {seconds:.3g} s", None)
+
+    async def leave(self, name: str, args: tuple[bool, ...], timeout: float) -> int:
+        """Call once a function that ends a mode.
+
+        Args:
+            name: the function of the wire.
+            args: its arguments.
+            timeout: seconds for its answer.
+
+        Returns:
+            Its answer: the id of a task, or how it ended.
+
+        Raises:
+            DucoError: it was not carried out, or it is not known.
+        """
+        answer: int = await self.others.call(name, args, timeout)
+        if answer < 0:
+            raise Refused(name, answer, "no reason is given")
+        return answer
+
+    async def send(self, name: str) -> int:
+        """Send pause, resume or abort once. Returns the id of the task that it became.
+
+        Raises:
+            Refused: the controller refused it.
+            OutcomeUnknown: it was sent, but not answered.
+            ConnectionLost: it was not sent.
+        """
+        if name == "abort":
+            self.epoch += 1
+        answer: int = await self.others.call(name, (False,))
+        if answer < 0:
+            raise Refused(name, answer, "no reason is given")
+        return answer
+
+
+def _unconfirmed(what: str, error: BaseException | None) -> StopUnconfirmed:
+    why = f" (the last answer: {error})" if error is not None else ""
+    return StopUnconfirmed(
+        f"{what}{why}: the arm may be moving. Press the emergency stop if it does"
+    )

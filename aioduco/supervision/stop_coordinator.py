@@ -1,0 +1,521 @@
+"""Brings the arm to rest: on request, on cancellation, at the interpreter's exit.
+
+Guarantees:
+- Cancelling the await of a motion returns only when the arm stands, or raises `StopUnconfirmed`.
+- What goes on until it is told to end is told so when its time is over, and along with a stop.
+- What may still be on its way to the controller is waited for: nobody is told that the arm stands
+  while a command may come that sets it moving again.
+- A program that ends without having left its robot, because it forgot to or because an interrupt
+  too many broke its event loop, still reaches the end of its interpreter: the arm is stopped there.
+"""
+
+from __future__ import annotations
+
+import atexit
+import os
+import time
+from typing import TYPE_CHECKING
+
+import anyio
+
+from aioduco._wire.unanswered import UnansweredMotion
+from aioduco.errors import (
+    ControllerError,
+    DucoError,
+    OutcomeUnknown,
+    Refused,
+    StopUnconfirmed,
+    UnknownFunction,
+)
+from aioduco.reporting import BackgroundLogger, reporter
+from aioduco.supervision.concurrency import run_to_completion
+from aioduco.supervision.motion_sources import Modes, Streams
+from aioduco.supervision.task_follower import END_LIMIT, TaskFollower
+from aioduco.supervision.unanswered import PendingCommand, PendingCommands, stop_until_certain
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Sequence
+    from typing import Any
+
+    from aioduco._wire.lane import WireLane
+    from aioduco.supervision.concurrency import BackgroundTasks
+    from aioduco.supervision.motion_sources import Claim
+    from aioduco.supervision.settings import RobotSettings
+    from aioduco.supervision.stop_channel import StopChannel
+    from aioduco.supervision.task import Task
+
+__all__ = ["ExitStop", "StopCoordinator"]
+
+_log = BackgroundLogger(__name__)
+
+#: seconds for a pause or a resume to be carried out
+_PAUSE_LIMIT = 10.0
+#: seconds for the controller to say where the arm is
+_ASK_LIMIT = 0.5
+#: seconds for the lane of a stream to fall silent: an answer that it waits for, and more
+_SILENCE = 2.0
+#: the same in a thread that cannot go on meanwhile
+_SILENCE_NOW = 0.1
+
+
+class StopCoordinator:
+    """Stops, pauses and resumes the arm.
+
+    Args:
+        channel: sends stop, pause, resume and abort.
+        poll: lane on which tasks are asked about.
+        background: runs what no caller waits for.
+        settings: times and limits.
+        claim: made before anything is sent that may move the arm.
+
+    Attributes:
+        follower: follows the tasks.
+        unfollowed_motion: whether a motion may be running that is not followed. A stop ends that.
+        modes: modes that the controller is in because of this program.
+        pending: commands on their way that may move the arm.
+        streams: the open streams; whatever brings the arm to rest ends them first.
+        closed: whether the connections are closed, so that nothing can be asked for any more.
+        worker_died: whether a stream's worker has died, perhaps with a set-point on its way.
+    """
+
+    def __init__(
+        self,
+        channel: StopChannel,
+        poll: WireLane,
+        background: BackgroundTasks,
+        settings: RobotSettings,
+        claim: Claim,
+    ) -> None:
+        self._channel = channel
+        self._poll = poll
+        self._settings = settings
+        self.claim = claim
+        self.follower: TaskFollower = TaskFollower(poll, self, background)
+        self.unfollowed_motion: bool = False
+        self.modes: Modes = Modes(channel)
+        self.pending: PendingCommands = PendingCommands(background, settings.unanswered_timeout)
+        self.streams: Streams = Streams()
+        self.closed: bool = False
+        self.worker_died: bool = False
+
+    @property
+    def stops(self) -> int:
+        """How many stops have been asked for."""
+        return self._channel.epoch
+
+    @property
+    def moving(self) -> bool:
+        """Whether anything that this program started may be moving the arm."""
+        if self.unfollowed_motion or self.modes.moving or self.pending or self.streams:
+            return True
+        return any(task.motion for task in self.follower.tasks)
+
+    async def stands(self) -> bool:
+        """Ask whether the arm stands; if the controller cannot tell, it is assumed."""
+        try:
+            return not await self._channel.moving()
+        except ControllerError:
+            return True
+        except DucoError:
+            return False
+
+    async def halt(self) -> None:
+        """Stop the arm and see it stand, with nothing on its way that sets it moving again.
+
+        Raises:
+            StopUnconfirmed: it is not known that it stands, or that it goes on standing.
+        """
+        settings = self._settings
+        await self.send_stop(settings.stop_timeout)
+        await self.rest(settings.stop_timeout, settings.standstill_timeout)
+
+    async def send_stop(self, timeout: float) -> None:
+        """Stop the arm: it is then slowing down, and no stream or mode sets it moving again.
+
+        Args:
+            timeout: seconds in which a stop must be accepted.
+
+        Raises:
+            StopUnconfirmed: none was.
+        """
+        streaming = self.streams.halt()
+        if self.modes.moving or streaming:
+            try:
+                await self._channel.stop(timeout)
+            finally:
+                if streaming:
+                    await self._silence_streams()
+                await self.modes.leave()
+        await self._channel.stop(timeout)
+
+    async def _silence_streams(self) -> None:
+        """Wait until no stream can send anything more."""
+        if not await self.streams.settled(_SILENCE):
+            self.worker_died = True
+
+    async def rest(self, stop_timeout: float | None, timeout: float) -> None:
+        """See the arm stand.
+
+        Args:
+            stop_timeout: seconds in which a further stop must be accepted, if it moves on; None to
+                wait without one.
+            timeout: seconds in which the arm must stand.
+
+        Raises:
+            StopUnconfirmed: it is not known that it stands.
+        """
+        if stop_timeout is None:
+            await self._channel.standstill(timeout)
+        else:
+            await self._channel.rest(stop_timeout, timeout)
+            if self.pending or self.worker_died:
+                await self.stop_until_certain(*self.pending)
+        self.unfollowed_motion = False
+
+    def stop_now(self, timeout: float) -> None:
+        """Send a stop from any thread or signal handler, and block until it is accepted.
+
+        Args:
+            timeout: seconds in which that must happen.
+
+        Raises:
+            StopUnconfirmed: it did not.
+        """
+        streaming = self.streams.halt()
+        self._channel.stop_now(timeout)
+        if streaming:
+            self.streams.quiet(_SILENCE_NOW)
+            self._channel.stop_now(timeout)
+
+    def check_loop(self, what: str) -> None:
+        """See that this is the robot's event loop, before `what` is done on it.
+
+        Raises:
+            WrongLoop: it is another one.
+            WrongProcess: this is a forked child.
+        """
+        self._poll.owner_loop.require(what)
+
+    async def joints(self) -> Sequence[float]:
+        """Where the arm is: the angles of its joints [rad].
+
+        Raises:
+            ConnectionLost: the controller does not answer.
+        """
+        angles: list[float] = await self._poll.call("get_actual_joints_position", (), _ASK_LIMIT)
+        return angles
+
+    async def stop_stream(self, ending: str) -> None:
+        """Stop the arm after a stream's worker has died.
+
+        Args:
+            ending: the function of the wire that ends the mode in which it was; may be empty.
+        """
+        if ending:
+            self.modes.enter(ending)
+        self.worker_died = True
+        await self.stop()
+
+    async def leave_modes(self, timeout: float) -> None:
+        """Leave every mode that this program has entered, since it leaves the robot.
+
+        Args:
+            timeout: seconds for each of what is to be left while the arm stands.
+        """
+        await self.modes.leave()
+        await self.modes.leave_standing(timeout, self.follower.complete)
+
+    async def stop(self) -> None:
+        """As `halt`, to its end even if cancelled, until the motions are seen to have ended."""
+        _, cancelled = await run_to_completion(self.halt)
+        if cancelled is not None:
+            raise cancelled
+        await self.follower.motions_ended()
+
+    async def answered(
+        self,
+        lane: WireLane,
+        name: str,
+        args: tuple[Any, ...],
+        timeout: float | None,
+        *,
+        followed: bool,
+    ) -> tuple[PendingCommand, BaseException | None]:
+        """Send a command that may move the arm, and wait until it is known what became of it.
+
+        If its answer does not come in time, or may mean anything, or if this is cancelled and
+        nobody follows the command, the arm is stopped; this then returns when no part of the
+        command can set the arm moving any more.
+
+        Args:
+            lane: where to send it.
+            name: the function of the wire.
+            args: its arguments.
+            timeout: seconds for its answer; None if it is answered at the end of the motion.
+            followed: whether somebody follows what it becomes, and stops it where that is needed.
+
+        Returns:
+            The command, which is over, and the last cancellation that came meanwhile: the caller
+            must raise it.
+
+        Raises:
+            StopUnconfirmed: it is not known that the arm stands, and goes on standing.
+        """
+        pending = self.pending.send(lane, name, args, timeout)
+        cancelled: BaseException | None = None
+        if followed:
+            _, cancelled = await run_to_completion(lambda: pending.wait(timeout))
+        else:
+            try:
+                await pending.wait(timeout)
+            except BaseException as exc:
+                cancelled = exc
+        if not pending.over and not pending.sent:
+            pending.give_up()
+            _, again = await run_to_completion(pending.wait)
+            cancelled = again or cancelled
+        unsure = not pending.over or _may_move(pending.error)
+        if not self.closed and (unsure or (cancelled is not None and not followed)):
+            again = await self._stop_unanswered(pending)
+            cancelled = again or cancelled
+            if pending.error is None and timeout is not None:
+                pending.error = OutcomeUnknown(name, "it was answered late, and the arm stopped")
+        return pending, cancelled
+
+    async def _stop_unanswered(self, pending: PendingCommand) -> BaseException | None:
+        _log.warning(
+            "the arm is stopped, and watched until nothing can come any more of %r", pending
+        )
+        begin = time.monotonic()
+        _, cancelled = await run_to_completion(
+            lambda: self.stop_until_certain(pending, since=begin)
+        )
+        return cancelled
+
+    async def stop_until_certain(
+        self, *commands: PendingCommand, since: float | None = None
+    ) -> None:
+        """Stop the arm, and return when none of the commands can set it moving any more.
+
+        Args:
+            *commands: commands of which it is not known whether they reach the controller.
+            since: when that began [s of `time.monotonic`]; None for now.
+
+        Raises:
+            StopUnconfirmed: they may still set it moving.
+        """
+        self.unfollowed_motion = True
+        settings, now = self._settings, time.monotonic()
+        answer_by = (now if since is None else since) + settings.unanswered_timeout
+        until = answer_by + settings.stop_timeout + settings.standstill_timeout
+        certain = await stop_until_certain(
+            UnansweredMotion(now, answer_by, until),
+            _CommandDelivery(self, commands),
+            lambda: self.send_stop(settings.stop_timeout),
+            self._channel.moving,
+        )
+        if self.closed:
+            return  # whoever closed it has done what could be done
+        if not certain:
+            names = ", ".join(command.name for command in commands) or "a set-point"
+            raise StopUnconfirmed(
+                f"{names} was sent, and it is not known what became of it: the arm may be "
+                "moving, or begin to. Press the emergency stop"
+            )
+        self.unfollowed_motion = self.worker_died = False
+
+    async def cancelled_while_waiting(self, task: Task) -> None:
+        """The await of a task was cancelled: do what its `on_cancel` says, then return."""
+        if task.done or task.on_cancel == "detach" or self._poll.owner_loop.forked_off:
+            return
+        if task.on_cancel == "pause":
+            try:
+                await run_to_completion(self.pause)
+            except DucoError as exc:
+                _log.error("%r could not be paused, so the arm is stopped: %s", task, exc)
+            else:
+                return
+        await run_to_completion(self.halt)
+        # The stop ended all of them, so none is left behind half known.
+        await run_to_completion(self.follower.motions_ended)
+
+    async def end(self, name: str, step: Callable[[], Awaitable[None]] | None = None) -> None:
+        """End a motion that goes on, by its own function, and see the arm stand.
+
+        If this program's motion, or its mode, cannot be ended so, or if this is cancelled, the
+        arm is stopped.
+
+        Args:
+            name: the function of the wire.
+            step: calls it; None if it answers with the id of a task.
+        """
+        if name == "stop":
+            step = self.halt
+        continuous = [
+            task
+            for task in self.follower.tasks
+            if task.continuous and task.continuous.ending == name
+        ]
+        for task in continuous:
+            task.life.end_sent()
+        concerned = bool(continuous) or name in self.modes
+        try:
+            await (step() if step is not None else self._controlled(name))
+            await self._come_to_rest(name)
+        except BaseException:
+            if concerned:
+                await run_to_completion(self.halt)
+                await run_to_completion(self.follower.motions_ended)
+            raise
+        with anyio.move_on_after(END_LIMIT):
+            for task in continuous:
+                await task.wait()
+
+    async def _come_to_rest(self, name: str) -> None:
+        """See the arm stand after `name`; if that had no effect, stop it."""
+        self.modes.over(name)
+        try:
+            await self.standstill()
+        except StopUnconfirmed as exc:
+            _log.warning("%s had no effect, so the arm is stopped: %s", name, exc)
+            await self.halt()
+
+    async def pause(self) -> None:
+        """Pause all tasks, and see the arm stand."""
+        if self.streams.halt():
+            # A stream goes by a clock, so it cannot go on later where it was.
+            await self._silence_streams()
+        # A motion whose task has ended stands as if it were over, and moves on when resumed.
+        self.unfollowed_motion = self.unfollowed_motion or any(
+            task.life.goes_on for task in self.follower.tasks
+        )
+        await self._controlled("pause")
+        await self.standstill()
+
+    async def resume(self) -> None:
+        """Resume all paused tasks."""
+        self.claim.make("resume")
+        stops = self.stops
+        answer = await self._resumed()
+        await self.follower.complete("resume", answer, _PAUSE_LIMIT, stops)
+
+    async def abort(self) -> None:
+        """End the running motion and those read ahead, and see the arm stand."""
+        if self.streams.halt():
+            await self._silence_streams()
+        await self._controlled("abort")
+        await self.standstill()
+
+    async def standstill(self) -> None:
+        """See the arm stand, without a stop.
+
+        Raises:
+            StopUnconfirmed: it is not known that it stands.
+        """
+        await self._channel.standstill(self._settings.standstill_timeout)
+
+    async def _controlled(self, name: str) -> None:
+        stops = self.stops
+        answer = await self._channel.send(name)
+        await self.follower.complete(name, answer, _PAUSE_LIMIT, stops)
+
+    async def _resumed(self) -> int:
+        """Send resume. Returns the id of the task that it became."""
+        lane, timeout = self._channel.others, self._settings.call_timeout
+        pending, cancelled = await self.answered(lane, "resume", (False,), timeout, followed=False)
+        error = pending.error
+        if error is None and pending.answer < 0:
+            error = Refused("resume", pending.answer, "no reason is given")
+        if cancelled is not None:
+            raise cancelled
+        if error is not None:
+            raise error
+        return pending.answer
+
+
+def _may_move(error: DucoError | None) -> bool:
+    """Whether a command that ended so may have been taken by the controller all the same."""
+    if isinstance(error, OutcomeUnknown):
+        return True
+    # An application error says that something failed, perhaps after the motion was queued.
+    return isinstance(error, ControllerError) and not isinstance(error, UnknownFunction)
+
+
+class _CommandDelivery:
+    """What is known of the delivery of commands on their way.
+
+    Args:
+        coordinator: whose connections, and streams, they were sent by.
+        commands: the commands.
+    """
+
+    def __init__(self, coordinator: StopCoordinator, commands: Sequence[PendingCommand]) -> None:
+        self._coordinator = coordinator
+        self._commands = commands
+
+    def tell(self, motion: UnansweredMotion) -> bool:
+        """Tell the delivery of each; drop what this system still holds of one that is stuck."""
+        if self._coordinator.closed:
+            return False
+        now = time.monotonic()
+        for command in self._commands:
+            if not command.over and command.stuck:
+                command.give_up()
+        if not all(command.over for command in self._commands):
+            return True
+        if self._coordinator.worker_died or not all(command.answered for command in self._commands):
+            motion.dissolved(now)
+        else:
+            motion.answered(now)
+        return True
+
+    def dissolve(self) -> None:
+        """Wait for no answer any more."""
+        for command in self._commands:
+            command.give_up()
+
+
+#: seconds in which the stop must be accepted: nothing comes after it but the end
+_LIMIT = 2.0
+
+
+class ExitStop:
+    """Stops the arm at the interpreter's exit, if it may be moving by then.
+
+    It keeps alive whatever is needed for that, until it is cancelled.
+
+    Args:
+        coordinator: who stops it.
+    """
+
+    def __init__(self, coordinator: StopCoordinator) -> None:
+        self._coordinator = coordinator
+        self._process = os.getpid()
+        self._stopped = False
+        atexit.register(self._at_exit)
+
+    def stop(self) -> None:
+        """Stop the arm now: the program will not leave the robot in order."""
+        self.cancel()
+        # In a forked child the connections are the parent's.
+        if self._stopped or not self._coordinator.moving or os.getpid() != self._process:
+            return
+        try:
+            self._coordinator.stop_now(_LIMIT)
+        except DucoError as exc:
+            _log.critical(
+                "the program ends without having left the robot, and it could not be stopped: %s",
+                exc,
+            )
+        else:
+            self._stopped = True
+            _log.critical("the program ends without having left the robot: the arm was stopped")
+
+    def cancel(self) -> None:
+        """Do nothing at exit: the robot is being left in order."""
+        atexit.unregister(self._at_exit)
+
+    def _at_exit(self) -> None:
+        self.stop()
+        # The last that anybody hears of this program; the stop is not waiting for it.
+        reporter.flush()

@@ -1,0 +1,415 @@
+"""Follows the tasks of a robot to their ends: asks for their states, and stops what goes wrong.
+
+The controller does not tell when a task ends; it is asked. Asking costs a round trip, so a task is
+asked about often when something is likely to happen and seldom when not:
+
+- just after acceptance, when it starts, is refused, or was short;
+- near its expected end and shortly after, if an end can be expected;
+- in between at a rate that still keeps the notice of an unexpected end short.
+
+Due times are absolute: a late question does not move the ones after it. Questions that were missed
+are left out, not caught up with.
+
+Guarantees:
+- Each live task is asked about in its turn, at the rate that `interval` says.
+- A task that could not be asked about for `LOST_AFTER` seconds ends with an unknown outcome.
+  Nothing is assumed of it.
+- A motion that nobody can follow any more, or that is overdue, is stopped.
+- Whatever happens to the follower, every task ends: no await of one is left behind.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Hashable
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+
+import anyio
+
+from aioduco.errors import ControllerError, DucoError, StopUnconfirmed, TaskUnknown
+from aioduco.models.enums import Outcome, TaskState
+from aioduco.reporting import BackgroundLogger
+from aioduco.supervision.task import Task, TaskControl
+from aioduco.supervision.task_state import STOOD, TaskLifecycle
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from aioduco._wire.lane import WireLane
+    from aioduco.supervision.concurrency import BackgroundTasks
+
+_log = BackgroundLogger(__name__)
+
+#: seconds for a stopped task to be seen to have ended
+END_LIMIT = 1.0
+#: seconds between polls while something is likely to happen
+FAST = 0.002
+#: seconds between polls of a task whose end cannot be expected; half of it is the median delay
+STEADY = 0.005
+#: seconds between polls at most, far from an expected end
+SLOW = 0.025
+#: for how long after its acceptance a task counts as fresh [s]
+FRESH = 0.05
+#: for how long after its expected end a task is asked about at the fast rate [s]
+OVERDUE = 0.1
+#: part of the time that remains until the expected end that may pass without a poll
+_APPROACH = 0.25
+
+K = TypeVar("K", bound=Hashable)
+
+
+def interval(age: float, remaining: float | None = None) -> float:
+    """Return the seconds until the next poll of a task.
+
+    Args:
+        age: seconds since the controller accepted the task.
+        remaining: seconds until its expected end, negative after it; None if unknown.
+    """
+    if age < FRESH:
+        return FAST
+    if remaining is None or remaining < -OVERDUE:
+        return STEADY
+    return min(max(remaining * _APPROACH, FAST), SLOW)
+
+
+class PollSchedule(Generic[K]):
+    """Which task is asked about next: the one whose due time is earliest.
+
+    When there is more to ask than time for it, every due time has passed, and the earliest is
+    that of the task not asked for longest: the order is then a round robin.
+    """
+
+    def __init__(self) -> None:
+        self._due: dict[K, float] = {}
+
+    def __len__(self) -> int:
+        return len(self._due)
+
+    def __contains__(self, key: K) -> bool:
+        return key in self._due
+
+    def add(self, key: K, due: float) -> None:
+        """Take `key` in, to be asked at `due`."""
+        self._due[key] = due
+
+    def remove(self, key: K) -> None:
+        """Take `key` out, if it is in."""
+        self._due.pop(key, None)
+
+    def first(self) -> tuple[K, float] | None:
+        """The next one, and when it is due; None if it is empty."""
+        if not self._due:
+            return None
+        key = min(self._due, key=self._due.__getitem__)
+        return key, self._due[key]
+
+    def asked(self, key: K, now: float, every: float) -> None:
+        """`key` was asked: its next due time is `every` after the last, or after now if past."""
+        if key in self._due:
+            due = self._due[key] + every
+            self._due[key] = due if due > now else now + every
+
+
+#: seconds for one answer about a task
+ASK_LIMIT = 0.5
+#: seconds without an answer about a task after which its outcome is unknown
+LOST_AFTER = 2.0
+
+#: outcomes to which the controller's error list belongs
+_WITH_ERRORS = {Outcome.FAILED, Outcome.ILLEGAL, Outcome.PARAMETER_MISMATCH}
+
+
+class ArmStopper(TaskControl, Protocol):
+    """The stop coordinator as the follower sees it."""
+
+    #: whether a motion may be running that nobody follows
+    unfollowed_motion: bool
+
+    @property
+    def stops(self) -> int:
+        """How many stops have been asked for; rises before a stop is sent."""
+        ...
+
+    async def halt(self) -> None:
+        """Stop the arm and see it stand."""
+        ...
+
+    async def standstill(self) -> None:
+        """See the arm stand, without a stop."""
+        ...
+
+
+class TaskFollower:
+    """Follows tasks to their ends.
+
+    Args:
+        lane: where to ask.
+        arm: stops the arm.
+        background: runs what no caller waits for.
+
+    Attributes:
+        polls: questions that were asked.
+    """
+
+    def __init__(self, lane: WireLane, arm: ArmStopper, background: BackgroundTasks) -> None:
+        self._lane = lane
+        self._arm = arm
+        self._background = background
+        self._schedule: PollSchedule[Task] = PollSchedule()
+        self._wake = anyio.Event()
+        self._seen: dict[Task, float] = {}
+        self._closed = False
+        self.polls: int = 0
+
+    @property
+    def tasks(self) -> tuple[Task, ...]:
+        """The tasks that live, in the order of their acceptance."""
+        return tuple(self._seen)
+
+    def follow(self, task: Task) -> None:
+        """Follow a task from now on."""
+        if self._closed:
+            now = time.monotonic()
+            task.life.lose()
+            if task.motion:
+                # it was sent, and nobody follows it: it is stopped before it settles
+                self._stop_lost(task, lambda: task.settle((), now))
+            else:
+                task.settle((), now)
+            return
+        self._seen[task] = task.accepted_at
+        self._schedule.add(task, task.accepted_at)
+        wake, self._wake = self._wake, anyio.Event()
+        wake.set()
+
+    async def complete(
+        self, name: str, task_id: int, timeout: float, stops: int | None = None
+    ) -> Outcome:
+        """Follow a task that moves nothing to its end; `completed` describes it."""
+        task = Task(
+            self._arm,
+            name,
+            task_id,
+            TaskLifecycle(),
+            accepted_at=time.monotonic(),
+            stops_before=self._arm.stops if stops is None else stops,
+            motion=False,
+            on_cancel="detach",
+        )
+        self.follow(task)
+        return await self.completed(task, timeout)
+
+    async def completed(self, task: Task, timeout: float) -> Outcome:
+        """Wait for the end of a task that moves nothing.
+
+        Raises:
+            TaskUnknown: it has not ended within `timeout` seconds.
+            TaskError: it did not succeed.
+        """
+        with anyio.move_on_after(timeout):
+            await task.wait()
+        if not task.done:
+            raise TaskUnknown(
+                task.name, task.id, f"has not ended after {timeout:g} s; it may be running on"
+            )
+        return task.result()
+
+    async def motions_ended(self) -> None:
+        """Wait until the motions are seen to have ended, for a second at most."""
+        with anyio.move_on_after(END_LIMIT):
+            for task in self.tasks:
+                if task.motion:
+                    await task.wait()
+
+    async def run(self) -> None:
+        """Follow tasks until this is cancelled."""
+        try:
+            while True:
+                first = self._schedule.first()
+                if first is None:
+                    await self._wake.wait()
+                    continue
+                task, due = first
+                delay = due - time.monotonic()
+                if delay > 0:
+                    with anyio.move_on_after(delay):
+                        await self._wake.wait()
+                    continue
+                await self._ask(task)
+        finally:
+            self._close()
+
+    async def _ask(self, task: Task) -> None:
+        if task.eta is not None and not task.placed:
+            await self._expect(task)
+        answered = True
+        self._note_stop(task)
+        if task.life.goes_on:
+            answered = await self._ask_whether_it_stands(task)
+        elif not task.life.undecided:
+            self.polls += 1
+            try:
+                value: int = await self._lane.call("get_noneblock_taskstate", (task.id,), ASK_LIMIT)
+            except ControllerError:
+                # It was asked, and answered that it cannot tell: that is no lost connection, but
+                # nothing will be heard of the task either.
+                self._answered(task, None)
+            except DucoError:
+                answered = False
+            else:
+                self._answered(task, TaskState(value))
+        now = time.monotonic()
+        if not answered and now - self._seen[task] > LOST_AFTER:
+            task.life.lose()
+        if task.life.ended:
+            await self._end(task)
+            return
+        if task.deadline is not None and now > task.deadline and not task.overdue:
+            task.overdue = True
+            if task.motion:
+                self._background.start(self._stop_overdue(task), "aioduco stop of an overdue task")
+        elif (
+            task.continuous
+            and task.continuous.timed_here
+            and self._in_time(task)
+            and not task.life.end_seen
+        ):
+            task.life.end_sent()
+            self._background.start(self._end_due(task), "aioduco end of a motion")
+        remaining = None if task.expected_end is None else task.expected_end - now
+        every = interval(now - task.accepted_at, remaining) if answered else SLOW
+        self._schedule.asked(task, now, every)
+
+    def _note_stop(self, task: Task) -> None:
+        if self._arm.stops != task.stops_before:
+            task.life.stop_sent()
+
+    async def _ask_whether_it_stands(self, task: Task) -> bool:
+        """The controller ended the task of a motion that goes on. Returns whether it answered."""
+        self.polls += 1
+        try:
+            moving: bool = await self._lane.call("robotmoving", (), ASK_LIMIT)
+        except DucoError:
+            return False
+        self._seen[task] = now = time.monotonic()
+        self._note_stop(task)
+        if moving:
+            task.stood_since = None
+        elif task.stood_since is None:
+            task.stood_since = now
+        else:
+            in_time = self._in_time(task)
+            if in_time or now - task.stood_since >= STOOD:
+                task.life.stood(in_time=in_time)
+        return True
+
+    def _in_time(self, task: Task) -> bool:
+        """Whether the time of a motion that goes on is over."""
+        if task.continuous is None or task.continuous.time is None:
+            return False
+        return time.monotonic() - task.accepted_at >= task.continuous.time
+
+    async def _expect(self, task: Task) -> None:
+        """Find out, once and right after acceptance, when it will end."""
+        task.placed = True
+        if any(other.motion for other in self._seen if other is not task):
+            return  # it begins where another motion ends, at a time that nobody knows
+        try:
+            joints: list[float] = await self._lane.call("get_actual_joints_position", (), ASK_LIMIT)
+        except DucoError:
+            return
+        if len(joints) >= 6:
+            task.begins_at(joints)
+
+    def _answered(self, task: Task, state: TaskState | None) -> None:
+        now = time.monotonic()
+        self._seen[task] = now
+        # Before the state is judged: a stop that was asked for before this state came about must
+        # have been noted, or an interruption by it could pass for blending.
+        self._note_stop(task)
+        if state is None:
+            task.life.lose()
+        else:
+            task.observed(state, now)
+
+    async def _end(self, task: Task) -> None:
+        self._schedule.remove(task)
+        now = time.monotonic()
+        errors: list[str] = []
+        if task.life.outcome in _WITH_ERRORS:
+            try:
+                errors = await self._lane.call("get_last_error", (), ASK_LIMIT)
+            except DucoError:
+                # The outcome is known, and must not wait for what only explains it.
+                errors = []
+        told = task.life.end_seen and task.life.outcome is Outcome.FINISHED
+        if task.motion and (told or task.life.outcome is Outcome.STOPPED):
+            self._background.start(
+                self._see_standing(task),
+                "aioduco standstill",
+                lambda: self._mark_ended(task, (), now),
+            )
+            return
+        if task.motion and task.life.outcome is Outcome.UNKNOWN:
+            self._stop_lost(task, lambda: self._mark_ended(task, errors, now))
+            return
+        self._mark_ended(task, errors, now)
+
+    def _mark_ended(self, task: Task, errors: Sequence[str], now: float) -> None:
+        self._seen.pop(task, None)
+        task.settle(errors, now)
+
+    def _close(self) -> None:
+        self._closed = True
+        now = time.monotonic()
+        for task in self.tasks:
+            if task.motion:
+                self._arm.unfollowed_motion = True
+            self._schedule.remove(task)
+            task.life.lose()
+            self._mark_ended(task, (), now)
+
+    def _stop_lost(self, task: Task, mark_ended: Callable[[], None]) -> None:
+        """Stop a motion with an unknown outcome: it may go on.
+
+        It is stopped, and `mark_ended` is called when the arm stands, or is not known to.
+        """
+        self._arm.unfollowed_motion = True
+        self._background.start(self._see_stopped(task), "aioduco stop of a lost task", mark_ended)
+
+    async def _see_standing(self, task: Task) -> None:
+        try:
+            await self._arm.standstill()
+        except StopUnconfirmed as exc:
+            task.fault = exc
+            _log.critical("%r was stopped, but %s", task, exc)
+
+    async def _see_stopped(self, task: Task) -> None:
+        try:
+            await self._arm.halt()
+        except StopUnconfirmed as exc:
+            task.fault = exc
+            _log.critical("%r was lost sight of: %s", task, exc)
+
+    async def _end_due(self, task: Task) -> None:
+        assert task.continuous is not None
+        try:
+            await self._arm.end(task.continuous.ending)
+        except DucoError as exc:
+            # The arm was stopped instead, or that failed too.
+            if isinstance(exc, StopUnconfirmed):
+                task.fault = exc
+            _log.log(
+                logging.CRITICAL if task.fault else logging.WARNING,
+                "%r was not ended by %s: %s",
+                *(task, task.continuous.ending, exc),
+            )
+
+    async def _stop_overdue(self, task: Task) -> None:
+        try:
+            await self._arm.halt()
+        except StopUnconfirmed as exc:
+            task.fault = exc
+            task.life.lose()
+            _log.critical("%r is overdue: %s", task, exc)

@@ -1,0 +1,86 @@
+"""`every`: turns on an absolute schedule, on a clock that only the test moves."""
+
+from __future__ import annotations
+
+import anyio
+import anyio.lowlevel
+import pytest
+
+from aioduco.supervision import concurrency
+from aioduco.supervision.concurrency import every
+
+
+class Clock:
+    """A clock on which sleeping takes exactly as long as it says."""
+
+    def __init__(self) -> None:
+        self.now = 1000.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+    async def sleep(self, seconds: float) -> None:
+        assert seconds >= 0.0
+        self.now += seconds
+        await anyio.lowlevel.checkpoint()
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    clock = Clock()
+    monkeypatch.setattr(concurrency, "time", clock)
+    monkeypatch.setattr(anyio, "sleep", clock.sleep)
+    return clock
+
+
+async def test_the_first_turn_comes_at_once_and_the_others_a_period_apart(clock: Clock) -> None:
+    ticker = every(0.5)
+    turns = []
+    for work in (0.0, 0.25, 0.375):
+        turns.append((await anext(ticker), clock.now))
+        clock.now += work  # what a turn does is no part of the period
+    turns.append((await anext(ticker), clock.now))
+    assert turns == [(1000.0 + 0.5 * turn, 1000.0 + 0.5 * turn) for turn in range(4)]
+
+
+async def test_a_late_turn_does_not_move_the_later_ones(clock: Clock) -> None:
+    ticker = every(0.5)
+    await anext(ticker)
+    await anext(ticker)  # due at 1000.5
+    clock.now = 1000.75
+    assert await anext(ticker) == 1001.0
+    assert await anext(ticker) == 1001.5
+
+
+async def test_turns_that_were_missed_are_left_out(clock: Clock) -> None:
+    ticker = every(0.5)
+    await anext(ticker)
+    clock.now = 1007.25
+    assert await anext(ticker) == 1007.25
+    assert clock.now == 1007.25
+    assert await anext(ticker) == 1007.75
+
+
+async def test_the_period_may_change_between_two_turns(clock: Clock) -> None:
+    ticker = every(0.5)
+    await anext(ticker)
+    ticker.period = 2.0
+    assert await anext(ticker) == clock.now == 1002.0
+
+
+async def test_a_turn_can_be_postponed_or_asked_for_at_once(clock: Clock) -> None:
+    ticker = every(0.5)
+    await anext(ticker)
+    ticker.postpone(1.0)
+    assert await anext(ticker) == clock.now == 1001.5
+    clock.now += 0.125
+    ticker.restart()
+    assert await anext(ticker) == clock.now == 1001.625
+    assert await anext(ticker) == 1002.125
+
+
+async def test_a_schedule_that_began_earlier_tells_how_late_its_first_turn_is(clock: Clock) -> None:
+    ticker = every(0.5, first=999.75)
+    assert await anext(ticker) == 999.75
+    assert clock.now == 1000.0
+    assert await anext(ticker) == 1000.25

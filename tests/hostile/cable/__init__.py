@@ -1,0 +1,1 @@
+"""A program, a controller, and the network between them, which fails."""

@@ -1,0 +1,53 @@
+"""A program that forks while its stream runs.
+
+    python fork_in_stream.py HOST PORT LANE
+
+The child leaves by sys.exit. The parent goes on streaming, and says how many set-points it sent
+before and after, and how its stream ended.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import sys
+from typing import Literal, cast
+
+import aioduco
+from aioduco import LaneOptions
+from aioduco.errors import DucoError
+
+COUNT = 100
+START = [0.0, 0.1, 1.5, 0.0, -1.5, 0.0]
+
+
+async def main(host: str, port: int, lane: Literal["process", "thread"]) -> None:
+    told: dict[str, object] = {}
+    async with aioduco.connect(host, port) as robot:
+        await robot.bring_up()
+        await robot.motion.movej2(START, v=1.0, a=2.0)
+        async with robot.servo.joints(
+            v=1.0, a=4.0, rate=125.0, options=LaneOptions(lane=lane)
+        ) as stream:
+            for n in range(COUNT):
+                await stream.send([2e-4 * n, *START[1:]])
+            child = os.fork()
+            if child == 0:
+                try:
+                    stream.statistics()
+                    await stream.send(START)
+                except DucoError:
+                    sys.exit(7)
+                sys.exit(8)
+            for n in range(COUNT, 2 * COUNT):
+                await stream.send([2e-4 * n, *START[1:]])
+        told["child"] = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])  # noqa: ASYNC222  # it has ended
+        told["sent"] = stream.statistics().ticks > 0
+        told["commanded"] = stream.commanded is not None and stream.commanded[0]
+    print(json.dumps(told))  # noqa: T201
+
+
+if __name__ == "__main__":
+    kind = cast("Literal['process', 'thread']", sys.argv[3])
+    asyncio.run(main(sys.argv[1], int(sys.argv[2]), kind))

@@ -1,0 +1,71 @@
+"""Programs of their own, as a test sees them from outside."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+#: a program that opens a robot with a guard, does what stands in its place, says the guard's
+#: process id, and waits
+PROGRAM = """
+import sys, anyio, aioduco
+async def main():
+    async with aioduco.connect({host!r}, {port}, guard="process", heartbeat={heartbeat}) as robot:
+        {deed}
+        print(robot._supervisor.guard.pid, flush=True)
+        await anyio.sleep_forever()
+anyio.run(main)
+"""
+
+
+def running(pid: int) -> bool:
+    """Whether a process does anything: a zombie does not."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return state != "Z"
+
+
+def frozen(pid: int) -> bool:
+    """Whether a process was stopped by SIGSTOP."""
+    return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "T"
+
+
+class Started:
+    """A program that runs.
+
+    Attributes:
+        process: it.
+        guard: process id of its guard.
+    """
+
+    def __init__(self, process: subprocess.Popen[str], guard: int) -> None:
+        self.process = process
+        self.guard = guard
+
+    def end(self, number: int) -> None:
+        """Send it a signal, and see it end."""
+        os.kill(self.process.pid, number)
+        self.process.wait(30.0)
+
+
+@contextmanager
+def started(
+    host: str, port: int, deed: str = "pass", heartbeat: float | None = 1.0
+) -> Iterator[Started]:
+    """A program that has a guard and has done its deed; it is killed at the end."""
+    code = PROGRAM.format(host=host, port=port, deed=deed, heartbeat=heartbeat)
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as child:
+        try:
+            assert child.stdout is not None
+            yield Started(child, int(child.stdout.readline()))
+        finally:
+            child.kill()

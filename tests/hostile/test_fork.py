@@ -1,0 +1,112 @@
+"""A program that forks keeps its robot, and its children can do nothing to it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from client.bench import Bench
+
+from aioduco.testing import eventually, no_leaks
+from hostile import forking
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+#: s after which a program counts as hung
+HUNG = 60.0
+
+LOOPS = pytest.mark.parametrize("loop", ["asyncio", "uvloop"])
+GUARDS = pytest.mark.parametrize("guard", ["", "process"], ids=["alone", "guard"])
+
+
+@pytest.fixture
+def bench() -> Iterator[Bench]:
+    with no_leaks(), Bench() as bench:
+        bench.motion_time = 0.5
+        yield bench
+
+
+@dataclass
+class Ended:
+    """How the program ended.
+
+    Attributes:
+        code: its exit code.
+        told: what it wrote.
+        errors: what it and its children wrote beside that.
+    """
+
+    code: int
+    told: dict[str, Any]
+    errors: str
+
+
+def run(bench: Bench, folder: Path, guard: str, loop: str, child: str, **options: Any) -> Ended:
+    """The program, from its start to its end; one that hangs says where it does."""
+    out, errors = folder / "out", folder / "errors"
+    with out.open("w") as told, errors.open("w") as complaints:
+        program = subprocess.Popen(
+            [
+                *(sys.executable, str(Path(forking.__file__))),
+                *(bench.host, str(bench.port), guard, loop, child),
+            ],
+            stdout=told,
+            stderr=complaints,
+            start_new_session=True,
+            **options,
+        )
+        try:
+            code = program.wait(HUNG)
+        except subprocess.TimeoutExpired:
+            # with its children, which would be left behind
+            os.killpg(program.pid, signal.SIGABRT)
+            program.wait()
+            pytest.fail(f"the program hung:\n{errors.read_text()}")
+    text = out.read_text()
+    return Ended(code, json.loads(text) if text else {}, errors.read_text())
+
+
+def undisturbed(bench: Bench, ended: Ended) -> None:
+    """The robot did what its own program wanted, and nothing else."""
+    assert ended.code == 0, ended.errors
+    assert ended.told["task"] == "finished"
+    assert ended.told["again"] == "finished"
+    assert bench.commands == ["movej2", "movej2", "movej2", "stop"]
+    assert not bench.moving()
+
+
+@LOOPS
+@GUARDS
+@pytest.mark.parametrize("child", [*forking.CHILDREN, "multiprocessing"])
+def test_a_forked_child_that_ends_leaves_its_parents_robot_alone(
+    bench: Bench, tmp_path: Path, guard: str, loop: str, child: str
+) -> None:
+    ended = run(bench, tmp_path, guard, loop, child)
+    undisturbed(bench, ended)
+    assert ended.told["child"] == forking.CODE, ended.errors
+    assert "Traceback" not in ended.errors
+
+
+@LOOPS
+@GUARDS
+def test_a_program_leaves_its_robot_while_a_forked_child_lives_on(
+    bench: Bench, tmp_path: Path, guard: str, loop: str
+) -> None:
+    theirs, ours = os.pipe()
+    try:
+        environment = {**os.environ, "AIODUCO_TEST_PIPE": str(theirs)}
+        ended = run(bench, tmp_path, guard, loop, "live_on", pass_fds=[theirs], env=environment)
+        undisturbed(bench, ended)
+        # the child holds none of its parent's connections open
+        eventually(lambda: bench._server.connections == 0)
+    finally:
+        os.close(theirs)
+        os.close(ours)

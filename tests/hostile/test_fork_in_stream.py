@@ -1,0 +1,37 @@
+"""A program that forks while its stream runs goes on streaming, and its child disturbs nothing."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from aioduco.sim import Simulator
+from aioduco.testing import eventually, no_leaks
+from hostile import fork_in_stream
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+@pytest.fixture
+def sim() -> Iterator[Simulator]:
+    with no_leaks(), Simulator() as sim:
+        yield sim
+
+
+@pytest.mark.parametrize("lane", ["process", "thread"])
+def test_a_stream_goes_on_when_its_program_forks(sim: Simulator, lane: str) -> None:
+    program = [sys.executable, str(Path(fork_in_stream.__file__)), sim.host, str(sim.port), lane]
+    ended = subprocess.run(program, capture_output=True, text=True, timeout=60, check=False)
+    assert ended.returncode == 0, ended.stderr
+    told = json.loads(ended.stdout)
+    assert told["child"] == 7, ended.stderr
+    last = 2e-4 * (2 * fork_in_stream.COUNT - 1)
+    assert told["commanded"] == pytest.approx(last)
+    eventually(lambda: not sim.moving)
+    assert sim.joints[0] == pytest.approx(last, abs=2e-3)

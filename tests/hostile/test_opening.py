@@ -1,0 +1,48 @@
+"""Opening a robot on a slow controller."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING
+
+import pytest
+from client.bench import HOME, Bench
+
+import aioduco
+from aioduco import HeartbeatState
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from aioduco.supervision.settings import GuardKind
+
+
+@pytest.fixture
+def bench() -> Iterator[Bench]:
+    with Bench() as bench:
+        yield bench
+
+
+@pytest.mark.parametrize("guard", [None, "process"], ids=["alone", "guard"])
+async def test_a_first_beat_that_takes_longer_than_the_stall_limit_is_no_hung_loop(
+    bench: Bench, guard: GuardKind | None
+) -> None:
+    never = threading.Event()
+
+    def slowly(milliseconds: int) -> None:
+        never.wait(0.6)  # the controller's time for an answer
+
+    bench.answer("rpc_heartbeat", slowly)
+    async with aioduco.connect(
+        bench.host,
+        bench.port,
+        guard=guard,
+        heartbeat=60.0,
+        call_timeout=20.0,
+        loop_stall_limit=0.3,
+    ) as robot:
+        assert robot.heartbeat is not None
+        assert robot.heartbeat.state is HeartbeatState.BEATING
+        assert robot.heartbeat.stalls == 0
+        assert not bench.received("stop")
+        await robot.motion.movej2(HOME, v=1.0, a=1.0)

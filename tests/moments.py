@@ -1,0 +1,58 @@
+"""Tests that do not depend on how fast or busy the machine is."""
+
+from __future__ import annotations
+
+import re
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, TypeVar
+
+import anyio
+
+from aioduco.errors import StreamRefused, StreamStarved
+from aioduco.testing import eventually_async
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable
+
+T = TypeVar("T")
+
+_BUSY = re.compile(r"^the event loop did not get to run for [\d.]+ s\n", re.MULTILINE)
+
+
+@asynccontextmanager
+async def cancelled_once(condition: Callable[[], object]) -> AsyncIterator[anyio.CancelScope]:
+    """Cancel the block as soon as a condition holds, however long that takes on this machine."""
+    async with anyio.create_task_group() as tg:
+        with anyio.CancelScope() as scope:
+
+            async def cancel() -> None:
+                await eventually_async(condition)
+                scope.cancel()
+
+            tg.start_soon(cancel)
+            yield scope
+        tg.cancel_scope.cancel()
+
+
+def complaints(stderr: str) -> str:
+    """What a program said on its standard error, but for the time that the machine was busy."""
+    return _BUSY.sub("", stderr)
+
+
+async def streamed_in_time(
+    run: Callable[[], Awaitable[T]], again: Callable[[], Awaitable[object]]
+) -> T:
+    """Run what leads an arm on the clock of the wall, once more if the machine was too busy for it.
+
+    A stream for which set-points come too late ends, and says so: that is as it should be.
+
+    Args:
+        run: leads the arm.
+        again: awaited before it is run again, to have the arm ready where it was.
+    """
+    for _ in range(20):
+        try:
+            return await run()
+        except (StreamStarved, StreamRefused):
+            await again()
+    return await run()

@@ -1,0 +1,81 @@
+"""The quick run: every test function, with a few of its cases.
+
+What a case costs decides how many are taken. A test says so itself by `pytest.mark.cases(n)`;
+otherwise the table below does, by the longest beginning of its file's path.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, TypeVar
+
+from hypothesis import settings
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    import pytest
+
+T = TypeVar("T")
+
+#: cases of a test, by the beginning of its path: few where programs are started, where simulators
+#: run or where something is waited for
+CASES = {
+    "": 8,
+    "adversity/": 2,
+    "client/test_examples": 2,
+    "hostile/": 2,
+    "interop/": 4,
+    "sim/": 3,
+    "sim/test_fidelity": 8,
+    "sim/test_message": 8,
+    "streaming/": 4,
+    "streaming/test_examples": 2,
+    "sync/": 3,
+    "test_cli": 2,
+    "testing/": 4,
+}
+#: of the examples of a property, at least so many are tried
+LEAST_EXAMPLES = 5
+
+
+def divided(items: Iterable[pytest.Item]) -> tuple[list[pytest.Item], list[pytest.Item]]:
+    """The items of the quick run, and those that are left to the thorough one, in order."""
+    families: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        families.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    chosen = {
+        item.nodeid for family in families.values() for item in spread(family, _cases_of(family[0]))
+    }
+    kept: list[pytest.Item] = []
+    left: list[pytest.Item] = []
+    for item in items:
+        (kept if item.nodeid in chosen else left).append(item)
+    return kept, left
+
+
+def spread(cases: Sequence[T], number: int) -> list[T]:
+    """So many of the cases, evenly: the first, the last and some between, always the same."""
+    if len(cases) <= number:
+        return list(cases)
+    if number == 1:
+        return [cases[0]]
+    return [cases[round(n * (len(cases) - 1) / (number - 1))] for n in range(number)]
+
+
+def _cases_of(item: pytest.Item) -> int:
+    marker = item.get_closest_marker("cases")
+    if marker is not None:
+        return int(marker.args[0])
+    path = item.nodeid.partition("::")[0].removeprefix("tests/")
+    return CASES[max((begin for begin in CASES if path.startswith(begin)), key=len)]
+
+
+def examples(number: int) -> int:
+    """How many examples a property is tried with, of those that the thorough run takes."""
+    return max(min(number, LEAST_EXAMPLES), number * settings().max_examples // 100)
+
+
+def processors() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

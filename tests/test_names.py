@@ -1,0 +1,68 @@
+"""One class name means one thing in the whole package, and few modules share a name."""
+
+from __future__ import annotations
+
+import ast
+from collections import defaultdict
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1] / "aioduco"
+
+#: folders and files whose classes may be called as another's, since they are the same thing again
+SAME_AGAIN = {
+    "sync": "the blocking face of api, robot, tasks and feeds: the same classes without await",
+    "_wire/rpc.py": "the structs of the IDL by its own names; `models` has them for programs",
+}
+
+#: folders whose modules are called as the manual's sections are, each folder in parallel to `api`
+BY_SECTION = {
+    "api": "one module for each section of the manual",
+    "sync": "the blocking face of api",
+    "sim/handlers": "the simulator's answers to the functions of one section",
+}
+
+
+def modules() -> dict[str, ast.Module]:
+    """The package's modules by their path below it."""
+    return {
+        path.relative_to(ROOT).as_posix(): ast.parse(path.read_text(encoding="utf-8"))
+        for path in sorted(ROOT.rglob("*.py"))
+    }
+
+
+def lies_in(path: str, places: dict[str, str]) -> bool:
+    return any(path == place or path.startswith(f"{place}/") for place in places)
+
+
+def shared_names(trees: dict[str, ast.Module]) -> dict[str, list[str]]:
+    """The public class names that stand for two things, with where they are defined."""
+    places: defaultdict[str, list[str]] = defaultdict(list)
+    for path, tree in trees.items():
+        if lies_in(path, SAME_AGAIN):
+            continue
+        for node in tree.body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                places[node.name].append(path)
+    return {name: paths for name, paths in places.items() if len(paths) > 1}
+
+
+def test_a_class_name_means_one_thing() -> None:
+    assert not shared_names(modules())
+
+
+def test_a_class_of_the_same_name_in_another_module_is_found() -> None:
+    trees = {
+        "api/one.py": ast.parse("class Pool: ...\nclass _Own: ..."),
+        "_wire/two.py": ast.parse("class Pool: ...\nclass _Own: ..."),
+        "sync/three.py": ast.parse("class Pool: ..."),
+    }
+    assert shared_names(trees) == {"Pool": ["api/one.py", "_wire/two.py"]}
+
+
+def test_no_more_than_two_modules_have_one_name() -> None:
+    """Besides those that are called by the manual's sections."""
+    places: defaultdict[str, list[str]] = defaultdict(list)
+    for path in modules():
+        if not (lies_in(path, BY_SECTION) or Path(path).stem in {"__init__", "__main__"}):
+            places[Path(path).stem].append(path)
+    assert not {name: paths for name, paths in places.items() if len(paths) > 2}

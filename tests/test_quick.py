@@ -1,0 +1,58 @@
+"""What the quick run takes of the tests."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, cast
+
+import pytest
+from quick import CASES, divided, examples, spread
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+def items(name: str, count: int, limit: int | None = None) -> list[pytest.Item]:
+    mark = None if limit is None else pytest.mark.cases(limit).mark
+    return [
+        cast(
+            "pytest.Item",
+            SimpleNamespace(nodeid=f"{name}[{n}]", get_closest_marker=lambda _: mark),
+        )
+        for n in range(count)
+    ]
+
+
+def ids(found: Sequence[Any]) -> list[str]:
+    return [item.nodeid for item in found]
+
+
+def families(found: Sequence[Any]) -> set[str]:
+    return {nodeid.partition("[")[0] for nodeid in ids(found)}
+
+
+@pytest.mark.parametrize(
+    ("count", "number", "expected"),
+    [(3, 8, [0, 1, 2]), (5, 1, [0]), (101, 3, [0, 50, 100]), (10, 2, [0, 9]), (0, 2, [])],
+)
+def test_cases_are_spread_from_the_first_to_the_last(
+    count: int, number: int, expected: list[int]
+) -> None:
+    assert spread(range(count), number) == expected
+
+
+def test_each_test_is_there_with_a_few_of_its_cases_and_in_order() -> None:
+    cheap, dear = items("tests/models/test_a.py::test_a", 50), items("tests/hostile/t.py::t", 50)
+    marked = items("tests/hostile/t.py::marked", 50, limit=3)
+    alone = items("tests/hostile/t.py::alone", 1)
+    kept, left = divided([*dear, *alone, *cheap, *marked])
+    assert len(kept) == CASES["hostile/"] + 1 + CASES[""] + 3
+    assert families(kept) == families([*dear, *alone, *cheap, *marked])
+    assert ids(kept)[:3] == [dear[0].nodeid, dear[-1].nodeid, alone[0].nodeid]
+    assert sorted(ids(kept) + ids(left)) == sorted(ids([*dear, *alone, *cheap, *marked]))
+
+
+def test_properties_are_tried_with_all_or_a_few_of_their_examples(thorough: bool) -> None:
+    assert examples(300) == (300 if thorough else 30)
+    assert examples(10) == (10 if thorough else 5)
+    assert examples(2) == 2

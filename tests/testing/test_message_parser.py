@@ -1,0 +1,191 @@
+"""The parser of message boundaries against thriftpy2's encoder, however the stream is cut."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from thriftpy2.protocol import binary
+from thriftpy2.thrift import TApplicationException, TMessageType, TType
+from thriftpy2.transport import memory
+
+from aioduco._wire import idl
+from aioduco.testing.message_parser import (
+    Message,
+    MessageError,
+    MessageParser,
+    MessageType,
+    application_error,
+)
+
+#: the encoder in pure Python, which has no types of its own
+TBinaryProtocol: Any = binary.TBinaryProtocol
+TMemoryBuffer: Any = memory.TMemoryBuffer
+
+INT32 = st.integers(-(2**31), 2**31 - 1)
+SCALARS: dict[int, st.SearchStrategy[Any]] = {
+    TType.BOOL: st.booleans(),
+    TType.BYTE: st.integers(-128, 127),
+    TType.I16: st.integers(-(2**15), 2**15 - 1),
+    TType.I32: INT32,
+    TType.I64: st.integers(-(2**63), 2**63 - 1),
+    TType.DOUBLE: st.floats(allow_nan=False),
+    TType.STRING: st.text(max_size=20),
+}
+
+
+def values(kind: int, extra: Any) -> st.SearchStrategy[Any]:
+    """Values of one type, given as thriftpy2 writes it in a field's spec."""
+    if kind in SCALARS:
+        return SCALARS[kind]
+    if kind == TType.STRUCT:
+        return structs(extra)
+    if kind == TType.MAP:
+        key, value = extra
+        return st.dictionaries(element(key), element(value), max_size=4)
+    return st.lists(element(extra), max_size=4)
+
+
+def element(spec: Any) -> st.SearchStrategy[Any]:
+    return values(*spec) if isinstance(spec, tuple) else values(spec, None)
+
+
+@st.composite
+def structs(draw: st.DrawFn, made: type[Any]) -> Any:
+    """A struct of which each field may be left out."""
+    struct = made()
+    for entry in made.thrift_spec.values():
+        kind, name, extra = entry[0], entry[1], entry[2] if len(entry) > 3 else None
+        setattr(struct, name, draw(st.none() | values(kind, extra)))
+    return struct
+
+
+@st.composite
+def messages(draw: st.DrawFn) -> tuple[Message, bytes]:
+    """A message of the wire, and how thriftpy2 encodes it."""
+    function = draw(st.sampled_from(sorted(idl.functions().values(), key=lambda f: f.name)))
+    kind = draw(st.sampled_from([MessageType.CALL, MessageType.REPLY]))
+    seqid = draw(INT32)
+    body = draw(structs(function.args if kind is MessageType.CALL else function.result))
+    whole, alone = TMemoryBuffer(), TMemoryBuffer()
+    protocol = TBinaryProtocol(whole)
+    protocol.write_message_begin(function.name, int(kind), seqid)
+    protocol.write_struct(body)
+    TBinaryProtocol(alone).write_struct(body)
+    return Message(kind, function.name, seqid, alone.getvalue()), whole.getvalue()
+
+
+@st.composite
+def cut(draw: st.DrawFn, stream: bytes) -> list[bytes]:
+    places = sorted(draw(st.lists(st.integers(0, len(stream)), max_size=30)))
+    return [stream[a:b] for a, b in zip([0, *places], [*places, len(stream)], strict=True)]
+
+
+@given(st.data(), st.lists(messages(), min_size=1, max_size=4))
+def test_finds_the_messages_that_were_encoded(
+    data: st.DataObject, sent: list[tuple[Message, bytes]]
+) -> None:
+    parser = MessageParser()
+    found = []
+    for piece in data.draw(cut(b"".join(encoded for _, encoded in sent))):
+        found += parser.feed(piece)
+    assert found == [message for message, _ in sent]
+    assert parser.pending == b""
+
+
+@given(messages())
+def test_gives_a_message_with_its_last_byte_and_not_before(sent: tuple[Message, bytes]) -> None:
+    message, encoded = sent
+    parser = MessageParser()
+    for at in range(len(encoded) - 1):
+        assert parser.feed(encoded[at : at + 1]) == []
+    assert parser.pending == encoded[:-1]
+    assert parser.feed(encoded[-1:]) == [message]
+
+
+@given(messages())
+def test_a_message_encodes_to_the_bytes_it_was_found_in(sent: tuple[Message, bytes]) -> None:
+    message, encoded = sent
+    assert message.encode() == encoded
+
+
+def maps(keys: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
+    return st.dictionaries(keys, st.lists(st.text(max_size=3), max_size=3), max_size=3)
+
+
+@given(maps(st.text(max_size=3)))
+def test_gets_past_maps_of_values_of_no_fixed_size(value: dict[str, list[str]]) -> None:
+    spec = {
+        1: (TType.MAP, "m", (TType.STRING, (TType.LIST, TType.STRING)), False),
+        2: (TType.MAP, "n", (TType.I16, TType.DOUBLE), False),
+    }
+    struct = SimpleNamespace(thrift_spec=spec, m=value, n=dict.fromkeys(range(len(value)), 0.5))
+    out = TMemoryBuffer()
+    protocol = TBinaryProtocol(out)
+    protocol.write_message_begin("f", TMessageType.CALL, 7)
+    protocol.write_struct(struct)
+    (found,) = MessageParser().feed(out.getvalue())
+    assert found.encode() == out.getvalue()
+
+
+@given(st.binary(max_size=200))
+def test_any_bytes_give_messages_or_an_error_and_nothing_else(noise: bytes) -> None:
+    header = Message(MessageType.CALL, "f", 1, b"").encode()
+    for stream in (noise, header + noise):
+        parser = MessageParser()
+        found: list[Message] = []
+        try:
+            for at in range(len(stream)):
+                found += parser.feed(stream[at : at + 1])
+        except MessageError:
+            with pytest.raises(MessageError):
+                parser.feed(b"")
+        taken = b"".join(message.encode() for message in found)
+        assert stream.startswith(taken)
+        assert (taken + parser.pending) == stream[: len(taken) + len(parser.pending)]
+
+
+GOOD = Message(MessageType.REPLY, "get_tcp_pose", 3, b"\x00")
+
+
+def test_whole_messages_before_a_wrong_one_are_given_first() -> None:
+    parser = MessageParser()
+    assert parser.feed(GOOD.encode() + b"garbage!") == [GOOD]
+    assert parser.pending == b"garbage!"
+    with pytest.raises(MessageError, match=r"garbage!.* begins no message"):
+        parser.feed(b"")
+
+
+@pytest.mark.parametrize(
+    ("stream", "reason"),
+    [
+        (b"\x00\x00\x00\x04stop", "strict"),  # not strict
+        (b"\x80\x01\x00\x09", "type 9"),
+        (b"\x80\x01\x00\x01\xff\xff\xff\xff", "name of -1"),
+        (b"\x80\x01\x00\x01\x00\x00\x00\x00", "name of 0"),
+        (b"\x80\x01\x00\x01\x00\x00\x00\x01\xff\x00\x00\x00\x01", "not ASCII"),
+        (replace(GOOD, body=b"\x05\x00\x01").encode(), "no type 5"),
+        (replace(GOOD, body=b"\x0b\x00\x01\xff\xff\xff\xff").encode(), "string of -1"),
+        (replace(GOOD, body=b"\x0b\x00\x01\x7f\xff\xff\xff").encode(), "string of"),
+        (replace(GOOD, body=b"\x0f\x00\x01\x04\x00\x20\x00\x00").encode(), "more than"),
+        (replace(GOOD, body=b"\x0f\x00\x01\x01\x00\x00\x00\x01\x00").encode(), "no type 1"),
+        (replace(GOOD, body=b"\x0c\x00\x01" * 200).encode(), "nested deeper"),
+    ],
+)
+def test_says_what_is_wrong(stream: bytes, reason: str) -> None:
+    with pytest.raises(MessageError, match=reason):
+        MessageParser().feed(stream)
+
+
+def test_an_application_error_is_what_thriftpy2_reads() -> None:
+    error = application_error(Message(MessageType.CALL, "movej2", 9, b"\x00"), 6, "not today")
+    protocol = TBinaryProtocol(TMemoryBuffer(error.encode()))
+    assert protocol.read_message_begin() == ("movej2", TMessageType.EXCEPTION, 9)
+    raised = TApplicationException()
+    protocol.read_struct(raised)
+    assert (raised.type, raised.message) == (6, "not today")
+    assert MessageParser().feed(error.encode()) == [error]

@@ -1,0 +1,196 @@
+"""A connection that is given up delivers nothing any more, whoever else holds its socket."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import pytest
+
+from aioduco._wire.connection import Connection
+from aioduco._wire.deadline_socket import DeadlineSocket, Ended
+from aioduco.errors import DucoError, OutcomeUnknown
+from aioduco.testing import DropReply, FaultProxy, RecordingServer
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+#: more than a peer takes that does not read
+LARGE = bytes(8_000_000)
+
+
+@contextmanager
+def peer() -> Iterator[socket.socket]:
+    """A listener whose connections take little and are not read."""
+    with socket.socket() as listener:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        listener.bind(("127.0.0.1", 0))
+        listener.listen()
+        yield listener
+
+
+def stuck(listener: socket.socket) -> tuple[DeadlineSocket, socket.socket]:
+    """A stream that holds bytes which its peer has not taken, and the peer."""
+    stream = DeadlineSocket(socket.AF_INET, socket.SOCK_STREAM, 0)
+    deadline = time.monotonic() + 30.0
+    stream.connect(listener.getsockname(), deadline)
+    accepted, _ = listener.accept()
+    assert stream.undelivered == 0
+    while not stream.undelivered:
+        stream.send_at_once(LARGE)
+    return stream, accepted
+
+
+def drained(accepted: socket.socket) -> bool:
+    """Read all that comes. Returns whether the connection was reset, not ended."""
+    with accepted:
+        accepted.settimeout(30.0)
+        try:
+            while accepted.recv(1 << 20):
+                pass
+        except ConnectionResetError:
+            return True
+    return False
+
+
+GIVEN_UP: list[Callable[[DeadlineSocket], None]] = [DeadlineSocket.shutdown, DeadlineSocket.discard]
+
+
+@pytest.mark.parametrize("give_up", GIVEN_UP)
+def test_what_is_undelivered_is_forgotten(give_up: Callable[[DeadlineSocket], None]) -> None:
+    with peer() as listener:
+        stream, accepted = stuck(listener)
+        held = stream.undelivered
+        assert held > 0
+        give_up(stream)
+        assert drained(accepted)
+        stream.discard()
+
+
+def test_a_copy_of_the_socket_keeps_nothing_alive() -> None:
+    """As a child has it that was forked."""
+    with peer() as listener:
+        stream, accepted = stuck(listener)
+        copy = os.dup(stream._socket.fileno())
+        try:
+            stream.discard()
+            assert drained(accepted)
+        finally:
+            os.close(copy)
+
+
+def test_a_thread_that_waits_is_woken() -> None:
+    with peer() as listener:
+        stream, accepted = stuck(listener)
+        ended: list[BaseException] = []
+
+        def wait() -> None:
+            try:
+                stream.receive(None)
+            except (Ended, OSError) as exc:
+                ended.append(exc)
+
+        thread = threading.Thread(target=wait)
+        thread.start()
+        stream.shutdown()
+        thread.join(30.0)
+        assert ended
+        stream.discard()
+        assert drained(accepted)
+
+
+def test_an_ordinary_end_is_no_reset() -> None:
+    with peer() as listener:
+        stream = DeadlineSocket(socket.AF_INET, socket.SOCK_STREAM, 0)
+        stream.connect(listener.getsockname(), time.monotonic() + 30.0)
+        accepted, _ = listener.accept()
+        stream.close()
+        assert not drained(accepted)
+
+
+PROGRAM = """
+import socket, sys, time
+from aioduco._wire.deadline_socket import DeadlineSocket
+
+stream = DeadlineSocket(socket.AF_INET, socket.SOCK_STREAM, 0)
+stream.connect(("127.0.0.1", int(sys.argv[1])), time.monotonic() + 30.0)
+while not stream.undelivered:
+    stream.send_at_once(bytes(8_000_000))
+print("stuck", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_a_process_that_is_killed_leaves_nothing_to_deliver() -> None:
+    with peer() as listener:
+        port = str(listener.getsockname()[1])
+        with subprocess.Popen(
+            [sys.executable, "-c", PROGRAM, port], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        ) as program:
+            accepted, _ = listener.accept()
+            assert program.stdout is not None
+            assert program.stdout.readline() == b"stuck\n"
+            program.send_signal(signal.SIGKILL)
+            assert drained(accepted)
+
+
+# -- an answer that is overdue -----------------------------------------------------------------
+
+
+def test_a_late_answer_to_a_command_can_be_waited_for() -> None:
+    gate = threading.Event()
+
+    def late(*_: object) -> int:
+        gate.wait(30.0)
+        return 4
+
+    with RecordingServer({"stop": 4, "servoj": late}) as server:
+        connection = Connection(server.host, server.port, keeps_overdue=True)
+        connection.open()
+        with pytest.raises(OutcomeUnknown):
+            connection.call("servoj", ([0.0] * 6, 1.0, 1.0, False, 200.0, 25.0, 10.0, 1.0), 0.05)
+        assert connection.overdue
+        with pytest.raises(DucoError, match="nothing was sent"):
+            connection.call("stop", (False,), 1.0)
+        assert not connection.late_answer(time.monotonic() + 0.01)
+        gate.set()
+        assert connection.late_answer(time.monotonic() + 30.0)
+        assert not connection.late_answer(time.monotonic() + 30.0)  # it comes once
+        connection.close()
+
+
+def test_no_answer_is_waited_for_on_a_connection_that_ended() -> None:
+    with (
+        RecordingServer({"servoj": 1001}) as server,
+        FaultProxy(server.host, server.port) as proxy,
+    ):
+        proxy.on("servoj", DropReply())
+        connection = Connection(proxy.host, proxy.port, keeps_overdue=True)
+        connection.open()
+        with pytest.raises(OutcomeUnknown):
+            connection.call("servoj", ([0.0] * 6, 1.0, 1.0, False, 200.0, 25.0, 10.0, 1.0), 0.05)
+        assert connection.overdue
+        proxy.cut()
+        assert not connection.late_answer(time.monotonic() + 30.0)
+        connection.close()
+
+
+def test_what_is_undelivered_is_not_waited_for() -> None:
+    with peer() as listener:
+        host, port = listener.getsockname()
+        connection = Connection(host, port, keeps_overdue=True)
+        connection.open()
+        assert connection._stream is not None
+        while not connection.undelivered:
+            connection._stream.send_at_once(LARGE)
+        with pytest.raises(DucoError):
+            connection.call("run_program", ("x" * 1000, False), 0.1)
+        assert not connection.overdue
+        connection.close()

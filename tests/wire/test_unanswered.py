@@ -1,0 +1,132 @@
+"""What is done about a motion that was not answered, without clock and network."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from aioduco._wire.unanswered import LONGEST, SHORTEST, NextStep, UnansweredMotion
+
+ANSWER_BY, UNTIL = 60.0, 70.0
+
+
+def motion() -> UnansweredMotion:
+    return UnansweredMotion(0.0, ANSWER_BY, UNTIL)
+
+
+def stand(one: UnansweredMotion, sent: float, accepted: float) -> None:
+    """A stop was accepted, and the arm was seen to stand."""
+    one.stopped(sent, accepted)
+    one.seen(accepted, moving=False)
+    one.seen(accepted, moving=False)
+
+
+def test_the_arm_is_stopped_first() -> None:
+    assert motion().step(0.0) is NextStep.STOP
+
+
+def test_a_standing_arm_is_watched_as_long_as_the_answer_may_come() -> None:
+    one = motion()
+    stand(one, 0.0, 0.1)
+    assert one.step(0.1) is NextStep.LOOK
+    assert one.step(ANSWER_BY - 0.1) is NextStep.LOOK
+    assert one.step(ANSWER_BY) is NextStep.DISSOLVE
+
+
+def test_an_answer_makes_a_new_stop_certain() -> None:
+    one = motion()
+    stand(one, 0.0, 0.1)
+    one.answered(5.0)
+    assert one.step(5.0) is NextStep.STOP
+    one.stopped(4.9, 5.1)  # it was sent before the answer came, so the motion may be behind it
+    assert one.step(5.1) is NextStep.STOP
+    stand(one, 5.1, 5.2)
+    assert one.step(5.2) is NextStep.DONE
+
+
+@pytest.mark.parametrize(
+    ("outage", "watch"), [(0.01, SHORTEST), (1.0, 1.0), (3.2, 3.2), (30.0, LONGEST)]
+)
+def test_after_an_outage_the_arm_is_watched_as_long_as_it_took(outage: float, watch: float) -> None:
+    one = motion()
+    one.dissolved(0.0)
+    stand(one, 0.0, outage)
+    assert one.step(outage + watch - 0.001) is NextStep.LOOK
+    assert one.step(outage + watch) is NextStep.DONE
+
+
+def test_an_arm_that_begins_to_move_in_the_watch_is_stopped_and_watched_anew() -> None:
+    one = motion()
+    one.dissolved(0.0)
+    stand(one, 0.0, 2.0)
+    one.seen(3.0, moving=True)
+    assert one.step(3.0) is NextStep.STOP
+    stand(one, 3.0, 3.1)
+    assert one.step(4.0) is NextStep.LOOK
+    assert one.step(3.1 + 3.1) is NextStep.DONE
+
+
+def test_an_arm_that_is_braking_is_left_its_time() -> None:
+    one = motion()
+    one.answered(0.0)
+    one.stopped(0.0, 0.1)
+    one.seen(0.2, moving=True)
+    assert one.step(0.2) is NextStep.LOOK
+    one.seen(0.7, moving=True)
+    assert one.step(0.7) is NextStep.STOP
+
+
+def test_a_controller_that_is_not_heard_is_told_to_stop_again() -> None:
+    one = motion()
+    one.answered(0.0)
+    one.stopped(0.0, 0.1)
+    one.unheard(0.6)
+    assert one.step(0.6) is NextStep.STOP
+
+
+def test_it_is_given_up_when_the_time_is_over() -> None:
+    one = motion()
+    one.dissolved(0.0)
+    assert one.step(UNTIL - 0.1) is NextStep.STOP
+    assert one.step(UNTIL) is NextStep.GIVE_UP
+
+
+MOVES = st.sampled_from(["answered", "dissolved", "stop", "stands", "moves", "unheard", "nothing"])
+
+
+@given(st.lists(st.tuples(MOVES, st.floats(0.0, 4.0)), max_size=60))
+def test_it_is_never_done_while_the_motion_may_still_begin(
+    story: list[tuple[str, float]],
+) -> None:
+    """Done: answered and stopped after it, or dissolved and stopped and watched for long enough."""
+    one = motion()
+    now = 0.0
+    fate: str | None = None
+    fate_at = stop_at = disturbed_at = 0.0
+    stopped = False
+    for what, later in story:
+        now += later
+        match what:
+            case "answered" | "dissolved" if fate is None:
+                getattr(one, what)(now)
+                fate, fate_at, stopped = what, now, False
+            case "stop":
+                one.stopped(now, now)
+                stopped, stop_at = True, now
+            case "stands":
+                one.seen(now, moving=False)
+            case "moves":
+                one.seen(now, moving=True)
+                disturbed_at = now
+            case "unheard":
+                one.unheard(now)
+                disturbed_at = now
+        if one.step(now) is NextStep.DONE:
+            assert fate is not None
+            assert stopped
+            assert stop_at >= fate_at
+            assert stop_at >= disturbed_at or what != "unheard"
+            if fate == "dissolved":
+                assert now - stop_at >= min(max(stop_at - fate_at, SHORTEST), LONGEST)
+            return
