@@ -14,8 +14,14 @@ import pytest
 import quick
 from hypothesis import settings
 
+import aioduco
+import aioduco.sync
+
 _FAULTS = {False: 300, True: 10_000}
 _FRAMES = {False: 300, True: 3_000}
+#: s that the tests' robots give by default before they judge a loop, a connection or a controller
+#: lost: a busy machine takes seconds over what takes a millisecond. Tests about such a time set it.
+_PATIENCE = {"heartbeat": 20.0, "loop_stall_limit": 15.0, "call_timeout": 10.0}
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -52,6 +58,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    for connect in (aioduco.connect, aioduco.sync.connect):
+        connect.__kwdefaults__.update(_PATIENCE)
     all_of_it: bool = config.getoption("thorough")
     for option, number in (("faults", _FAULTS), ("frames", _FRAMES)):
         if config.getoption(option) is None:

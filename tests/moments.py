@@ -16,7 +16,11 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-_BUSY = re.compile(r"^the event loop did not get to run for [\d.]+ s\n", re.MULTILINE)
+_BUSY = re.compile(
+    r"^the event loop (?:did not get to run for [\d.]+ s\n|"
+    r"was blocked for [\d.]+ s by:\n(?:  .*\n)*\n?)",
+    re.MULTILINE,
+)
 
 
 @asynccontextmanager

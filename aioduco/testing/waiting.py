@@ -19,13 +19,14 @@ _LAST = 0.02
 
 
 def eventually(
-    condition: Callable[[], object], timeout: float = 5.0, *, what: str | Callable[[], str] = ""
+    condition: Callable[[], object], timeout: float = 30.0, *, what: str | Callable[[], str] = ""
 ) -> None:
     """Wait, in a plain thread, until a condition holds.
 
     Args:
         condition: looked at again and again; it must have no effects.
-        timeout: s after which waiting ends.
+        timeout: s after which waiting ends: a net for what never comes, so long that no busy
+            machine reaches it.
         what: what is waited for, for the error; a callable is asked only then.
 
     Raises:
@@ -36,13 +37,14 @@ def eventually(
 
 
 async def eventually_async(
-    condition: Callable[[], object], timeout: float = 5.0, *, what: str | Callable[[], str] = ""
+    condition: Callable[[], object], timeout: float = 30.0, *, what: str | Callable[[], str] = ""
 ) -> None:
     """Wait, in a coroutine, until a condition holds.
 
     Args:
         condition: looked at again and again; it must have no effects and not block.
-        timeout: s after which waiting ends.
+        timeout: s after which waiting ends: a net for what never comes, so long that no busy
+            machine reaches it.
         what: what is waited for, for the error; a callable is asked only then.
 
     Raises:

@@ -26,7 +26,7 @@ LEFT = (0.4, 0.0, 1.57, 0.0, -1.57, 0.0)
 RIGHT = (-0.4, 0.1, 1.4, 0.0, -1.57, 0.2)
 
 #: s for which it hangs
-HANG = 1.2
+HANG = 3.0
 
 
 class Ends:
@@ -42,7 +42,7 @@ class Ends:
         await self.task
         while True:
             await motion.run(
-                motion.movej2(RIGHT, v=0.3, a=4.0, r=0.1), motion.movej2(LEFT, v=0.3, a=4.0)
+                motion.movej2(RIGHT, v=0.1, a=4.0, r=0.1), motion.movej2(LEFT, v=0.1, a=4.0)
             )
 
     async def hang(self) -> None:
@@ -73,7 +73,7 @@ async def main(
     await robot.open()
     try:
         await robot.bring_up()
-        task = await robot.motion.movej2(LEFT, v=0.3, a=4.0).start()
+        task = await robot.motion.movej2(LEFT, v=0.1, a=4.0).start()
         seat = robot._supervisor.guard
         sys.stdout.write(f"{seat.pid if seat else 0}\n")
         sys.stdout.flush()

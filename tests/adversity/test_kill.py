@@ -25,12 +25,14 @@ if TYPE_CHECKING:
 
     from aioduco.sim import Simulator
 
-#: s; the shortest that a controller takes
-HEARTBEAT = 0.2
-#: s without the event loop after which the arm is stopped
-STALL = 0.2
-#: s of simulated time in which an arm at 0.3 rad/s with 4 rad/s² comes to rest, amply
-BRAKING = 0.6
+#: s; long enough for a busy machine to beat in time
+HEARTBEAT = 1.0
+#: s without the event loop after which the arm is stopped, in tests of that and in others
+STALL = 1.0
+NO_STALL = 30.0
+#: s of simulated time in which the arm stands, amply: far from the heartbeat time of a program with
+#: a guard. benchmarks/guard.py measures how soon
+SOON = 10.0
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,7 @@ class Watch:
 
 BEAT = Watch()
 NOBODY = Watch(heartbeat=0.0)
-GUARD = Watch("process", heartbeat=10.0)
+GUARD = Watch("process", heartbeat=60.0)
 BOTH = pytest.mark.parametrize("watch", [BEAT, GUARD], ids=str)
 
 
@@ -91,9 +93,11 @@ class Running:
 
 
 @contextmanager
-def running(sim: Simulator, watch: Watch, end: str = "never") -> Iterator[Running]:
+def running(
+    sim: Simulator, watch: Watch, end: str = "never", stall: float = NO_STALL
+) -> Iterator[Running]:
     """The program in a process of its own, from its first motion on."""
-    options = [sim.host, str(sim.port), str(watch.heartbeat), str(STALL), watch.guard, end]
+    options = [sim.host, str(sim.port), str(watch.heartbeat), str(stall), watch.guard, end]
     with subprocess.Popen(
         [sys.executable, str(Path(program.__file__)), *options],
         stdout=subprocess.PIPE,
@@ -115,9 +119,10 @@ def _stream(stream: IO[bytes] | None) -> IO[bytes]:
 
 
 def stands_soon(sim: Simulator, began: float) -> None:
-    """The arm comes to rest within the heartbeat time, and the time that it takes to brake."""
+    """The arm comes to rest long before the heartbeat of a guarded program is missed."""
     eventually(lambda: idle(sim) and not sim.moving, what=lambda: unrest(sim))
-    assert sim.time - began < HEARTBEAT + BRAKING
+    assert sim.time - began < SOON
+    assert sim.joints[0] < program.LEFT[0] - 0.02, "it came to the end of its motion"
 
 
 def at_a_moment(sim: Simulator, choice: str) -> None:
@@ -143,7 +148,7 @@ def test_without_a_heartbeat_the_arm_goes_on(sim: Simulator) -> None:
         child.kill()
         eventually(lambda: sim.connections == 0)
         began = sim.time
-        sim.wait_until(lambda: sim.time > began + HEARTBEAT + BRAKING)
+        sim.wait_until(lambda: sim.time > began + 1.5 * HEARTBEAT)
         assert not idle(sim)
         assert sim.moving
 
@@ -173,7 +178,7 @@ def test_the_guards_death_stops_the_arm(sim: Simulator, seed: int) -> None:
 def test_the_arm_stands_while_the_program_is_frozen_and_after(
     sim: Simulator, seed: int, watch: Watch
 ) -> None:
-    with running(sim, watch) as child:
+    with running(sim, watch, stall=STALL) as child:
         at_a_moment(sim, f"{seed}")
         child.signal(signal.SIGSTOP)
         began = sim.time
@@ -187,7 +192,7 @@ def test_the_arm_stands_while_the_program_is_frozen_and_after(
 
 @BOTH
 def test_the_arm_stands_while_the_event_loop_hangs(sim: Simulator, watch: Watch) -> None:
-    with running(sim, watch, "hang") as child:
+    with running(sim, watch, "hang", STALL) as child:
         began = sim.time
         stands_soon(sim, began + STALL)
         assert child.wait() != 0

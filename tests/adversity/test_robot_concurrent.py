@@ -56,7 +56,7 @@ class Players:
         for _ in range(MOTIONS):
             target = [self._rng.uniform(a, b) for a, b in zip(low, high, strict=True)]
             motion = self._robot.motion.movej2(target, v=2.0, a=8.0)
-            limit = self._rng.uniform(0.0, 0.1) if self._rng.random() < 0.3 else 10.0
+            limit = self._rng.uniform(0.0, 0.1) if self._rng.random() < 0.3 else 60.0
             with anyio.move_on_after(limit) as scope:
                 try:
                     outcome = await motion
@@ -67,7 +67,7 @@ class Players:
                     assert outcome is Outcome.FINISHED
                     assert np.abs(self._sim.joints.array - target).max() < 5e-3
             if scope.cancelled_caught:
-                assert limit < 10.0, "a motion did not end"
+                assert limit < 60.0, "a motion did not end"
                 self.outcomes["cancelled"] += 1
         self._over.set()
 
@@ -86,7 +86,7 @@ async def test_every_motion_ends_truly_and_the_arm_stands(
     sim: Simulator, part: int, seed: int, totals: Counter[str]
 ) -> None:
     rng = random.Random(f"{seed}/{part}")
-    with anyio.fail_after(40):
+    with anyio.fail_after(120):
         guard: GuardKind | None = "process" if part % 2 else None
         async with aioduco.connect(sim.host, sim.port, guard=guard) as robot:
             await robot.bring_up()
@@ -96,6 +96,9 @@ async def test_every_motion_ends_truly_and_the_arm_stands(
                 for what in (robot.stop, robot.pause, robot.resume, robot.resume):
                     group.start_soon(players.play, what)
                 group.start_soon(players.play, robot.state.getRobotStatus)
+            # with nobody to interfere, and after all that: on a busy machine no other one may finish
+            assert await robot.motion.movej2([0.0, 0.0, 1.5, 0.0, -1.5, 0.0], v=2.0, a=8.0) is (
+                Outcome.FINISHED
+            )
     await see_it_stand(sim, "the program")
-    assert players.outcomes["finished"]
     totals.update({f"motions {outcome}": n for outcome, n in players.outcomes.items()})

@@ -71,7 +71,7 @@ def sim() -> Iterator[Simulator]:
 async def test_the_robot_is_stopped_when_what_looks_after_its_stream_fails(
     sim: Simulator, monkeypatch: pytest.MonkeyPatch, lane: Any, parts: str, kind: str
 ) -> None:
-    options = LaneOptions(lane=lane)
+    options = LaneOptions(lane=lane, timeout=20.0)
     async with aioduco.connect(sim.host, sim.port) as robot:
         await robot.bring_up()
         here = await robot.state.get_actual_joints_position()

@@ -103,7 +103,7 @@ def test_a_limit_for_every_motion(desk: Desk) -> None:
 
 
 def test_no_limit(desk: Desk) -> None:
-    with aioduco.sync.connect(desk.host, desk.port, hold_limit=None) as robot:
+    with aioduco.sync.connect(desk.host, desk.port, hold_limit=None, heartbeat=1.0) as robot:
         robot.motion.speedl.start(DOWN, a=1.0, time=None)
         beats = len(desk.received("rpc_heartbeat"))
         eventually(lambda: len(desk.received("rpc_heartbeat")) > beats + 4, timeout=20.0)

@@ -151,8 +151,13 @@ class Controller:
 
     @property
     def in_motion(self) -> bool:
-        """Whether the arm moves otherwise than by what is left of a motion that has ended."""
-        return self._motion.moving or self.force.moving or self._standstill.turning
+        """Whether the arm moves otherwise than by what is left of a motion that has ended.
+
+        While it is brought to rest it counts as moving: a stop that was accepted within a cycle
+        has found out in no cycle yet whether the arm stands.
+        """
+        halting = self._motion.phase in (MotionPhase.STOPPING, MotionPhase.PAUSING)
+        return halting or self._motion.moving or self.force.moving or self._standstill.turning
 
     @property
     def idle(self) -> bool:
