@@ -59,7 +59,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     for connect in (aioduco.connect, aioduco.sync.connect):
-        connect.__kwdefaults__.update(_PATIENCE)
+        connect.__kwdefaults__ = {**(connect.__kwdefaults__ or {}), **_PATIENCE}
     all_of_it: bool = config.getoption("thorough")
     for option, number in (("faults", _FAULTS), ("frames", _FRAMES)):
         if config.getoption(option) is None:

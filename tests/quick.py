@@ -22,11 +22,11 @@ T = TypeVar("T")
 #: run or where something is waited for
 CASES = {
     "": 8,
-    "adversity/": 2,
+    "adversity/": 1,
     "client/test_examples": 2,
-    "hostile/": 2,
+    "hostile/": 1,
     "interop/": 4,
-    "sim/": 3,
+    "sim/": 2,
     "sim/test_fidelity": 8,
     "sim/test_message": 8,
     "streaming/": 4,

@@ -96,7 +96,7 @@ async def test_every_motion_ends_truly_and_the_arm_stands(
                 for what in (robot.stop, robot.pause, robot.resume, robot.resume):
                     group.start_soon(players.play, what)
                 group.start_soon(players.play, robot.state.getRobotStatus)
-            # with nobody to interfere, and after all that: on a busy machine no other one may finish
+            # with nobody to interfere: on a busy machine perhaps no other one could finish
             assert await robot.motion.movej2([0.0, 0.0, 1.5, 0.0, -1.5, 0.0], v=2.0, a=8.0) is (
                 Outcome.FINISHED
             )
