@@ -535,15 +535,36 @@ print(os.path.basename(__file__), sys.argv[0] == __file__, __name__)
 """
 
 
-@pytest.mark.parametrize("lib", ["thrift", "lib.thrift"])
-def test_a_program_for_the_vendors_class_runs_unchanged(lib: str, tmp_path: Path) -> None:
+#: the runner where Thrift's library is not installed
+WITHOUT_THRIFT = """
+import importlib.util
+import sys
+find = importlib.util.find_spec
+importlib.util.find_spec = lambda name: None if name == "thrift" else find(name)
+from aioduco.compat.__main__ import main
+main(sys.argv[1:])
+"""
+
+
+@pytest.mark.parametrize(
+    ("lib", "runner"),
+    [
+        ("thrift", ["-m", "aioduco.compat"]),
+        ("lib.thrift", ["-m", "aioduco.compat"]),
+        ("thrift", ["-c", WITHOUT_THRIFT]),
+    ],
+    ids=["installed", "the vendor's copy", "not installed"],
+)
+def test_a_program_for_the_vendors_class_runs_unchanged(
+    lib: str, runner: list[str], tmp_path: Path
+) -> None:
     program = tmp_path / "program.py"
     program.write_text(PROGRAM.format(lib=lib), encoding="utf-8")
     (tmp_path / "lib").mkdir()
     (tmp_path / "vendor").mkdir()
     with Simulator(speed=10.0) as sim:
         done = subprocess.run(
-            [sys.executable, "-m", "aioduco.compat", str(program), sim.host, str(sim.port)],
+            [sys.executable, *runner, str(program), sim.host, str(sim.port)],
             cwd=tmp_path,
             capture_output=True,
             text=True,
