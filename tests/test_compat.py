@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
 import json
+import signal
 import subprocess
 import sys
 import threading
@@ -11,20 +13,34 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
 
 import pytest
+from thrift import Thrift
+from thrift.transport.TTransport import TTransportException
 
 from aioduco import compat
 from aioduco._wire import idl, rpc
 from aioduco.compat import DucoCobot
-from aioduco.errors import ConnectionLost, ControllerError, ParameterError
+from aioduco.compat._generated import KEYWORDS
+from aioduco.compat._runner import VendorModules
+from aioduco.errors import (
+    ConnectError,
+    ConnectionLost,
+    ControllerError,
+    OutcomeUnknown,
+    ParameterError,
+)
 from aioduco.sim import Simulator
-from aioduco.testing import RecordingServer
+from aioduco.testing import RecordingServer, eventually
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 ROOT = Path(__file__).parents[1]
 MANUAL = json.loads((ROOT / "tests/data/manual-3.8.json").read_text(encoding="utf-8"))["functions"]
+VENDOR = json.loads((ROOT / "tests/data/vendor-python.json").read_text(encoding="utf-8"))
 JOINTS = [0.1, 0.2, 1.5, 0.0, -1.5, 0.3]
+
+#: what motions send for outputs that are not given
+NO_OP = rpc.Op(trig_io_1=1, trig_io_2=1, trig_io_3=1)
 
 #: by type of a result, one of its values
 RESULTS: dict[Any, Any] = {int: 7, bool: True, float: 1.5, str: "word"}
@@ -65,13 +81,102 @@ def test_every_function_of_the_manual_is_there() -> None:
     assert missing == []
 
 
-def test_parameters_are_called_as_in_the_manual() -> None:
-    for function in MANUAL:
-        if function["wire"] is None:
-            continue
-        ours = set(inspect.signature(getattr(DucoCobot, function["name"])).parameters)
-        theirs = {one["name"] for one in function["parameters"] if one["wire"]}
-        assert theirs <= ours, function["name"]
+def signature(name: str) -> dict[str, inspect.Parameter]:
+    return dict(list(inspect.signature(getattr(DucoCobot, name)).parameters.items())[1:])
+
+
+def arguments_of(text: str) -> dict[str, Any]:
+    """The parameters of a signature in the data, with their defaults, `...` for none."""
+    parts = [part.partition("=") for part in text.split(", ") if part]
+    return {
+        name: ... if not equals else None if value in ("op_", "[]") else ast.literal_eval(value)
+        for name, equals, value in parts
+    }
+
+
+#: what public copies of the class have beyond the wire: nobody can say what they would send
+BEYOND = {
+    "get_joint_motion_params",
+    "get_simulation_state",
+    "get_stiffness_calibration_params",
+    "save_stiffness_calibration_params",
+    "set_servo_file_params",
+    "set_stiffness_calibration_params",
+}
+
+
+@pytest.mark.parametrize("name", sorted(VENDOR["signatures"].keys() - BEYOND))
+def test_signatures_are_those_of_the_vendors_class(name: str) -> None:
+    ours = signature(name)
+    newest, *older = map(arguments_of, VENDOR["signatures"][name])
+    assert list(ours)[: len(newest)] == list(newest)
+    # where the class has no default, ours may have the manual's
+    stated = {each: default for each, default in newest.items() if default is not ...}
+    assert {each: ours[each].default for each in stated} == stated
+    # what the wire has besides may be left out
+    assert all(
+        ours[each].default is not inspect.Parameter.empty for each in list(ours)[len(newest) :]
+    )
+    for each in older:
+        assert each.keys() <= ours.keys() | KEYWORDS.get(name, {}).keys()
+
+
+@pytest.mark.parametrize("function", [f for f in MANUAL if f["wire"]], ids=lambda f: f["name"])
+def test_names_and_defaults_are_the_manuals(function: dict[str, Any]) -> None:
+    ours, wire = signature(function["name"]), function["wire"]
+    others = KEYWORDS.get(wire, {})
+    printed = [one for one in function["parameters"] if not one.get("out")]
+    called = {one["name"]: others.get(one["name"], one["name"]) for one in printed}
+    assert set(called.values()) <= ours.keys()
+    # a prototype may be called as printed: by position, all or without what may be left out
+    first = list(ours)[: len(printed)]
+    if wire != "trackCartMotion":  # the manual has two of them the other way round
+        assert first == list(called.values())
+    may_be_left = [one["name"] for one in printed if "prototype_default" in one]
+    assert all(ours[called[one]].default is not inspect.Parameter.empty for one in may_be_left)
+    stated = {called[one["name"]]: one["default"] for one in printed if "default" in one}
+    stated |= {
+        row["parameter"]: row["default"] for row in VENDOR["manual_text"] if row["function"] == wire
+    }
+    for row in VENDOR["chosen"]:
+        if wire in row["functions"] and "manual" in row:
+            assert stated.pop(row["parameter"]) is row["manual"]
+            assert ours[row["parameter"]].default is row["class"]
+    after = dict(zip(ours, list(ours)[1:], strict=False))
+    for name, default in stated.items():
+        if ours[name].default is inspect.Parameter.empty:
+            # one that follows must be given
+            assert ours[after[name]].default is inspect.Parameter.empty
+        else:
+            assert ours[name].default == default
+
+
+@pytest.mark.parametrize("row", VENDOR["chosen"], ids=lambda row: row["parameter"])
+def test_what_is_chosen_besides(row: dict[str, Any]) -> None:
+    for name in row["functions"]:
+        assert signature(name)[row["parameter"]].default == row.get("default", row.get("class"))
+
+
+@pytest.mark.parametrize("name", sorted(KEYWORDS))
+def test_other_names_of_arguments_send_the_same(
+    name: str, server: RecordingServer, robot: DucoCobot
+) -> None:
+    function = getattr(robot, name)
+    types = types_of(name)
+    returns = types.pop("return")
+    server.answer(name, None if returns is type(None) else sample(returns))
+    by_name = dict(
+        zip(inspect.signature(function).parameters, map(sample, types.values()), strict=False)
+    )
+    function(**by_name)
+    for other, real in KEYWORDS[name].items():
+        given = {other if key == real else key: value for key, value in by_name.items()}
+        function(**given)
+        with pytest.raises(TypeError, match=f"{other} is another name of {real}"):
+            function(**{**by_name, other: by_name[real]})
+    (first, *rest) = server.received(name)
+    assert len(rest) == len(KEYWORDS[name])
+    assert all(call.args == first.args for call in rest)
 
 
 @pytest.mark.parametrize("name", sorted(idl.functions()))
@@ -90,7 +195,37 @@ def test_each_function_sends_its_arguments_and_returns_the_answer(
 @pytest.mark.parametrize(
     ("name", "args", "sent"),
     [
-        ("movej2", (JOINTS, 1.0, 2.0, 0.0, True), (JOINTS, 1.0, 2.0, 0.0, True, rpc.Op(), False)),
+        ("movej2", (JOINTS, 1.0, 2.0, 0.0, True), (JOINTS, 1.0, 2.0, 0.0, True, NO_OP, False)),
+        ("rpc_heartbeat", (), (1000,)),
+        ("set_wobj_offset", (JOINTS,), (JOINTS, True)),
+        ("set_blend_ahead", (0,), (0, 1)),
+        ("fc_guard_act", ([True], [1.0], None, "", 1), ([True], [1.0], "", "", 1, 0)),
+        ("start_realtime_mode", (0,), (0, 100.0, 0.02)),
+        (
+            "combine_motion_config",
+            (1, 0, 1, 0.01, 0, 0, 0, [0, 0]),
+            (1, 0, 1.0, 0.01, 0.0, 0.0, 0.0, [0, 0], False, []),
+        ),
+        (  # as older versions of the class have it
+            "combine_motion_config",
+            (1, 0, 1.0, 0.01, 0.0, 0.0, 0.0, [0, 0], [NO_OP]),
+            (1, 0, 1.0, 0.01, 0.0, 0.0, 0.0, [0, 0], False, [NO_OP]),
+        ),
+        ("move_eaxis", ("s", [0.1], 0.2, True, None, True), ("s", [0.1], 0.2, True, NO_OP)),
+        ("speedj", (JOINTS, 1.0), (JOINTS, 1.0, -1, False)),
+        ("get_tcp_pose_coord", (), ("", "")),
+        ("servoj", (JOINTS, 1.0, 2.0), (JOINTS, 1.0, 2.0, False, 200.0, 25.0, 10.0, 1.0)),
+        (
+            "movel",
+            (JOINTS, 0.1, 0.2, 0.0, None, None, None, True),
+            (JOINTS, 0.1, 0.2, 0.0, [], "", "", True, NO_OP, False),
+        ),
+        (
+            "movel",
+            (JOINTS, 0.1, 0.2, 0.0, "", "", "", True, None),
+            (JOINTS, 0.1, 0.2, 0.0, [], "", "", True, NO_OP, False),
+        ),
+        ("cal_ikine", (JOINTS, "", None, []), (JOINTS, [], [], [])),
         ("servoj", (JOINTS, 1.0, 2.0, False), (JOINTS, 1.0, 2.0, False, 200.0, 25.0, 10.0, 1.0)),
         ("fc_move", (), (False,)),
         ("trackCartMotion", (0.1, 0.2, True, "t", "w"), (0.1, 0.2, True, "t", "w", 0.005)),
@@ -102,9 +237,33 @@ def test_each_function_sends_its_arguments_and_returns_the_answer(
 def test_what_is_left_out_is_filled_in_as_the_vendor_does(
     name: str, args: tuple[Any, ...], sent: tuple[Any, ...], server: RecordingServer, robot: Any
 ) -> None:
-    server.answer(name, 4)
-    assert getattr(robot, name)(*args) == 4
+    returns = types_of(name)["return"]
+    answer = None if returns is type(None) else 4 if returns is int else sample(returns)
+    server.answer(name, answer)
+    assert getattr(robot, name)(*args) == answer
     assert server.received(name)[0].args == sent
+
+
+@pytest.mark.parametrize(
+    "data", [[255, 1, -1, 127], b"\xff\x01\xff\x7f", bytearray([255, 1, 255, 127])]
+)
+def test_bytes_have_one_meaning(data: Any, server: RecordingServer, robot: DucoCobot) -> None:
+    sent = [-1, 1, -1, 127]
+    for name in ("write_raw_data_485", "tool_write_raw_data_485", "write_data_485"):
+        server.answer(name, True)
+        getattr(robot, name)(data)
+        assert server.received(name)[0].args == (sent,)
+    server.answer("write_raw_data_485_ht", True)
+    robot.write_raw_data_485_ht(data, data, data)
+    assert server.received("write_raw_data_485_ht")[0].args == (sent, sent, sent)
+    server.answer("write_raw_data_can", True)
+    robot.write_raw_data_can(255, data)
+    assert server.received("write_raw_data_can")[0].args == (255, sent)
+    server.answer("modbus_write_multiple_regs", 4)
+    robot.modbus_write_multiple_regs(1, "r", 3, [40000, -25536, 7])
+    assert server.received("modbus_write_multiple_regs")[0].args[3] == [-25536, -25536, 7]
+    with pytest.raises(ParameterError):
+        robot.write_raw_data_485([256])
 
 
 def test_the_manuals_spelling_sends_the_wires_name(
@@ -123,45 +282,90 @@ def test_structs_take_the_vendors_attributes(server: RecordingServer, robot: Duc
     assert server.received("movel")[0].args[8] == op
 
 
-def test_a_lost_connection_gives_minus_one_or_raises(server: RecordingServer) -> None:
+class TheirOp:
+    """As the vendor's client makes it: what is not set is None, and what it lacks is not there."""
+
+    thrift_spec = ()
+
+    def __init__(self) -> None:
+        self.time_or_dist_1: Any = None
+        self.trig_io_1: Any = None
+        self.trig_value_1: Any = None
+        self.trig_event_2: Any = None
+
+
+class TheirPoint:
+    def __init__(self, pos: list[float], op: TheirOp) -> None:
+        self.pos, self.op = pos, op
+
+
+def test_structs_may_be_the_vendors_own(server: RecordingServer, robot: Any) -> None:
+    op = TheirOp()
+    op.time_or_dist_1, op.trig_io_1, op.trig_value_1 = 1, 3, True
+    ours = rpc.Op(time_or_dist_1=1, trig_io_1=3, trig_value_1=True)
+    for name in ("movej2", "trackEnqueueOp", "combine_motion_config"):
+        server.answer(name, 4)
+    robot.movej2(JOINTS, 1.0, 1.0, 0.0, True, op)
+    robot.trackEnqueueOp([TheirPoint(JOINTS, op)], False)
+    robot.combine_motion_config(1, 0, 1.0, 0.01, 0.0, 0.0, 0.0, [0, 0], op_list=[op])
+    assert server.received("movej2")[0].args[5] == ours
+    assert server.received("trackEnqueueOp")[0].args[0] == [rpc.PointOp(JOINTS, ours)]
+    assert server.received("combine_motion_config")[0].args[9] == [ours]
+    robot.op_.time_or_dist_2 = 1
+    robot.movej2(JOINTS, 1.0, 1.0, 0.0, True)
+    assert server.received("movej2")[1].args[5].time_or_dist_2 == 1
+    with pytest.raises(ParameterError):
+        robot.movej2(JOINTS, 1.0, 1.0, 0.0, True, object())
+
+
+def test_a_lost_connection_raises_what_the_vendors_class_raises(server: RecordingServer) -> None:
     robot = DucoCobot(server.host, server.port)
-    assert (robot.stop(True), robot.close()) == (-1, -1)  # never opened
+    assert robot.close() == 0
+    with pytest.raises(TTransportException) as never_opened:
+        robot.stop(True)
+    assert never_opened.value.type == TTransportException.NOT_OPEN
     assert robot.open() == robot.open() == 0
     server.__exit__(None, None, None)
-    assert robot.movej2(JOINTS, 1.0, 1.0, 0.0, True) == -1
-    assert isinstance(robot.last_error, ConnectionLost)
-    for read in (robot.get_tcp_pose, robot.robotmoving, robot.get_last_error):
-        with pytest.raises(ConnectionLost):
-            read()
-    with pytest.raises(ConnectionLost):
-        robot.modbus_read("signal")
+    for call in (
+        robot.get_tcp_pose,
+        robot.robotmoving,
+        lambda: robot.movej2(JOINTS, 1, 1, 0, True),
+    ):
+        with pytest.raises(Thrift.TException) as lost:
+            call()
+        assert isinstance(lost.value, ConnectionLost)
+        assert lost.value is robot.last_error
+        assert lost.value.args[0] == lost.value.__dict__["message"] == str(lost.value)
     assert robot.open() == -1  # nobody is there
-    assert robot.close() == -1
+    assert isinstance(robot.last_error, ConnectError)
+    assert robot.close() == 0
 
 
 def test_a_lost_answer_is_told_in_last_error(server: RecordingServer) -> None:
     gate = threading.Event()
     server.answer("movej2", lambda *_: gate.wait(30.0) and 4)
     with DucoCobot(server.host, server.port, timeout=0.05) as robot:
-        assert robot.movej2(JOINTS, 1.0, 1.0, 0.0, True) == -1
+        with pytest.raises(OutcomeUnknown, match="movej2"):
+            robot.movej2(JOINTS, 1.0, 1.0, 0.0, True)
         assert "movej2" in str(robot.last_error)
         gate.set()
         server.answer("stop", 4)
-        assert robot.stop(True) == -1  # the connection is over, until it is opened again
+        with pytest.raises(ConnectionLost):
+            robot.stop(True)  # the connection is over, until it is opened again
         assert robot.open() == 0
         assert robot.stop(True) == 4
         assert robot.last_error is None
 
 
 def test_what_the_controller_cannot_do_raises(robot: DucoCobot) -> None:
-    with pytest.raises(ControllerError):
-        robot.get_tcp_pose()
-    with pytest.raises(ControllerError):
-        robot.stop(True)
+    for call in (robot.get_tcp_pose, lambda: robot.stop(True)):
+        with pytest.raises(ControllerError) as refused:
+            call()
+        assert isinstance(refused.value, Thrift.TApplicationException)
 
 
 def test_a_wrong_type_never_reaches_the_socket(server: RecordingServer, robot: Any) -> None:
-    for joints in (["a"] * 6, 3.0, None):
+    for joints in (["a"] * 6, 3.0, None, ""):
         with pytest.raises(ParameterError):
             robot.movej2(joints, 1.0, 1.0, 0.0, True)
     assert server.received() == ()
@@ -179,22 +383,99 @@ def test_true_is_1_to_a_function_that_takes_a_number(
     assert [call.args for call in server.received()] == [("valve", 1), (True,)]
 
 
-@pytest.mark.parametrize("name", ["robotmoving", "open", "close"])
-def test_another_thread_is_told_to_make_its_own(name: str, robot: DucoCobot) -> None:
-    raised: list[BaseException] = []
+def in_thread(call: Any, name: str = "second") -> tuple[threading.Thread, list[Any]]:
+    """A call in a thread of its own, and what it gave, once the thread has ended."""
+    ended: list[Any] = []
 
-    def use() -> None:
+    def run() -> None:
         try:
-            getattr(robot, name)()
-        except RuntimeError as exc:
-            raised.append(exc)
+            ended.append(call())
+        except ConnectionLost as exc:
+            ended.append(exc)
 
-    thread = threading.Thread(target=use, name="second")
+    thread = threading.Thread(target=run, name=name)
     thread.start()
-    thread.join()
-    (error,) = raised
-    assert "make another DucoCobot" in str(error)
-    assert "'second'" in str(error)
+    return thread, ended
+
+
+class Blocking:
+    """A motion on a recording server that goes on until `gate` is set."""
+
+    def __init__(self, server: RecordingServer) -> None:
+        self.gate, self.begun = threading.Event(), threading.Event()
+        server.answer("movej2", self._move)
+        server.answer("robotmoving", True)
+        server.answer("stop", 4)
+
+    def _move(self, *_: Any) -> int:
+        self.begun.set()
+        assert self.gate.wait(30.0)
+        return 4
+
+    def start(self, robot: DucoCobot) -> tuple[threading.Thread, list[Any]]:
+        started = in_thread(lambda: robot.movej2(JOINTS, 1.0, 1.0, 0.0, True), "mover")
+        assert self.begun.wait(30.0)
+        return started
+
+
+def test_threads_take_turns_and_a_stop_does_not_wait(
+    server: RecordingServer, robot: DucoCobot, caplog: pytest.LogCaptureFixture
+) -> None:
+    motion = Blocking(server)
+    mover, moved = motion.start(robot)
+    asker, answers = in_thread(robot.robotmoving)
+    assert robot.open() == 0
+    assert robot.stop(True) == 4  # the same object
+    with DucoCobot(server.host, server.port) as second:
+        assert second.stop(True) == 4
+        assert second.robotmoving() is True
+    assert [call.method for call in server.received()] == ["movej2", "stop", "stop", "robotmoving"]
+    assert asker.is_alive()
+    motion.gate.set()
+    mover.join()
+    asker.join()
+    assert (moved, answers) == ([4], [True])
+    eventually(lambda: "is used in thread" in caplog.text)
+    assert caplog.text.count("is used in thread") == 1
+
+
+def test_a_call_in_the_middle_of_another_by_a_signal_handler(
+    server: RecordingServer, robot: DucoCobot
+) -> None:
+    motion = Blocking(server)
+    answers = []
+    waiting = threading.get_ident()
+
+    def handler(*_: Any) -> None:
+        answers.append((robot.stop(True), robot.robotmoving()))
+        motion.gate.set()
+
+    def kill() -> None:
+        assert motion.begun.wait(30.0)
+        signal.pthread_kill(waiting, signal.SIGUSR1)
+
+    former = signal.signal(signal.SIGUSR1, handler)
+    try:
+        killer = threading.Thread(target=kill)
+        killer.start()
+        assert robot.movej2(JOINTS, 1.0, 1.0, 0.0, True) == 4
+        killer.join()
+    finally:
+        signal.signal(signal.SIGUSR1, former)
+    assert answers == [(4, True)]
+
+
+def test_closing_ends_what_another_thread_waits_for(
+    server: RecordingServer, robot: DucoCobot
+) -> None:
+    motion = Blocking(server)
+    mover, moved = motion.start(robot)
+    assert robot.close() == 0
+    mover.join()
+    assert isinstance(moved[0], OutcomeUnknown)
+    assert robot.open() == 0
+    assert robot.stop(True) == 4
+    motion.gate.set()
 
 
 def test_one_left_open_warns(server: RecordingServer) -> None:
@@ -214,7 +495,97 @@ def test_nobody_there(server: RecordingServer) -> None:
 
 
 def test_get_version_asks_nobody() -> None:
-    assert DucoCobot("nowhere").get_version().startswith("aioduco ")
+    robot = DucoCobot("nowhere")
+    assert robot.get_version().startswith("aioduco ")
+    assert robot.get_verion() == robot.get_version()
+
+
+#: a program of the vendor's users; {lib} is where its imports put Thrift's library
+PROGRAM = """
+import os, sys, threading
+sys.path.append("gen_py")
+sys.path.append("lib")
+from DucoCobot import DucoCobot
+from gen_py.robot.ttypes import StateRobot, StateProgram, OperationMode, TaskState, Op, PointOp
+from {lib} import Thrift
+from {lib}.transport import TSocket, TTransport
+from {lib}.protocol import TBinaryProtocol
+from gen_py.robot import RPCRobot
+from vendor.DucoCobot import DucoCobot as Same
+from vendor.gen_py.robot.ttypes import TaskState as SameState
+
+assert Same is DucoCobot and SameState.ST_Finished == 4 == TaskState.ST_Finished
+assert TaskState._VALUES_TO_NAMES[5] == "ST_Interrupt" and StateRobot.SR_Enable == 6
+ip, port = sys.argv[1], int(sys.argv[2])
+beats = DucoCobot(ip, port)
+robot = DucoCobot(ip, port)
+print("open", robot.open(), beats.open())
+print("power", robot.power_on(True), robot.enable(True))
+op = Op(0, 1, False, 0, 0, "", 0, 1, False, 0, 0, "", 0, 1, False, 0, 0, "")
+print("move", robot.movej2([0.1, 0, 1.5, 0, 1.5, 0], 2, 4, 0, True, op=op))
+beats.rpc_heartbeat()
+beats.close()
+robot.close()
+try:
+    robot.get_tcp_pose()
+except Thrift.TException as tx:
+    print("lost", type(tx).__name__, tx.message)
+    print(isinstance(tx, TTransport.TTransportException), tx.type == 1)
+print(os.path.basename(__file__), sys.argv[0] == __file__, __name__)
+"""
+
+
+#: the runner where Thrift's library is not installed
+WITHOUT_THRIFT = """
+import importlib.util
+import sys
+find = importlib.util.find_spec
+importlib.util.find_spec = lambda name: None if name == "thrift" else find(name)
+from aioduco.compat.__main__ import main
+main(sys.argv[1:])
+"""
+
+
+@pytest.mark.parametrize(
+    ("lib", "runner"),
+    [
+        ("thrift", ["-m", "aioduco.compat"]),
+        ("lib.thrift", ["-m", "aioduco.compat"]),
+        ("thrift", ["-c", WITHOUT_THRIFT]),
+    ],
+    ids=["installed", "the vendor's copy", "not installed"],
+)
+def test_a_program_for_the_vendors_class_runs_unchanged(
+    lib: str, runner: list[str], tmp_path: Path
+) -> None:
+    program = tmp_path / "program.py"
+    program.write_text(PROGRAM.format(lib=lib), encoding="utf-8")
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "vendor").mkdir()
+    with Simulator(speed=10.0) as sim:
+        done = subprocess.run(
+            [sys.executable, *runner, str(program), sim.host, str(sim.port)],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=60,
+        )
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[:3] == ["open 0 0", "power 4 4", "move 4"]
+    assert lines[3].startswith("lost ConnectionLost get_tcp_pose was not sent")
+    assert lines[4:] == ["True True", "program.py True __main__"]
+
+
+def test_thrifts_library_is_replaced_only_where_it_is_missing() -> None:
+    with_it, without = VendorModules(thrift=False), VendorModules(thrift=True)
+    assert with_it.find_spec("thrift.Thrift") is None
+    assert with_it.find_spec("vendor.lib.thrift.Thrift") is not None
+    for name in ("thrift", "thrift.Thrift", "vendor.lib.thrift.transport.TTransport"):
+        assert without.find_spec(name) is not None
+    for name in ("thriftpy2.thrift", "other.thrift", "thrift.server", "my.ducocobot", "gen"):
+        assert without.find_spec(name) is None
 
 
 def test_a_program_of_the_manual_on_a_simulated_arm() -> None:
@@ -247,6 +618,7 @@ def test_the_generated_module_is_up_to_date_and_the_check_can_fail(tmp_path: Pat
     for name in (
         "idl/generate_compat.py",
         "tests/data/manual-3.8.json",
+        "tests/data/vendor-python.json",
         "aioduco/__init__.py",
         "aioduco/_wire/__init__.py",
         "aioduco/_wire/rpc.py",

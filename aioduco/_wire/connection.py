@@ -52,7 +52,7 @@ class ConnectionStatistics(NamedTuple):
 
 
 class Connection:
-    """One TCP connection, owned by the thread that opened it (manual 1.5.1).
+    """One TCP connection, owned by the thread that opened it or took it over (manual 1.5.1).
 
     Guarantees: a value is returned only if it is the answer to this very call, by function and
     sequence id. After any other end of a call the connection is POISONED: its socket is
@@ -226,6 +226,10 @@ class Connection:
         deadline = None if timeout is None else time.monotonic() + timeout
         function = idl.functions()[name]
         return self.exchange(function, codec.encode(function, args), deadline)
+
+    def hand_over(self) -> None:
+        """The calling thread becomes the owner; no call may be under way, nor begun elsewhere."""
+        self._owner = threading.get_ident()
 
     def exchange(
         self,

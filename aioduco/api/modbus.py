@@ -74,7 +74,8 @@ class Modbus(Section):
         Args:
             slave_num: number of the device, 0 to 255.
             name: name of the signal.
-            word_list: what is written, each 0 to 65535; at least one.
+            word_list: what is written, each 0 to 65535, or -32768 to -1 for the upper half; at
+                least one.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.

@@ -9,20 +9,25 @@
         robot.movej2([0, 0, 1.57, 0, -1.57, 0], 1.0, 1.0, 0.0, True)
         robot.close()
 
-It sends the arguments as they are and returns the answer: no ranges are checked, no motion is
-followed, no heartbeat is sent, and nothing is stopped when the program is interrupted. For all that
-there are `aioduco.connect` and `aioduco.sync.connect`.
+It takes what the vendor's class takes, sends it and returns the answer: no ranges are checked, no
+motion is followed, no heartbeat is sent, and nothing is stopped when the program is interrupted.
+For all that there are `aioduco.connect` and `aioduco.sync.connect`.
+
+`python -m aioduco.compat program.py` runs a program that imports the vendor's class, unchanged.
 """
 
 from __future__ import annotations
 
+import functools
+import inspect
 import threading
 import warnings
 from typing import TYPE_CHECKING, Any
 
 from aioduco._version import __version__
-from aioduco._wire import idl
 from aioduco._wire.connection import Connection
+from aioduco._wire.forks import fork_hooks
+from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco._wire.rpc import (
     EAxisParam,
@@ -36,15 +41,16 @@ from aioduco._wire.rpc import (
     RealTimeControlData,
     RobotStatus,
 )
-from aioduco.compat._generated import ManualFunctions
-from aioduco.errors import ConnectError, ConnectionLost
+from aioduco._wire.vendor_arguments import wire_arguments
+from aioduco.compat._foreign import ENUMS, as_thrift
+from aioduco.compat._generated import KEYWORDS, ManualFunctions
+from aioduco.errors import ConnectError, ConnectionLost, DucoError
 from aioduco.reporting import BackgroundLogger
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from types import TracebackType
     from typing import Self
-
-    from aioduco.errors import DucoError
 
 __all__ = [
     "OP",
@@ -58,6 +64,7 @@ __all__ = [
     "MoveJogTaskParam",
     "MoveJogTaskParams",
     "Op",
+    "OperationMode",
     "PointOP",
     "PointOp",
     "ReachabilityParam",
@@ -66,12 +73,13 @@ __all__ = [
     "RealTimeData",
     "RobotStatus",
     "RobotStatusList",
+    "SafetyState",
+    "StateProgram",
+    "StateRobot",
+    "TaskState",
 ]
 
 _log = BackgroundLogger(__name__)
-
-#: numbers that are read, and may be -1: a lost connection raises
-_MAY_BE_MINUS_ONE = frozenset({"modbus_read", "read_encoder_count"})
 
 # The structs under the manual's names (section 1.2).
 OP = Op
@@ -83,22 +91,57 @@ ReachabilityParams = ReachabilityParam
 EAxisInfo = EAxissInfo
 RealTimeData = RealTimeControlData
 
+# The enums as the vendor's client has them: classes of whole numbers.
+StateRobot = ENUMS["StateRobot"]
+StateProgram = ENUMS["StateProgram"]
+OperationMode = ENUMS["OperationMode"]
+TaskState = ENUMS["TaskState"]
+SafetyState = ENUMS["SafetyState"]
+
+
+def _by_any_name(function: Callable[..., Any], others: dict[str, str]) -> Callable[..., Any]:
+    """A function that takes its keyword arguments by other names, too."""
+
+    @functools.wraps(function)
+    def call(*args: Any, **keywords: Any) -> Any:
+        for other in keywords.keys() & others.keys():
+            if others[other] in keywords:
+                raise TypeError(
+                    f"{function.__name__}: {other} is another name of {others[other]}; give one"
+                )
+            keywords[others[other]] = keywords.pop(other)
+        return function(*args, **keywords)
+
+    return call
+
+
+def _take_other_names(kind: type[ManualFunctions]) -> None:
+    """Let the functions of a class take what else their arguments are called."""
+    for name, function in inspect.getmembers(kind, inspect.isfunction):
+        others = KEYWORDS.get(function.__name__)
+        if others:
+            setattr(kind, name, _by_any_name(function, others))
+
 
 class DucoCobot(ManualFunctions):
     """A connection to a controller, with a method for each function of the manual.
 
-    Each object is one connection, used by the thread that opened it, for one call at a time
-    (manual 1.5.1). To stop a motion that another object waits for, make a second object in
-    another thread.
+    Each object is one connection, which carries one call at a time (manual 1.5.1). Any thread may
+    use it: a call waits until the one before it is answered, so a call behind a blocking motion
+    waits for the motion's end. `stop` does not wait: while a call is under way, it is sent on a
+    connection of its own. So is a call from a signal handler in the middle of another.
 
-    - A function that answers with a number returns -1 if the connection is lost, or was never
-      opened. So a -1 of a motion does not say that the arm stands. `last_error` says what is
-      known.
-    - A function that answers with something else (a list, a bool, a string, a struct, nothing)
-      raises `ConnectionLost` then, since no such value means "unknown". So do `modbus_read` and
-      `read_encoder_count`, of which -1 may be a true value.
-    - An answer that says that the controller cannot do it raises `ControllerError`.
+    - A lost connection, or one that was never opened, raises `ConnectionLost`, as the vendor's
+      Python class raises Thrift's `TTransportException`; once the program has imported Thrift's
+      library, the error is that one as well. If a motion was sent, the error is `OutcomeUnknown`:
+      it does not say that the arm stands.
+    - An answer that says that the controller cannot do it raises `ControllerError`, then also a
+      `TApplicationException`.
     - After a lost connection, `open` makes a new one.
+
+    Arguments have the names of the vendor's class, and by keyword those of the manual as well. For
+    `q_near`, `tool` and `wobj`, None and '' stand for the present one. Structs may be the vendor's
+    own objects. Bytes and words may have a sign or none, and may be `bytes`.
 
     Args:
         ip: name or address of the controller.
@@ -111,7 +154,8 @@ class DucoCobot(ManualFunctions):
         ip: name or address of the controller.
         port: its TCP port.
         timeout: most seconds for each call.
-        last_error: why the last call returned -1; None if it did not.
+        op_: the outputs that motions set which are not given any: none, unless it is changed.
+        last_error: why `open` returned -1, or why the last call raised; None if neither.
 
     Manual section 1.3.1.
     """
@@ -120,10 +164,14 @@ class DucoCobot(ManualFunctions):
         self.ip = ip
         self.port = port
         self.timeout = timeout
+        self.op_ = Op(trig_io_1=1, trig_io_2=1, trig_io_3=1)
         self.last_error: DucoError | None = None
         self._connection: Connection | None = None
-        self._owner: int | None = None
-        self._owner_name = ""
+        # Held during a call. Reentrant, so that a signal handler in the middle of a call of its
+        # own thread is seen and not waited for.
+        self._turn = threading.RLock()
+        #: the thread that opened it, until use by another one was logged
+        self._opener: threading.Thread | None = None
 
     def __repr__(self) -> str:
         state = "NEW" if self._connection is None else self._connection.state.name
@@ -150,89 +198,124 @@ class DucoCobot(ManualFunctions):
         self.close()
 
     def open(self) -> int:
-        """Connect (打开机器人连接); from now on only the calling thread uses this object.
+        """Connect (打开机器人连接).
 
         Returns:
             0 if it is connected, -1 if not; `last_error` says why.
 
-        Raises:
-            RuntimeError: another thread has opened it, and not closed it.
-
         Manual section 1.3.1.
         """
         connection = self._connection
-        if connection is not None:
-            self._check_thread("open")
-            if connection.state is ConnectionState.IDLE:
-                return 0
-            connection.close()
-        self._connection = connection = Connection(self.ip, self.port)
-        self._owner, self._owner_name = threading.get_ident(), threading.current_thread().name
-        self.last_error = None
-        try:
-            connection.open()
-        except (ConnectError, ConnectionLost) as exc:
-            self._connection = None
-            return self._minus_one("open", exc)
-        return 0
+        if connection is not None and connection.state is ConnectionState.ACTIVE:
+            return 0
+        with self._turn:
+            connection = self._connection
+            if connection is not None:
+                if connection.state is ConnectionState.IDLE:
+                    return 0
+                connection.close()
+            self.last_error = None
+            connection = Connection(self.ip, self.port)
+            try:
+                connection.open()
+            except (ConnectError, ConnectionLost) as exc:
+                self._connection = None
+                self.last_error = as_thrift(exc, connected=False)
+                _log.warning("open returns -1: %s", exc)
+                return -1
+            fork_hooks.add(self)
+            self._opener = threading.current_thread()
+            self._connection = connection
+            return 0
 
     def close(self) -> int:
         """Close the connection (关闭机器人连接). It does not stop the arm.
 
-        Returns:
-            0 if there was one, -1 if not.
+        A call that another thread waits for ends with `ConnectionLost`.
 
-        Raises:
-            RuntimeError: another thread has opened it.
+        Returns:
+            0; there was none, or it is closed.
 
         Manual section 1.3.1.
         """
-        if self._connection is None:
-            return -1
-        self._check_thread("close")
-        self._connection.close()
-        self._connection = None
+        connection, self._connection = self._connection, None
+        if connection is None:
+            return 0
+        if not self._turn.acquire(blocking=False):
+            connection.abandon("close() was called")
+            self._turn.acquire()
+        try:
+            if connection.state is ConnectionState.ACTIVE:
+                # a signal handler in the middle of a call, which closes it when it goes on
+                connection.abandon("close() was called")
+            else:
+                connection.close()
+        finally:
+            self._turn.release()
         return 0
 
     def get_version(self) -> str:
         """Return the version of this package; nothing is sent (manual section 1.3.16)."""
         return f"aioduco {__version__}"
 
-    def _check_thread(self, name: str) -> None:
-        if threading.get_ident() != self._owner:
-            raise RuntimeError(
-                f"{name} was called in thread {threading.current_thread().name!r}, but thread "
-                f"{self._owner_name!r} opened {self!r}; nothing was sent. One object is for one "
-                "thread (manual 1.5.1): make another DucoCobot in this one"
-            )
+    def get_verion(self) -> str:
+        """Return the version of this package, as versions of the vendor's class spell it."""
+        return self.get_version()
 
-    def _send(self, name: str, args: tuple[Any, ...]) -> Any:
-        connection = self._connection
-        if connection is None:
-            raise ConnectionLost(f"{name} was not sent: call open() first")
-        self._check_thread(name)
-        answer = connection.call(name, _plain(name, args), self.timeout)
+    def forked(self) -> None:
+        """This is a forked child: threads of the parent that hold the lock do not run here."""
+        self._turn = threading.RLock()
+
+    def _call(self, name: str, args: tuple[Any, ...]) -> Any:
+        given = wire_arguments(name, args, self.op_)
+        try:
+            answer = self._send(name, given)
+        except DucoError as exc:
+            self.last_error = as_thrift(exc, connected=self._connection is not None)
+            raise
         self.last_error = None
         return answer
 
-    def _call(self, name: str, args: tuple[Any, ...]) -> Any:
+    def _send(self, name: str, args: tuple[Any, ...]) -> Any:
+        if self._connection is None:
+            raise ConnectionLost(f"{name} was not sent: call open() first")
+        if not self._turn.acquire(blocking=call_kind(name) is not CallKind.STOP):
+            return self._send_aside(name, args)
         try:
-            return self._send(name, args)
-        except ConnectionLost as exc:
-            if not idl.functions()[name].number or name in _MAY_BE_MINUS_ONE:
-                raise
-            return self._minus_one(name, exc)
+            connection = self._connection
+            if connection is None:
+                raise ConnectionLost(f"{name} was not sent: the connection was closed")
+            if connection.state is ConnectionState.ACTIVE:
+                return self._send_aside(name, args)
+            self._notice_threads()
+            connection.hand_over()
+            return connection.call(name, args, self.timeout)
+        finally:
+            self._turn.release()
 
-    def _minus_one(self, name: str, error: DucoError) -> int:
-        self.last_error = error
-        _log.warning("%s returns -1: %s", name, error)
-        return -1
+    def _send_aside(self, name: str, args: tuple[Any, ...]) -> Any:
+        """Call on a connection of its own, while another call is under way on the object's."""
+        connection = Connection(self.ip, self.port)
+        try:
+            connection.open()
+            return connection.call(name, args, self.timeout)
+        finally:
+            connection.close()
+
+    def _notice_threads(self) -> None:
+        """Say once that several threads use this object; the caller has its turn."""
+        user, opener = threading.current_thread(), self._opener
+        if opener is None or user is opener:
+            return
+        self._opener = None
+        _log.warning(
+            "%r was opened in thread %r and is used in thread %r, too: a call waits until the one "
+            "before it is answered, only stop() does not. A DucoCobot for each thread does not "
+            "wait (manual 1.5.1). This is said once",
+            self,
+            opener.name,
+            user.name,
+        )
 
 
-def _plain(name: str, args: tuple[Any, ...]) -> tuple[Any, ...]:
-    """The arguments with True and False as the 1 and 0 that they are to the vendor's class."""
-    whole = idl.functions()[name].whole
-    return tuple(
-        int(value) if isinstance(value, bool) and index in whole else value
-        for index, value in enumerate(args)
-    )
+_take_other_names(DucoCobot)

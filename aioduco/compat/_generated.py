@@ -1,42 +1,94 @@
 """The functions as the vendor's Python class has them.
 
-Generated from `aioduco/_wire/rpc.py` and the manual's data by `idl/generate_compat.py`; change
-that, not this. Order and names of the functions, and the order of arguments, are the wire's; the
-names of arguments are the manual's. What is the same in both is inherited.
+Generated from `aioduco/_wire/rpc.py` and the data of the vendor's class and manual by
+`idl/generate_compat.py`; change that, not this. Order and names of the functions, and the order of
+arguments, are the wire's; names and defaults of arguments are the class's. What is the same in
+both is inherited.
 """
 
 # As in aioduco/_wire/rpc.py: what came over the wire becomes what the IDL says it is.
 # mypy: disable-error-code="no-any-return"
-# The names of arguments are the manual's, which differ from the wire's on purpose.
+# The names of arguments are the vendor's, some of which differ from the wire's on purpose.
 # pyright: reportIncompatibleMethodOverride=false
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from aioduco._wire.rpc import Functions, Op
+from aioduco._wire.rpc import Functions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from aioduco._wire.rpc import PointOp
+    from aioduco._wire.rpc import Op, PointOp, ReachabilityParam
+
+#: by function what else its arguments are called, by the manual and by other versions of the class
+KEYWORDS: Final[dict[str, dict[str, str]]] = {
+    "collision_detect": {"level": "value"},
+    "fc_config": {
+        "num_list": "dead_zone",
+        "number_list": "dead_zone",
+        "tool": "toolname",
+        "wobj": "wobjname",
+        "type": "value",
+    },
+    "fc_guard_act": {"tool": "toolname", "wobj": "wobjname"},
+    "fc_wait_ft": {"middle_value": "middle"},
+    "fc_wait_logic": {"logic": "value"},
+    "fc_wait_pos": {"middle_value": "middle"},
+    "fc_wait_vel": {"middle_value": "middle"},
+    "get_function_digital_in": {"portnum": "num"},
+    "get_function_digital_out": {"portnum": "num"},
+    "modbus_set_frequency": {"frequency": "frequence"},
+    "move_circle": {"rad": "r", "qnear": "q_near"},
+    "move_eaxis": {"vel": "v"},
+    "move_jog_eaxis": {"scheme_name": "name"},
+    "move_spiral": {"rad": "r", "qnear": "q_near"},
+    "movec_eaxis": {"q_near": "qnear", "epos": "epose"},
+    "movej2": {"rad": "r"},
+    "movej2_eaxis": {"epos": "epose"},
+    "movej2_pose_eaxis": {"q_near": "qnear", "epos": "epose"},
+    "movel": {"rad": "r"},
+    "movel_eaxis": {"q_near": "qnear", "epos": "epose"},
+    "replay": {"v": "value"},
+    "servoj_pose": {"p": "pose_list", "qnear": "q_near"},
+    "set_dynamic_calibration_info": {"info": "version"},
+    "set_kinematic_calibration_info": {"info": "version"},
+    "set_load_data": {"load": "value"},
+    "set_standard_digital_out": {"val": "value"},
+    "set_tool_digital_out": {"val": "value"},
+    "set_vibration_calibration_info": {"info": "version"},
+    "spline": {"p_list": "pose_list"},
+    "start_realtime_mode": {"filter_bandwidth": "fileter_bandwidth"},
+    "tool_write_raw_data_485_h": {"value": "data"},
+    "tool_write_raw_data_485_ht": {"value": "data"},
+    "trackEnqueue": {"points": "track"},
+    "trackEnqueueOp": {"points": "track"},
+    "write_raw_data_485": {"value": "data"},
+    "write_raw_data_485_h": {"value": "data"},
+    "write_raw_data_485_ht": {"value": "data"},
+}
 
 
 class ManualFunctions(Functions):
     """Every function of the wire, under its name there and under the manual's."""
+
+    def rpc_heartbeat(self, time: int = 1000) -> None:
+        """Report that this client lives; the arm stops if none follows within `time` ms."""
+        return self._call("rpc_heartbeat", (time,))
 
     def movej2(
         self,
         joints_list: Sequence[float],
         v: float,
         a: float,
-        rad: float,
+        r: float,
         block: bool,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> int:
         """Move the joints to `joints_list` rad; v rad/s, a rad/s², r m of blending."""
-        return self._call("movej2", (joints_list, v, a, rad, block, op or Op(), def_acc))
+        return self._call("movej2", (joints_list, v, a, r, block, op, def_acc))
 
     def movej_pose2(
         self,
@@ -44,33 +96,31 @@ class ManualFunctions(Functions):
         v: float,
         a: float,
         r: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
+        q_near: Sequence[float] | None,
+        tool: str | None,
+        wobj: str | None,
         block: bool,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> int:
         """Move the joints to the pose p m, rad; v rad/s, a rad/s², r m of blending."""
-        return self._call(
-            "movej_pose2", (p, v, a, r, q_near, tool, wobj, block, op or Op(), def_acc)
-        )
+        return self._call("movej_pose2", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
 
     def movel(
         self,
         p: Sequence[float],
         v: float,
         a: float,
-        rad: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
+        r: float,
+        q_near: Sequence[float] | None,
+        tool: str | None,
+        wobj: str | None,
         block: bool,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> int:
         """Move the tool along a line to the pose p m, rad; v m/s, a m/s², r m of blending."""
-        return self._call("movel", (p, v, a, rad, q_near, tool, wobj, block, op or Op(), def_acc))
+        return self._call("movel", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
 
     def movec(
         self,
@@ -80,17 +130,15 @@ class ManualFunctions(Functions):
         a: float,
         r: float,
         mode: int,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
+        q_near: Sequence[float] | None,
+        tool: str | None,
+        wobj: str | None,
         block: bool,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> int:
         """Move the tool along an arc through p1 to p2 m, rad; v m/s, a m/s², r m of blending."""
-        return self._call(
-            "movec", (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op or Op(), def_acc)
-        )
+        return self._call("movec", (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc))
 
     def move_circle(
         self,
@@ -98,18 +146,18 @@ class ManualFunctions(Functions):
         p2: Sequence[float],
         v: float,
         a: float,
-        rad: float,
+        r: float,
         mode: int,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
+        q_near: Sequence[float] | None,
+        tool: str | None,
+        wobj: str | None,
+        block: bool = True,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> int:
         """Move the tool along the full circle through p1 and p2; v m/s, a m/s², r m."""
         return self._call(
-            "move_circle", (p1, p2, v, a, rad, mode, qnear, tool, wobj, block, op or Op(), def_acc)
+            "move_circle", (p1, p2, v, a, r, mode, q_near, tool, wobj, block, op, def_acc)
         )
 
     def tcp_move(
@@ -118,13 +166,13 @@ class ManualFunctions(Functions):
         v: float,
         a: float,
         r: float,
-        tool: str,
+        tool: str | None,
         block: bool,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> int:
         """Move along a line by an offset m, rad in the tool's frame; v m/s, a m/s², r m."""
-        return self._call("tcp_move", (pose_offset, v, a, r, tool, block, op or Op(), def_acc))
+        return self._call("tcp_move", (pose_offset, v, a, r, tool, block, op, def_acc))
 
     def tcp_move_2p(
         self,
@@ -133,14 +181,14 @@ class ManualFunctions(Functions):
         v: float,
         a: float,
         r: float,
-        tool: str,
-        wobj: str,
+        tool: str | None,
+        wobj: str | None,
         block: bool,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> int:
         """Move along a line by the offset from p1 to p2 in the tool's frame; v m/s, a m/s²."""
-        return self._call("tcp_move_2p", (p1, p2, v, a, r, tool, wobj, block, op or Op(), def_acc))
+        return self._call("tcp_move_2p", (p1, p2, v, a, r, tool, wobj, block, op, def_acc))
 
     def wobj_move(
         self,
@@ -148,13 +196,13 @@ class ManualFunctions(Functions):
         v: float,
         a: float,
         r: float,
-        wobj: str,
+        wobj: str | None,
         block: bool,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> int:
         """Move along a line by an offset m, rad in the work object's frame; v m/s, a m/s²."""
-        return self._call("wobj_move", (pose_offset, v, a, r, wobj, block, op or Op(), def_acc))
+        return self._call("wobj_move", (pose_offset, v, a, r, wobj, block, op, def_acc))
 
     def wobj_move_2p(
         self,
@@ -163,55 +211,63 @@ class ManualFunctions(Functions):
         v: float,
         a: float,
         r: float,
-        tool: str,
-        wobj: str,
-        block: bool,
+        tool: str | None,
+        wobj: str | None,
+        block: bool = True,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> int:
         """Move along a line by the offset from p1 to p2 in the work object's frame."""
-        return self._call("wobj_move_2p", (p1, p2, v, a, r, tool, wobj, block, op or Op(), def_acc))
+        return self._call("wobj_move_2p", (p1, p2, v, a, r, tool, wobj, block, op, def_acc))
 
-    def replay(self, name: str, v: int, mode: int) -> int:
-        """Run a recorded track at `value` percent; mode 0 by joints, 1 by poses."""
-        return self._call("replay", (name, v, mode))
+    def speedj(
+        self, joints_list: Sequence[float], a: float, time: int = -1, block: bool = False
+    ) -> int:
+        """Turn the joints at `joints_list` rad/s for `time` ms, -1 for no end; a rad/s²."""
+        return self._call("speedj", (joints_list, a, time, block))
+
+    def speedl(
+        self, pose_list: Sequence[float], a: float, time: int = -1, block: bool = False
+    ) -> int:
+        """Move the tool at `pose_list` m/s, rad/s for `time` ms, -1 for no end; a m/s²."""
+        return self._call("speedl", (pose_list, a, time, block))
 
     def spline(
         self,
-        p_list: Sequence[Sequence[float]],
+        pose_list: Sequence[Sequence[float]],
         v: float,
         a: float,
-        tool: str,
-        wobj: str,
+        tool: str | None,
+        wobj: str | None,
         block: bool,
         op: Op | None = None,
         r: float = 0.0,
         def_acc: bool = False,
     ) -> int:
         """Move the tool along a spline through up to 50 poses m, rad; v m/s, a m/s², r m."""
-        return self._call("spline", (p_list, v, a, tool, wobj, block, op or Op(), r, def_acc))
+        return self._call("spline", (pose_list, v, a, tool, wobj, block, op, r, def_acc))
 
     def spline_op(
         self,
         pose_list: Sequence[PointOp],
         v: float,
         a: float,
-        tool: str,
-        wobj: str,
+        tool: str | None,
+        wobj: str | None,
         block: bool,
         op: Op | None = None,
         r: float = 0.0,
         def_acc: bool = False,
     ) -> int:
         """Move along a spline of up to 50 poses with triggers at the points; v m/s, a m/s²."""
-        return self._call("spline_op", (pose_list, v, a, tool, wobj, block, op or Op(), r, def_acc))
+        return self._call("spline_op", (pose_list, v, a, tool, wobj, block, op, r, def_acc))
 
     def servoj(
         self,
         joints_list: Sequence[float],
         v: float,
         a: float,
-        block: bool,
+        block: bool = False,
         kp: float = 200.0,
         kd: float = 25.0,
         smooth_vel: float = 10.0,
@@ -222,13 +278,13 @@ class ManualFunctions(Functions):
 
     def servoj_pose(
         self,
-        p: Sequence[float],
+        pose_list: Sequence[float],
         v: float,
         a: float,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
+        q_near: Sequence[float] | None,
+        tool: str | None,
+        wobj: str | None,
+        block: bool = False,
         kp: float = 200.0,
         kd: float = 25.0,
         smooth_vel: float = 10.0,
@@ -236,7 +292,8 @@ class ManualFunctions(Functions):
     ) -> int:
         """Follow poses m, rad that come one after another, by the joints; v rad/s, a rad/s²."""
         return self._call(
-            "servoj_pose", (p, v, a, qnear, tool, wobj, block, kp, kd, smooth_vel, smooth_acc)
+            "servoj_pose",
+            (pose_list, v, a, q_near, tool, wobj, block, kp, kd, smooth_vel, smooth_acc),
         )
 
     def servo_tcp(
@@ -244,8 +301,8 @@ class ManualFunctions(Functions):
         pose_offset: Sequence[float],
         v: float,
         a: float,
-        tool: str,
-        block: bool,
+        tool: str | None,
+        block: bool = False,
         kp: float = 200.0,
         kd: float = 25.0,
         smooth_vel: float = 10.0,
@@ -261,10 +318,10 @@ class ManualFunctions(Functions):
         pose_list: Sequence[float],
         v: float,
         a: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
-        block: bool,
+        q_near: Sequence[float] | None,
+        tool: str | None,
+        wobj: str | None,
+        block: bool = False,
         kp: float = 200.0,
         kd: float = 25.0,
         smooth_vel: float = 10.0,
@@ -281,22 +338,25 @@ class ManualFunctions(Functions):
         p2: Sequence[float],
         rev: float,
         len: float,
-        rad: float,
+        r: float,
         mode: int,
         v: float,
         a: float,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
+        q_near: Sequence[float] | None,
+        tool: str | None,
+        wobj: str | None,
         block: bool,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> int:
         """Move along a spiral: `rev` turns, `len` m along the axis, `r` m; v m/s, a m/s²."""
         return self._call(
-            "move_spiral",
-            (p1, p2, rev, len, rad, mode, v, a, qnear, tool, wobj, block, op or Op(), def_acc),
+            "move_spiral", (p1, p2, rev, len, r, mode, v, a, q_near, tool, wobj, block, op, def_acc)
         )
+
+    def set_blend_ahead(self, per: int, num: int = 1) -> int:
+        """Read following motions ahead at `per` percent of the path, or `num` of them."""
+        return self._call("set_blend_ahead", (per, num))
 
     def movej(
         self,
@@ -309,7 +369,7 @@ class ManualFunctions(Functions):
         def_acc: bool = False,
     ) -> int:
         """Move the joints to `joints_list` rad; v and a in percent. Not in the manual."""
-        return self._call("movej", (joints_list, v, a, r, block, op or Op(), def_acc))
+        return self._call("movej", (joints_list, v, a, r, block, op, def_acc))
 
     def movej_pose(
         self,
@@ -317,64 +377,54 @@ class ManualFunctions(Functions):
         v: float,
         a: float,
         r: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
+        q_near: Sequence[float] | None,
+        tool: str | None,
+        wobj: str | None,
         block: bool,
         op: Op | None = None,
         def_acc: bool = False,
     ) -> int:
         """Move the joints to the pose p m, rad; v and a in percent. Not in the manual."""
-        return self._call(
-            "movej_pose", (p, v, a, r, q_near, tool, wobj, block, op or Op(), def_acc)
-        )
+        return self._call("movej_pose", (p, v, a, r, q_near, tool, wobj, block, op, def_acc))
 
-    def write_raw_data_485(self, value: Sequence[int]) -> bool:
-        """Write bytes to RS-485."""
-        return self._call("write_raw_data_485", (value,))
+    def set_wobj_offset(self, wobj: Sequence[float], active: bool = True) -> int:
+        """Add an offset m, rad to the work object of all following motions, or take it away."""
+        return self._call("set_wobj_offset", (wobj, active))
 
-    def write_raw_data_485_h(self, value: Sequence[int], head: Sequence[int]) -> bool:
-        """Write `head` and bytes to RS-485."""
-        return self._call("write_raw_data_485_h", (value, head))
+    def cal_ikine(
+        self,
+        p: Sequence[float],
+        q_near: Sequence[float] | None,
+        tool: Sequence[float] | None,
+        wobj: Sequence[float] | None,
+    ) -> list[float]:
+        """Joints rad for the pose p m, rad, near q_near; empty lists mean the present values."""
+        return self._call("cal_ikine", (p, q_near, tool, wobj))
 
-    def write_raw_data_485_ht(
-        self, value: Sequence[int], head: Sequence[int], tail: Sequence[int]
-    ) -> bool:
-        """Write `head`, bytes and `tail` to RS-485."""
-        return self._call("write_raw_data_485_ht", (value, head, tail))
+    def cal_fkine(
+        self,
+        joints_position: Sequence[float],
+        tool: Sequence[float] | None,
+        wobj: Sequence[float] | None,
+    ) -> list[float]:
+        """Pose m, rad for joints rad; empty tool and wobj mean the present ones."""
+        return self._call("cal_fkine", (joints_position, tool, wobj))
 
-    def tool_write_raw_data_485_h(self, value: Sequence[int], head: Sequence[int]) -> bool:
-        """Write `head` and bytes to the tool's RS-485."""
-        return self._call("tool_write_raw_data_485_h", (value, head))
+    def get_tcp_pose_coord(self, tool: str | None = "", wobj: str | None = "") -> list[float]:
+        """Pose m, rad with the tool and the work object of these names."""
+        return self._call("get_tcp_pose_coord", (tool, wobj))
 
-    def tool_write_raw_data_485_ht(
-        self, value: Sequence[int], head: Sequence[int], tail: Sequence[int]
-    ) -> bool:
-        """Write `head`, bytes and `tail` to the tool's RS-485."""
-        return self._call("tool_write_raw_data_485_ht", (value, head, tail))
-
-    def set_standard_digital_out(self, num: int, val: bool, block: bool) -> int:
-        """Set cabinet output 1 to 16."""
-        return self._call("set_standard_digital_out", (num, val, block))
-
-    def set_tool_digital_out(self, num: int, val: bool, block: bool) -> int:
-        """Set tool output 1 or 2."""
-        return self._call("set_tool_digital_out", (num, val, block))
-
-    def get_function_digital_in(self, portnum: int) -> bool:
-        """Level of function input 1 to 8."""
-        return self._call("get_function_digital_in", (portnum,))
-
-    def get_function_digital_out(self, portnum: int) -> bool:
-        """Level of function output 1 to 8."""
-        return self._call("get_function_digital_out", (portnum,))
-
-    def set_load_data(self, load: Sequence[float]) -> int:
-        """Set the mass kg and centre m of what the tool holds."""
-        return self._call("set_load_data", (load,))
+    def get_tcp_force_tool(self, tool: str | None = "") -> list[float]:
+        """Force in the frame of the tool of this name, N, N m; needs a force sensor."""
+        return self._call("get_tcp_force_tool", (tool,))
 
     def start_record_track(
-        self, name: str, mode: int, tool: str, wobj: str, interval: float | None = None
+        self,
+        name: str,
+        mode: int,
+        tool: str | None,
+        wobj: str | None,
+        interval: float | None = None,
     ) -> int:
         """Start to record a track: mode 0 each `interval` degrees, 1 each `interval` seconds.
 
@@ -384,13 +434,16 @@ class ManualFunctions(Functions):
             interval = 5.0 if mode == 0 else 0.5
         return self._call("start_record_track", (name, mode, tool, wobj, interval))
 
-    def collision_detect(self, level: int) -> int:
-        """Set the level of collision detection, 0 off, 1 to 5."""
-        return self._call("collision_detect", (level,))
-
-    def modbus_set_frequency(self, signal_name: str, frequency: int) -> None:
-        """Set how often a Modbus signal is refreshed, 1 to 100 Hz."""
-        return self._call("modbus_set_frequency", (signal_name, frequency))
+    def reach_check(
+        self,
+        base: Sequence[float],
+        wobj: Sequence[float] | None,
+        tool: Sequence[float] | None,
+        ref_pos: Sequence[float] | None,
+        check_points: Sequence[Sequence[float]],
+    ) -> ReachabilityParam:
+        """Whether poses m, rad can be reached with this base, work object and tool."""
+        return self._call("reach_check", (base, wobj, tool, ref_pos, check_points))
 
     def fc_config(
         self,
@@ -398,63 +451,42 @@ class ManualFunctions(Functions):
         ref_ft: Sequence[float],
         damp: Sequence[float],
         max_vel: Sequence[float],
-        number_list: Sequence[float],
-        tool: str,
-        wobj: str,
-        type: int,
+        dead_zone: Sequence[float],
+        toolname: str | None,
+        wobjname: str | None,
+        value: int,
     ) -> int:
         """Set force control: directions, target N, N m, damping, greatest speed, dead band, frame."""
         return self._call(
-            "fc_config", (direction, ref_ft, damp, max_vel, number_list, tool, wobj, type)
+            "fc_config", (direction, ref_ft, damp, max_vel, dead_zone, toolname, wobjname, value)
         )
 
     def fc_move(self, block: bool = False) -> int:
         """Move by force control alone."""
         return self._call("fc_move", (block,))
 
-    def fc_wait_pos(
+    def fc_guard_act(
         self,
-        middle_value: Sequence[float],
-        range: Sequence[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
+        direction: Sequence[bool],
+        ref_ft: Sequence[float],
+        toolname: str | None,
+        wobjname: str | None,
+        type: int,
+        force_property: int = 0,
     ) -> int:
-        """End the motion at a position m, rad held for `duration` ms; give up after `timeout` ms."""
-        return self._call("fc_wait_pos", (middle_value, range, absolute, duration, timeout))
-
-    def fc_wait_vel(
-        self,
-        middle_value: Sequence[float],
-        range: Sequence[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int:
-        """End the motion at a speed m/s, rad/s held for `duration` ms; give up after `timeout` ms."""
-        return self._call("fc_wait_vel", (middle_value, range, absolute, duration, timeout))
-
-    def fc_wait_ft(
-        self,
-        middle_value: Sequence[float],
-        range: Sequence[float],
-        absolute: bool,
-        duration: int,
-        timeout: int,
-    ) -> int:
-        """End the motion at a force N, N m held for `duration` ms; give up after `timeout` ms."""
-        return self._call("fc_wait_ft", (middle_value, range, absolute, duration, timeout))
-
-    def fc_wait_logic(self, logic: Sequence[int]) -> int:
-        """Combine the conditions position, speed, force: 0 off, 1 and, 2 or. Resets them."""
-        return self._call("fc_wait_logic", (logic,))
-
-    def trackEnqueue(self, points: Sequence[Sequence[float]], block: bool) -> int:
-        """Put points, joints rad or poses m, rad, into the pool of 1000. -1 if it is full."""
-        return self._call("trackEnqueue", (points, block))
+        """Watch the force, N, N m: the arm stops with an alarm when it is exceeded."""
+        return self._call(
+            "fc_guard_act", (direction, ref_ft, toolname, wobjname, type, force_property)
+        )
 
     def trackCartMotion(
-        self, speed: float, acc: float, block: bool, tool: str, wobj: str, radius: float = 0.005
+        self,
+        speed: float,
+        acc: float,
+        block: bool,
+        tool: str | None,
+        wobj: str | None,
+        radius: float = 0.005,
     ) -> int:
         """Follow the pool's points as poses; speed m/s, acc m/s², radius m.
 
@@ -462,24 +494,39 @@ class ManualFunctions(Functions):
         """
         return self._call("trackCartMotion", (speed, acc, block, tool, wobj, radius))
 
-    def trackEnqueueOp(self, points: Sequence[PointOp], block: bool) -> int:
-        """Put points with triggers into the pool of 1000. -1 if it is full."""
-        return self._call("trackEnqueueOp", (points, block))
+    def combine_motion_config(
+        self,
+        type: int,
+        ref_plane: int,
+        fq: float,
+        amp: float,
+        el_offset: float,
+        az_offset: float,
+        up_height: float,
+        time: Sequence[int],
+        path_dwell: bool = False,
+        op_list: Sequence[Op] | None = None,
+    ) -> int:
+        """Set the weave that is laid over motions: shape, plane, fq Hz, amp m, dwell ms."""
+        return self._call(
+            "combine_motion_config",
+            (type, ref_plane, fq, amp, el_offset, az_offset, up_height, time, path_dwell, op_list),
+        )
 
     def move_eaxis(
         self,
         scheme_name: str,
         epose: Sequence[float],
-        vel: float,
+        v: float,
         block: bool,
         op: Op | None = None,
+        def_acc: bool = False,
     ) -> int:
-        """Move external axes to `epose` rad or m; v rad/s or m/s."""
-        return self._call("move_eaxis", (scheme_name, epose, vel, block, op or Op()))
+        """Move external axes to `epose` rad or m; v rad/s or m/s.
 
-    def move_jog_eaxis(self, scheme_name: str, direction: int, vel: float, block: bool) -> int:
-        """Jog an external axis, direction -1 or 1, at `vel` percent."""
-        return self._call("move_jog_eaxis", (scheme_name, direction, vel, block))
+        `def_acc` is taken since the manual prints it; the wire has no place for it.
+        """
+        return self._call("move_eaxis", (scheme_name, epose, v, block, op))
 
     def movej2_eaxis(
         self,
@@ -488,7 +535,7 @@ class ManualFunctions(Functions):
         a: float,
         rad: float,
         scheme_name: str,
-        epos: Sequence[float],
+        epose: Sequence[float],
         eaxis_v: float,
         block: bool,
         op: Op | None = None,
@@ -497,7 +544,7 @@ class ManualFunctions(Functions):
         """movej2 together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
         return self._call(
             "movej2_eaxis",
-            (joints_list, v, a, rad, scheme_name, epos, eaxis_v, block, op or Op(), def_acc),
+            (joints_list, v, a, rad, scheme_name, epose, eaxis_v, block, op, def_acc),
         )
 
     def movej2_pose_eaxis(
@@ -506,11 +553,11 @@ class ManualFunctions(Functions):
         v: float,
         a: float,
         rad: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
+        qnear: Sequence[float] | None,
+        tool: str | None,
+        wobj: str | None,
         scheme_name: str,
-        epos: Sequence[float],
+        epose: Sequence[float],
         eaxis_v: float,
         block: bool,
         op: Op | None = None,
@@ -519,21 +566,7 @@ class ManualFunctions(Functions):
         """movej_pose2 together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
         return self._call(
             "movej2_pose_eaxis",
-            (
-                p,
-                v,
-                a,
-                rad,
-                q_near,
-                tool,
-                wobj,
-                scheme_name,
-                epos,
-                eaxis_v,
-                block,
-                op or Op(),
-                def_acc,
-            ),
+            (p, v, a, rad, qnear, tool, wobj, scheme_name, epose, eaxis_v, block, op, def_acc),
         )
 
     def movel_eaxis(
@@ -542,11 +575,11 @@ class ManualFunctions(Functions):
         v: float,
         a: float,
         rad: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
+        qnear: Sequence[float] | None,
+        tool: str | None,
+        wobj: str | None,
         scheme_name: str,
-        epos: Sequence[float],
+        epose: Sequence[float],
         eaxis_v: float,
         block: bool,
         op: Op | None = None,
@@ -555,21 +588,7 @@ class ManualFunctions(Functions):
         """movel together with external axes: epose rad or m, eaxis_v rad/s or m/s."""
         return self._call(
             "movel_eaxis",
-            (
-                p,
-                v,
-                a,
-                rad,
-                q_near,
-                tool,
-                wobj,
-                scheme_name,
-                epos,
-                eaxis_v,
-                block,
-                op or Op(),
-                def_acc,
-            ),
+            (p, v, a, rad, qnear, tool, wobj, scheme_name, epose, eaxis_v, block, op, def_acc),
         )
 
     def movec_eaxis(
@@ -579,11 +598,11 @@ class ManualFunctions(Functions):
         v: float,
         a: float,
         rad: float,
-        q_near: Sequence[float],
-        tool: str,
-        wobj: str,
+        qnear: Sequence[float] | None,
+        tool: str | None,
+        wobj: str | None,
         scheme_name: str,
-        epos: Sequence[float],
+        epose: Sequence[float],
         eaxis_v: float,
         block: bool,
         op: Op | None = None,
@@ -599,14 +618,14 @@ class ManualFunctions(Functions):
                 v,
                 a,
                 rad,
-                q_near,
+                qnear,
                 tool,
                 wobj,
                 scheme_name,
-                epos,
+                epose,
                 eaxis_v,
                 block,
-                op or Op(),
+                op,
                 def_acc,
                 mode,
             ),
@@ -620,9 +639,9 @@ class ManualFunctions(Functions):
         a: float,
         rad: float,
         mode: int,
-        qnear: Sequence[float],
-        tool: str,
-        wobj: str,
+        qnear: Sequence[float] | None,
+        tool: str | None,
+        wobj: str | None,
         scheme_name: str,
         epose: Sequence[float],
         eaxis_v: float,
@@ -647,14 +666,34 @@ class ManualFunctions(Functions):
                 epose,
                 eaxis_v,
                 block,
-                op or Op(),
+                op,
                 def_acc,
             ),
         )
 
-    def start_realtime_mode(self, mode: int, filter_bandwidth: float, com_lost_time: float) -> int:
+    def start_realtime_mode(
+        self, mode: int, fileter_bandwidth: float = 100.0, com_lost_time: float = 0.02
+    ) -> int:
         """Follow the realtime queue; filter Hz, stop without data for com_lost_time s."""
-        return self._call("start_realtime_mode", (mode, filter_bandwidth, com_lost_time))
+        return self._call("start_realtime_mode", (mode, fileter_bandwidth, com_lost_time))
+
+    def set_servo_config(
+        self, axis_num: int, id: int, value: int, qfmt: int, block: bool = False
+    ) -> int:
+        """Set a parameter of an axis' servo drive. Not in the manual."""
+        return self._call("set_servo_config", (axis_num, id, value, qfmt, block))
+
+    def set_dynamic_calibration_info(self, passwd: str, version: str) -> int:
+        """Set the notes of the dynamic calibration. Not in the manual."""
+        return self._call("set_dynamic_calibration_info", (passwd, version))
+
+    def set_kinematic_calibration_info(self, passwd: str, version: str) -> int:
+        """Set the notes of the kinematic calibration. Not in the manual."""
+        return self._call("set_kinematic_calibration_info", (passwd, version))
+
+    def set_vibration_calibration_info(self, passwd: str, version: str) -> int:
+        """Set the notes of the vibration calibration. Not in the manual."""
+        return self._call("set_vibration_calibration_info", (passwd, version))
 
     # as the manual spells them
     disable_combined_motion: Final = Functions.disable_combine_motion

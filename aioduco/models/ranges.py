@@ -143,7 +143,7 @@ BLEND_AHEAD_MOVES = Integer(1, 3, "moves", source="1.3.5")
 #: the manual lists no rates
 BAUD_RATE = Integer(1, 2**31 - 1, "bit/s", source="1.3.6")
 READ_LENGTH = Integer(1, 2**31 - 1, "bytes", source="1.3.6")
-#: bytes 0 to 255, signed on the wire
+#: bytes 0 to 255, or as signed numbers, which the wire has
 BYTES = Signed(8, "bytes", source="1.3.6")
 #: the largest identifier of an extended CAN frame has 29 bits
 CAN_ID = Integer(0, 2**29 - 1, source="1.3.6")
@@ -193,7 +193,7 @@ MODBUS_VALUE = Integer(0, 65535, source="1.3.9")
 MODBUS_FREQUENCY = Integer(1, 100, "Hz", source="1.3.9")
 #: the manual gives no range; a unit's number is one byte in Modbus
 MODBUS_UNIT = Integer(0, 255, source="1.3.9")
-#: words 0 to 65535, signed on the wire
+#: words 0 to 65535, or as signed numbers, which the wire has
 MODBUS_WORDS = Signed(16, "words", source="1.3.9")
 MODBUS_COILS = Integers(Choice({0: "off", 1: "on"}, source="1.3.9"), source="1.3.9")
 

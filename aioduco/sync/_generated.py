@@ -2592,8 +2592,9 @@ class Bus(_Section):
         robot.bus.tool_write_raw_data_485(b"\x01\x06\x01\x00\x00\x01\x49\xf6")
         answer = robot.bus.tool_read_raw_data_485(8)
 
-    Bytes go in and come out as `bytes`. What came over a bus stays in the controller's buffer
-    until it is read: read until nothing is left before a request whose answer matters.
+    Bytes go in as `bytes` or as numbers, of which 255 and -1 are the same byte, and come out as
+    `bytes`. What came over a bus stays in the controller's buffer until it is read: read until
+    nothing is left before a request whose answer matters.
     """
 
     __slots__ = ()
@@ -3720,7 +3721,8 @@ class Modbus(_Section):
         Args:
             slave_num: number of the device, 0 to 255.
             name: name of the signal.
-            word_list: what is written, each 0 to 65535; at least one.
+            word_list: what is written, each 0 to 65535, or -32768 to -1 for the upper half; at
+                least one.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.

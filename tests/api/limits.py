@@ -201,7 +201,7 @@ def wrong(rule: Any, sample: Any) -> SearchStrategy[Any]:
             wrongs = (
                 NO_LIST
                 | st.none()
-                | _spoilt(good, wrong(rules.Integer(0, rule.high, source=""), 0))
+                | _spoilt(good, wrong(rules.Integer(rule.low, rule.high, source=""), 0))
             )
             return wrongs | st.just(good[: rule.min_length - 1]) if rule.min_length else wrongs
         case _:

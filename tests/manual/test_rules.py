@@ -278,14 +278,16 @@ def test_bytes_keep_their_bits(data: bytes) -> None:
     assert bytes(number & 0xFF for number in signed) == data
     assert BYTES("d", list(data)) == BYTES("d", bytearray(data)) == signed
     assert BYTES("d", np.frombuffer(data, dtype=np.uint8)) == signed
+    assert BYTES("d", np.frombuffer(data, dtype=np.int8)) == BYTES("d", signed) == signed
 
 
 def test_words_and_what_are_no_bytes() -> None:
     words = Signed(16, "words", source="test")
     assert words("w", [0, 0x7FFF, 0x8000, 0xFFFF]) == [0, 32767, -32768, -1]
-    for value in ([], b"", [256], [-1], [1.0], [True], "ab", None):
+    assert words("w", [40000, -25536]) == [-25536, -25536]
+    for value in ([], b"", [256], [-129], [1.0], [True], "ab", None):
         error(BYTES, value)
-    for value in ([65536], [-1], b"ab"):
+    for value in ([65536], [-32769], b"ab"):
         error(words, value)
 
 

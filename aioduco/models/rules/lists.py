@@ -231,12 +231,15 @@ class Flags(Rule):
 
 
 class Signed(Rule):
-    """Unsigned numbers of a few bits, sent as the signed numbers that have the same bits.
+    """Whole numbers of a few bits, sent as the signed numbers that have the same bits.
+
+    255 and -1 are the same byte: the manual's types have a sign, its examples and most devices'
+    pages have none.
 
     Attributes:
         bits: how many bits each has.
-        low: 0.
-        high: the largest value of each.
+        low: the smallest value of each, as a number with a sign.
+        high: the largest value of each, as a number without one.
         min_length: the fewest elements.
     """
 
@@ -244,7 +247,7 @@ class Signed(Rule):
 
     def __init__(self, bits: int, words: str, *, min_length: int = 1, source: str) -> None:
         self.bits: int = bits
-        self.low: int = 0
+        self.low: int = -(1 << (bits - 1))
         self.high: int = (1 << bits) - 1
         self.min_length: int = min_length
         self.source = source

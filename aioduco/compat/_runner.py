@@ -1,0 +1,149 @@
+"""The vendor's modules for an unchanged program: found before those that lie beside it.
+
+The vendor hands out a folder: `DucoCobot.py`, `gen_py` from Thrift's compiler, and a copy of
+Thrift's library in `lib`. Programs put that folder, or parts of it, into packages of their own. So
+a module is known by the end of its name, wherever it lies.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import runpy
+import sys
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from typing import TYPE_CHECKING, Any, Final
+
+from aioduco import compat
+from aioduco.compat._foreign import ENUMS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+    from types import ModuleType
+
+__all__ = ["VendorModules", "run"]
+
+_STRUCTS: Final = (
+    *("EAxisParam", "EAxisSchemeParam", "EAxissInfo", "IOStatus", "MoveJogTaskParam", "Op"),
+    *("PointOp", "ReachabilityParam", "RealTimeControlData", "RobotStatus"),
+)
+
+
+class TException(Exception):
+    """Base of Thrift's errors, where its library is not installed."""
+
+    def __init__(self, message: str | None = None) -> None:
+        super().__init__(message)
+        self.message = message
+
+
+class TApplicationException(TException):
+    """An error that the controller reports, as Thrift's library has it."""
+
+    def __init__(self, type: int = 0, message: str | None = None) -> None:  # noqa: A002  # Thrift's
+        super().__init__(message)
+        self.type = type
+
+
+class TTransportException(TException):
+    """A connection that failed, as Thrift's library has it."""
+
+    UNKNOWN = 0
+    NOT_OPEN = 1
+    ALREADY_OPEN = 2
+    TIMED_OUT = 3
+    END_OF_FILE = 4
+
+    def __init__(self, type: int = UNKNOWN, message: str | None = None) -> None:  # noqa: A002  # Thrift's
+        super().__init__(message)
+        self.type = type
+
+
+def _class_module() -> dict[str, Any]:
+    return {"DucoCobot": compat.DucoCobot, **_types_module()}
+
+
+def _types_module() -> dict[str, Any]:
+    return {**ENUMS, **{name: getattr(compat, name) for name in _STRUCTS}}
+
+
+def _nothing() -> dict[str, Any]:
+    return {}
+
+
+#: what is in the vendor's modules, by the end of their names
+_VENDOR: Final[dict[str, Callable[[], dict[str, Any]]]] = {
+    "DucoCobot": _class_module,
+    "gen_py": _nothing,
+    "gen_py.robot": _nothing,
+    "gen_py.robot.ttypes": _types_module,
+    "gen_py.robot.constants": _nothing,
+    "gen_py.robot.RPCRobot": _nothing,
+}
+#: the same of Thrift's library: what programs import of it, the errors; the rest does nothing
+_THRIFT: Final[dict[str, Callable[[], dict[str, Any]]]] = {
+    "thrift": _nothing,
+    "thrift.Thrift": lambda: {
+        "TException": TException,
+        "TApplicationException": TApplicationException,
+    },
+    "thrift.transport": _nothing,
+    "thrift.transport.TTransport": lambda: {"TTransportException": TTransportException},
+    "thrift.transport.TSocket": _nothing,
+    "thrift.protocol": _nothing,
+    "thrift.protocol.TBinaryProtocol": _nothing,
+}
+_MODULES: Final = {**_VENDOR, **_THRIFT}
+
+
+class VendorModules(MetaPathFinder, Loader):
+    """Finds the vendor's modules, and Thrift's library where the vendor's folder has it.
+
+    Args:
+        thrift: whether it finds Thrift's library by its own name, too: it is not installed.
+    """
+
+    def __init__(self, thrift: bool) -> None:
+        self._thrift = thrift
+
+    def find_spec(
+        self,
+        fullname: str,
+        path: Sequence[str] | None = None,  # noqa: ARG002  # the import system hands it over
+        target: ModuleType | None = None,  # noqa: ARG002
+    ) -> ModuleSpec | None:
+        """The module, if it is one of them."""
+        if self._known(fullname) is None:
+            return None
+        return ModuleSpec(fullname, self, origin=compat.__name__, is_package=True)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Fill it."""
+        known = self._known(module.__name__)
+        assert known is not None
+        vars(module).update(_MODULES[known]())
+
+    def _known(self, fullname: str) -> str | None:
+        parts = fullname.split(".")
+        for begin, first in enumerate(parts):
+            # other libraries have a module `thrift`; the vendor's copy lies in `lib`
+            ours = self._thrift if begin == 0 else parts[begin - 1] == "lib"
+            name = ".".join(parts[begin:])
+            if name in _MODULES and (ours or first != "thrift"):
+                return name
+        return None
+
+
+def run(program: Path, arguments: Sequence[str]) -> None:
+    """Run a program as Python would, with the vendor's modules in place of its own.
+
+    Args:
+        program: its file.
+        arguments: what it finds in `sys.argv` behind its name.
+    """
+    installed = importlib.util.find_spec("thrift") is not None
+    sys.meta_path.insert(0, VendorModules(thrift=not installed))
+    sys.argv = [str(program), *arguments]
+    sys.path.insert(0, str(program.resolve().parent))
+    runpy.run_path(str(program), run_name="__main__")
