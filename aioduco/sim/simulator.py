@@ -21,6 +21,7 @@ from aioduco.sim.clock import checked_speed
 from aioduco.sim.controller.monitoring import CollisionDetector
 from aioduco.sim.controller.state_machine import Controller
 from aioduco.sim.force.control import ForceControl
+from aioduco.sim.forgiving import Forgiving
 from aioduco.sim.handlers import Handlers
 from aioduco.sim.handlers.base import HandlerContext
 from aioduco.sim.physics.world import World
@@ -92,6 +93,8 @@ class Simulator:
         values: system values by name, which a controller's pendant would define.
         programs: by name, for run_program: a list of calls of the wire, or a generator function
             that yields them; or a folder whose files "<name>.json" hold such lists.
+        strict: whether to refuse what is off the manual although public programs send it: numbers
+            out of their range, and the like. A lenient simulator takes it; `forgiven` tells what.
         on_shutdown: called when a client has shut the controller down, from one of its threads.
 
     Raises:
@@ -119,6 +122,7 @@ class Simulator:
         program_lag: float = 0.0,
         values: Mapping[str, Value] | None = None,
         programs: Mapping[str, Script] | str | Path | None = None,
+        strict: bool = False,
         on_shutdown: Callable[[], object] = lambda: None,
     ) -> None:
         self.arm: Arm = arm_of(model)
@@ -136,6 +140,7 @@ class Simulator:
         self.cabinet.tooled = tool is not None
         self.cabinet.project.add(programs or {})
         self.external_axes: SimulatedExternalAxes = SimulatedExternalAxes(external_axes)
+        self._forgiving = Forgiving(strict=strict)
         self._address = (host, port)
         self._status_address = status_port
         self._status: StatusServer | None = None
@@ -201,6 +206,7 @@ class Simulator:
             model,
             f"SIM{self.seed:08d}",
             self.cabinet,
+            self._forgiving,
         )
         answering = Handlers(context)
         server = Server(answering, host=self._address[0], port=self._address[1])
@@ -348,6 +354,11 @@ class Simulator:
     def get_digital_output(self, num: int) -> bool:
         """A general output of the cabinet, 1 to 16."""
         return self._machine().signals.standard_out.level(num, self.time)
+
+    @property
+    def forgiven(self) -> dict[str, int]:
+        """How often it took what is off the manual, by kind; empty if all calls kept to it."""
+        return self._forgiving.counts
 
     @property
     def signals(self) -> Signals:
