@@ -56,6 +56,8 @@ if TYPE_CHECKING:
 
 #: time of one controller cycle [s]
 CYCLE = 0.001
+#: how long after its time a heartbeat may come [s]; none if strict. An assumption
+HEARTBEAT_SLACK = 0.5
 #: Elbow bent and flange down, as in the vendor's demo: far from every singularity [rad].
 READY = (0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0)
 
@@ -93,6 +95,8 @@ class Simulator:
         values: system values by name, which a controller's pendant would define.
         programs: by name, for run_program: a list of calls of the wire, or a generator function
             that yields them; or a folder whose files "<name>.json" hold such lists.
+        heartbeat_slack: how long after its time a heartbeat may still come, before the arm is
+            stopped [s]: what a controller gives is not known. None for 0.5, and 0 if strict.
         strict: whether to refuse what is off the manual although public programs send it: numbers
             out of their range, and the like. A lenient simulator takes it; `forgiven` tells what.
         on_shutdown: called when a client has shut the controller down, from one of its threads.
@@ -122,6 +126,7 @@ class Simulator:
         program_lag: float = 0.0,
         values: Mapping[str, Value] | None = None,
         programs: Mapping[str, Script] | str | Path | None = None,
+        heartbeat_slack: float | None = None,
         strict: bool = False,
         on_shutdown: Callable[[], object] = lambda: None,
     ) -> None:
@@ -129,10 +134,14 @@ class Simulator:
         self._speed = speed
         self.seed = seed
         self._start = Joints.of(READY if joints is None else joints).array
-        for name, time in (("vibration_time", vibration_time), ("program_lag", program_lag)):
+        if heartbeat_slack is None:
+            heartbeat_slack = 0.0 if strict else HEARTBEAT_SLACK
+        times = {"vibration_time": vibration_time, "program_lag": program_lag}
+        for name, time in (times | {"heartbeat_slack": heartbeat_slack}).items():
             if not 0.0 <= time < math.inf:
                 raise ValueError(f"{name} is {time}, but must be from 0 s")
         self._vibration_time, self._program_lag = vibration_time, program_lag
+        self._heartbeat_slack = heartbeat_slack
         self.mounting: Pose = mounting_of(mounting, self.arm)
         self._scene = None if scene is None else mjcf_of(scene)
         self._tool = None if tool is None else mjcf_of(tool, free=False)
@@ -186,6 +195,7 @@ class Simulator:
         force = ForceControl(self.arm, CYCLE, gravity(self.mounting))
         controller = Controller(mover, self._start, force)
         controller.program_lag = self._program_lag
+        controller.heartbeat.slack = self._heartbeat_slack
         controller.external_axes = self.external_axes
         controller.collisions = CollisionDetector(np.array(self.arm.effort))
         runtime = SimulationRuntime(
