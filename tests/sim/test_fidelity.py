@@ -45,7 +45,7 @@ def test_each_row_has_a_source_and_a_test(row: list[str]) -> None:
     behaviour, source, test = row
     assert behaviour
     assert re.match(r"manual|wire|seen|public programs|assumption|own decision|IEC", source)
-    found = re.fullmatch(r"`([\w/]+\.py)::(\w+)`", test)
+    found = re.fullmatch(r"`([\w./]+\.py)::(\w+)`", test)
     assert found is not None
     module = (HERE / found[1]).read_text(encoding="utf-8")
     assert re.search(rf"^(async )?def {found[2]}\(", module, re.MULTILINE)

@@ -153,9 +153,7 @@ def test_wrong_parameters(strict: Program, joints: Any, numbers: Any, state: Tas
 @pytest.mark.parametrize(
     ("numbers", "taken"),
     [
-        pytest.param(
-            (1.0, 5.0, 200.0, 25.0, 0.0, 0.0), GAINS[:3] + (0.0,), id="smoothing left out"
-        ),
+        pytest.param((1.0, 5.0, *GAINS[:2], 0.0, 0.0), (*GAINS[:3], 0.0), id="no smoothing"),
         pytest.param((3.5, 3.5, 400.0, 80.0, 5.0, 2.0), (400.0, 80.0, 5.0, 1.0), id="a ROS driver"),
         pytest.param((1.0, 5.0, 0.0, 25.0, 500.0, -1.0), (200.0, 25.0, 100.0, 0.0), id="far out"),
         pytest.param((30.0, 5.0, *GAINS), GAINS, id="speed"),
