@@ -21,9 +21,11 @@ from aioduco.sim.clock import checked_speed
 from aioduco.sim.controller.monitoring import CollisionDetector
 from aioduco.sim.controller.state_machine import Controller
 from aioduco.sim.force.control import ForceControl
+from aioduco.sim.force.noise import SensorNoise
 from aioduco.sim.forgiving import Forgiving
 from aioduco.sim.handlers import Handlers
 from aioduco.sim.handlers.base import HandlerContext
+from aioduco.sim.handlers.single_precision import SinglePrecisionHandlers
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.runtime import SimulationRuntime
@@ -80,7 +82,10 @@ class Simulator:
         status_port: TCP port that status frames are pushed on, 2001 on a real controller; 0 picks
             a free one, which `status_port` then tells; None for no such port.
         speed: simulated seconds in a real one; `math.inf` for as fast as possible.
-        seed: makes the serial number. Nothing else is random: the sensors have no noise.
+        seed: makes the serial number, and with `real_readings` what the force sensor shows.
+        real_readings: whether readings are as a controller gives them: each number of joints,
+            poses, torques and forces in single precision, and a force sensor with an offset and a
+            noise of about 0.5 N. Without it they are exact.
         joints: where the arm stands at the start [rad]; None for the elbow bent, flange down.
         scene: what stands around the arm, in the world's frame: a sequence of
             `aioduco.sim.scene.Thing`s, the path of an MJCF file, or MJCF as text.
@@ -117,6 +122,7 @@ class Simulator:
         status_port: int | None = None,
         speed: float = 1.0,
         seed: int = 0,
+        real_readings: bool = False,
         joints: JointsLike | None = None,
         scene: SceneLike | None = None,
         tool: SceneLike | None = None,
@@ -133,6 +139,7 @@ class Simulator:
         self.arm: Arm = arm_of(model)
         self._speed = speed
         self.seed = seed
+        self._real_readings = real_readings
         self._start = Joints.of(READY if joints is None else joints).array
         if heartbeat_slack is None:
             heartbeat_slack = 0.0 if strict else HEARTBEAT_SLACK
@@ -204,6 +211,7 @@ class Simulator:
             cycle=CYCLE,
             effort=self.arm.effort,
             speed=self._speed,
+            sense=SensorNoise(self.seed) if self._real_readings else lambda wrench: wrench,
             on_network=self._network,
         )
         series, _, model = self.arm.name.upper().partition("_")
@@ -218,7 +226,7 @@ class Simulator:
             self.cabinet,
             self._forgiving,
         )
-        answering = Handlers(context)
+        answering = (SinglePrecisionHandlers if self._real_readings else Handlers)(context)
         server = Server(answering, host=self._address[0], port=self._address[1])
         server.start()
         if self._status_address is not None:
