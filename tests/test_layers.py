@@ -52,6 +52,7 @@ MAY_IMPORT: dict[str, set[str]] = {
 #: by folder or module of the simulator, which others of it that may import; itself always
 SIM_MAY_IMPORT: dict[str, set[str]] = {
     "refusal": set(),
+    "forgiving": {"refusal"},
     "clock": set(),
     "scene": set(),
     "process": set(),
@@ -62,12 +63,21 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
     "server": {"refusal"},
     "force": {"planner", "cycle", "scene"},
     "cabinet": {"planner", "refusal"},
-    "controller": {"planner", "force", "cabinet", "cycle", "refusal"},
+    "controller": {"planner", "force", "cabinet", "cycle", "refusal", "forgiving"},
     "runtime": {"planner", "cabinet", "controller", "physics", "cycle", "clock", "refusal"},
-    "handlers": {"planner", "force", "cabinet", "controller", "physics", "runtime", "refusal"},
+    "handlers": {
+        "planner",
+        "force",
+        "cabinet",
+        "controller",
+        "physics",
+        "runtime",
+        "refusal",
+        "forgiving",
+    },
     "simulator": {
         *("planner", "force", "cabinet", "controller", "physics", "handlers", "server", "view"),
-        *("runtime", "clock", "scene", "process"),
+        *("runtime", "clock", "scene", "process", "forgiving"),
     },
     "__main__": {"simulator"},
     "__init__": {"simulator", "process"},

@@ -59,6 +59,13 @@ def sim(
         Path | None,
         typer.Option(help="At the end, write what the arm did as .gif, or how it stands as .png."),
     ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Refuse what is off the manual; else it is logged.")
+    ] = False,
+    real_readings: Annotated[
+        bool,
+        typer.Option("--real-readings", help="Single precision; noise of the force sensor."),
+    ] = False,
     view: Annotated[bool, typer.Option("--view", help="Show it in MuJoCo's window.")] = False,
 ) -> None:
     """Run a simulated controller until Ctrl-C, or until a client shuts it down."""
@@ -80,6 +87,8 @@ def sim(
                 scene=scene,
                 tool=tool,
                 mounting=_mounting(mounting),
+                strict=strict,
+                real_readings=real_readings,
                 on_shutdown=ring,
             )
             simulator.start()

@@ -92,6 +92,7 @@ class SimulationRuntime:
         cycle: time of one controller cycle [s].
         effort: largest torques of the joints, for what warms them [N m].
         speed: simulated seconds in a real one; inf for as fast as possible.
+        sense: what the force sensor makes of what acts on it [N, N m].
         on_network: told from the thread when the controller's network goes away (False: it is
             starting again, None: it was shut down) and comes back (True).
     """
@@ -104,6 +105,7 @@ class SimulationRuntime:
         cycle: float = 0.001,
         effort: Sequence[float] = _STRONG,
         speed: float = 1.0,
+        sense: Callable[[Vector], Vector] = lambda wrench: wrench,
         on_network: Callable[[bool | None], None] = lambda _up: None,
     ) -> None:
         self._controller = controller
@@ -112,6 +114,7 @@ class SimulationRuntime:
         self._pace = CycleSchedule(cycle, speed)
         self._speed = speed
         self._times = LoopTimes()
+        self._sense = sense
         self._on_network = on_network
         self._lock = threading.Lock()
         self._wake = threading.Event()
@@ -144,7 +147,7 @@ class SimulationRuntime:
             plant.torque,
             self._drive.setpoint,
             controller.view(),
-            plant.wrench,
+            sense(plant.wrench),
             plant.target_torque,
             plant.external_torque,
             plant.positions,
@@ -362,7 +365,7 @@ class SimulationRuntime:
         plant = self._plant
         positions = plant.positions
         q, qd, qdd, torque = positions[:6], plant.qd, plant.qdd, plant.torque
-        wrench = plant.wrench
+        wrench = self._sense(plant.wrench)
         at = self._count * self.cycle
         followed = self._drive.setpoint  # what has brought the arm to where it is now
         if at - self._warm_at >= _WARMING:

@@ -21,8 +21,11 @@ from aioduco.sim.clock import checked_speed
 from aioduco.sim.controller.monitoring import CollisionDetector
 from aioduco.sim.controller.state_machine import Controller
 from aioduco.sim.force.control import ForceControl
+from aioduco.sim.force.noise import SensorNoise
+from aioduco.sim.forgiving import Forgiving
 from aioduco.sim.handlers import Handlers
 from aioduco.sim.handlers.base import HandlerContext
+from aioduco.sim.handlers.single_precision import SinglePrecisionHandlers
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.runtime import SimulationRuntime
@@ -55,6 +58,8 @@ if TYPE_CHECKING:
 
 #: time of one controller cycle [s]
 CYCLE = 0.001
+#: how long after its time a heartbeat may come [s]; none if strict. An assumption
+HEARTBEAT_SLACK = 0.5
 #: Elbow bent and flange down, as in the vendor's demo: far from every singularity [rad].
 READY = (0.0, 0.0, np.pi / 2, 0.0, -np.pi / 2, 0.0)
 
@@ -77,7 +82,10 @@ class Simulator:
         status_port: TCP port that status frames are pushed on, 2001 on a real controller; 0 picks
             a free one, which `status_port` then tells; None for no such port.
         speed: simulated seconds in a real one; `math.inf` for as fast as possible.
-        seed: makes the serial number. Nothing else is random: the sensors have no noise.
+        seed: makes the serial number, and with `real_readings` what the force sensor shows.
+        real_readings: whether readings are as a controller gives them: each number of joints,
+            poses, torques and forces in single precision, and a force sensor with an offset and a
+            noise of about 0.5 N. Without it they are exact.
         joints: where the arm stands at the start [rad]; None for the elbow bent, flange down.
         scene: what stands around the arm, in the world's frame: a sequence of
             `aioduco.sim.scene.Thing`s, the path of an MJCF file, or MJCF as text.
@@ -92,6 +100,10 @@ class Simulator:
         values: system values by name, which a controller's pendant would define.
         programs: by name, for run_program: a list of calls of the wire, or a generator function
             that yields them; or a folder whose files "<name>.json" hold such lists.
+        heartbeat_slack: how long after its time a heartbeat may still come, before the arm is
+            stopped [s]: what a controller gives is not known. None for 0.5, and 0 if strict.
+        strict: whether to refuse what is off the manual although public programs send it: numbers
+            out of their range, and the like. A lenient simulator takes it; `forgiven` tells what.
         on_shutdown: called when a client has shut the controller down, from one of its threads.
 
     Raises:
@@ -110,6 +122,7 @@ class Simulator:
         status_port: int | None = None,
         speed: float = 1.0,
         seed: int = 0,
+        real_readings: bool = False,
         joints: JointsLike | None = None,
         scene: SceneLike | None = None,
         tool: SceneLike | None = None,
@@ -119,16 +132,23 @@ class Simulator:
         program_lag: float = 0.0,
         values: Mapping[str, Value] | None = None,
         programs: Mapping[str, Script] | str | Path | None = None,
+        heartbeat_slack: float | None = None,
+        strict: bool = False,
         on_shutdown: Callable[[], object] = lambda: None,
     ) -> None:
         self.arm: Arm = arm_of(model)
         self._speed = speed
         self.seed = seed
+        self._real_readings = real_readings
         self._start = Joints.of(READY if joints is None else joints).array
-        for name, time in (("vibration_time", vibration_time), ("program_lag", program_lag)):
+        if heartbeat_slack is None:
+            heartbeat_slack = 0.0 if strict else HEARTBEAT_SLACK
+        times = {"vibration_time": vibration_time, "program_lag": program_lag}
+        for name, time in (times | {"heartbeat_slack": heartbeat_slack}).items():
             if not 0.0 <= time < math.inf:
                 raise ValueError(f"{name} is {time}, but must be from 0 s")
         self._vibration_time, self._program_lag = vibration_time, program_lag
+        self._heartbeat_slack = heartbeat_slack
         self.mounting: Pose = mounting_of(mounting, self.arm)
         self._scene = None if scene is None else mjcf_of(scene)
         self._tool = None if tool is None else mjcf_of(tool, free=False)
@@ -136,6 +156,7 @@ class Simulator:
         self.cabinet.tooled = tool is not None
         self.cabinet.project.add(programs or {})
         self.external_axes: SimulatedExternalAxes = SimulatedExternalAxes(external_axes)
+        self._forgiving = Forgiving(strict=strict)
         self._address = (host, port)
         self._status_address = status_port
         self._status: StatusServer | None = None
@@ -181,6 +202,7 @@ class Simulator:
         force = ForceControl(self.arm, CYCLE, gravity(self.mounting))
         controller = Controller(mover, self._start, force)
         controller.program_lag = self._program_lag
+        controller.heartbeat.slack = self._heartbeat_slack
         controller.external_axes = self.external_axes
         controller.collisions = CollisionDetector(np.array(self.arm.effort))
         runtime = SimulationRuntime(
@@ -189,6 +211,7 @@ class Simulator:
             cycle=CYCLE,
             effort=self.arm.effort,
             speed=self._speed,
+            sense=SensorNoise(self.seed) if self._real_readings else lambda wrench: wrench,
             on_network=self._network,
         )
         series, _, model = self.arm.name.upper().partition("_")
@@ -201,8 +224,9 @@ class Simulator:
             model,
             f"SIM{self.seed:08d}",
             self.cabinet,
+            self._forgiving,
         )
-        answering = Handlers(context)
+        answering = (SinglePrecisionHandlers if self._real_readings else Handlers)(context)
         server = Server(answering, host=self._address[0], port=self._address[1])
         server.start()
         if self._status_address is not None:
@@ -348,6 +372,11 @@ class Simulator:
     def get_digital_output(self, num: int) -> bool:
         """A general output of the cabinet, 1 to 16."""
         return self._machine().signals.standard_out.level(num, self.time)
+
+    @property
+    def forgiven(self) -> dict[str, int]:
+        """How often it took what is off the manual, by kind; empty if all calls kept to it."""
+        return self._forgiving.counts
 
     @property
     def signals(self) -> Signals:

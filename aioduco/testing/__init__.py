@@ -2,7 +2,8 @@
 
 A `FaultProxy` stands between a client and a controller, real or simulated, and does to chosen
 calls what networks and controllers do to them. `no_leaks` finds what was left behind, and
-`eventually` waits for a condition where a test would otherwise sleep.
+`eventually` waits for a condition where a test would otherwise sleep. `nothing_forgiven` asserts
+that every call kept to the manual.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from aioduco.testing.faults import (
     WrongMethod,
     WrongSeqid,
 )
+from aioduco.testing.forgiven import nothing_forgiven
 from aioduco.testing.leaks import Resources, no_leaks
 from aioduco.testing.proxy import FaultProxy
 from aioduco.testing.recording_server import ReceivedCall, RecordingServer
@@ -66,4 +68,5 @@ __all__ = [
     "eventually",
     "eventually_async",
     "no_leaks",
+    "nothing_forgiven",
 ]

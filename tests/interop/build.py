@@ -13,11 +13,17 @@ from . import layouts
 
 HERE = Path(__file__).parent
 #: services by their names in a call, and the member of the driver's `Robot` that is their client
-SERVICES = {"RPCRobot": "full", "Short": "brief", "Older": "older", "Oldest": "oldest"}
+SERVICES = {
+    "RPCRobot": "full",
+    "Short": "brief",
+    "Older": "older",
+    "Oldest": "oldest",
+    "First": "first",
+}
 _OPTIONS = "cpp:no_skeleton,no_ostream_operators,no_default_operators,moveable_types"
 #: a busy machine takes many times the twenty seconds of a quiet one [s]
 _PATIENCE = 600
-_UNITS = ("RPCRobot", "Short", "Older", "Oldest", "robot_types", "clients_types")
+_UNITS = ("RPCRobot", "Short", "Older", "Oldest", "First", "robot_types", "clients_types")
 
 
 def generate(out: Path, language: str) -> None:

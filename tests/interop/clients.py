@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _STRUCT, _MAP, _LIST, _STRING = 12, 13, 15, 11
 #: the module of each service
-MODULES = {name: f"clients.{name}" for name in ("Short", "Older", "Oldest")} | {
+MODULES = {name: f"clients.{name}" for name in ("Short", "Older", "Oldest", "First")} | {
     "RPCRobot": "duco.RPCRobot"
 }
 

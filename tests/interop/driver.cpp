@@ -20,6 +20,7 @@
 #include <thrift/transport/TBufferTransports.h>
 #include <thrift/transport/TSocket.h>
 
+#include "First.h"
 #include "Older.h"
 #include "Oldest.h"
 #include "RPCRobot.h"
@@ -42,11 +43,12 @@ using Calls = std::map<std::string, Call>;
 // The generated clients of all services on one connection.
 struct Robot {
   explicit Robot(const std::shared_ptr<TProtocol>& wire)
-      : full(wire), brief(wire), older(wire), oldest(wire) {}
+      : full(wire), brief(wire), older(wire), oldest(wire), first(wire) {}
   RPCRobotClient full;
   clients::ShortClient brief;
   clients::OlderClient older;
   clients::OldestClient oldest;
+  clients::FirstClient first;
 };
 
 template <class Args>

@@ -1,10 +1,10 @@
 """The IDL of clients that send less: made from `robot.thrift`, compiled beside it.
 
-Three services with the wire's own names of functions:
+Four services with the wire's own names of functions:
 
 - `Short`: without what the vendor's wrappers leave out: `op`, `def_acc`, `block`, the reference
   joints, tool and work object. Everything that is left out is zero for the controller.
-- `Older` and `Oldest`: what two older generations of the vendor's client send otherwise.
+- `Older`, `Oldest` and `First`: what three older generations of the vendor's client send otherwise.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 OLDER: dict[str, Any] = json.loads(
     Path(__file__).with_name("older_clients.json").read_text(encoding="utf-8")
 )
+#: by generation, the struct of its `Op` where it has one of its own
+_OPS = {"oldest": "ShortOp", "first": "FirstOp"}
 LEFT_OUT = frozenset(("op", "def_acc", "block", "q_near", "qnear"))
 #: names of frames, where they are not what the function is about
 FRAMES = frozenset(("tool", "wobj"))
@@ -79,8 +81,7 @@ def type_of(field: tuple[Any, ...]) -> str:
 
 
 def _older(version: str, fid: int, of: str, name: str) -> tuple[int, str, str]:
-    shorter = "ShortOp" if version == "oldest" else "robot.Op"
-    return fid, of.replace("Op", shorter), name
+    return fid, of.replace("Op", _OPS.get(version, "robot.Op")), name
 
 
 def text() -> str:
@@ -92,9 +93,10 @@ def _lines() -> Iterator[str]:
     yield 'include "robot.thrift"'
     yield "namespace py clients"
     yield "namespace cpp clients"
-    yield "struct ShortOp {"
-    yield from (f"  {fid}: {of} f{fid}" for fid, of in OLDER["op"])
-    yield "}"
+    for struct, fields in (("ShortOp", OLDER["op"]), ("FirstOp", OLDER["first_op"])):
+        yield f"struct {struct} {{"
+        yield from (f"  {fid}: {of} f{fid}" for fid, of in fields)
+        yield "}"
     for service, functions in layouts().items():
         yield f"service {service} {{"
         for name, sent in functions.items():

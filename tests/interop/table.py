@@ -10,7 +10,8 @@
   of its end, if that is `block`;
 - `bad`: by argument, the answer to values that make no sense, one for all or by kind of nonsense
   (see `nonsense`); an argument that is not there takes any value, and the answer is the usual one;
-- `older`, `oldest`: what older clients are answered; `older_args` what they send otherwise;
+- `older`, `oldest`, `first`: what older clients are answered;
+- `older_args`: what they send otherwise;
 - `setup`, `after`: calls before each one, and after the last.
 
 Functions that are not simulated are under `refused`, with what the text of the refusal says.

@@ -35,7 +35,11 @@ SIMULATED = [name for name in table.FUNCTIONS if name not in table.REFUSED]
 LAST = "shutdown"
 EACH = [name for name in SIMULATED if name != LAST]
 SHORT = [name for name in EACH if layouts.left_out(name)]
-OLDER = [(service, name) for service in ("Older", "Oldest") for name in layouts.layouts()[service]]
+OLDER = [
+    (service, name)
+    for service in ("Older", "Oldest", "First")
+    for name in layouts.layouts()[service]
+]
 
 
 @pytest.fixture(scope="module", params=["python", "cpp"])
@@ -57,9 +61,10 @@ def start(request: pytest.FixtureRequest, generated: Generated) -> Iterator[Star
 
 
 def simulator() -> Simulator:
-    """A simulator on the fast clock that has what the table's calls name."""
+    """A strict simulator on the fast clock that has what the table's calls name."""
     return Simulator(
         speed=math.inf,
+        strict=True,
         values={"a_bool": False, "a_double": 0.0, "a_str": "", "a_list": [0.0], "a_lists": [[0.0]]},
         external_axes={"rail": [(-1.0, 1.0, 0.5, 2.0)]},
         programs={"wave": [["movej2", [0.05, 0.0, 1.57, 0.0, -1.57, 0.0], 1.0, 2.0]]},

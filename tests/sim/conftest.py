@@ -72,6 +72,16 @@ def sim() -> Iterator[Simulator]:
 
 
 @pytest.fixture
+def strict(connect: Callable[..., Program]) -> Iterator[Program]:
+    """A program's connection, arm enabled, to a simulator that forgives nothing."""
+    with Simulator(speed=math.inf, strict=True) as sim:
+        robot = connect(sim)
+        robot.bring_up()
+        yield robot
+        assert sim.forgiven == {}
+
+
+@pytest.fixture
 def connect() -> Iterator[Callable[..., Program]]:
     """Open programs' connections to a simulator; they are closed at the end."""
     with contextlib.ExitStack() as stack:

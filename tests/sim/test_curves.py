@@ -203,8 +203,20 @@ def test_an_event_may_change_the_cell(sim: Simulator, robot: Program) -> None:
     assert robot.get_standard_digital_in(2)
 
 
+@pytest.mark.parametrize("kind", [3, 4])
+def test_triggers_of_kinds_that_no_manual_names_are_passed_over(
+    sim: Simulator, robot: Program, strict: Program, kind: int
+) -> None:
+    """The vendor's own demos send Op(3, ...) and Op(4, 1, false, ...)."""
+    op = Op(time_or_dist_1=kind, trig_io_1=1, trig_value_1=True)
+    assert line(robot, op, 0.02) == TaskState.FINISHED
+    assert not robot.get_standard_digital_out(1)
+    assert sim.forgiven == {"kind of a trigger": 1}
+    assert line(strict, op, 0.02) == TaskState.PARAMETER_MISMATCH
+
+
 def test_triggers_that_make_no_sense(robot: Program) -> None:
-    assert line(robot, Op(time_or_dist_1=3)) == TaskState.PARAMETER_MISMATCH
+    assert line(robot, Op(time_or_dist_1=5)) == TaskState.PARAMETER_MISMATCH
     assert line(robot, Op(time_or_dist_1=1, trig_io_1=17)) == TaskState.PARAMETER_MISMATCH
     assert line(robot, Op(time_or_dist_1=1, trig_event_1="weld")) == TaskState.PARAMETER_MISMATCH
     nan = Op(time_or_dist_1=1, trig_io_1=1, trig_time_1=math.nan)

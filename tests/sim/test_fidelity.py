@@ -44,8 +44,8 @@ INDEX = tables("| section | functions | where |")
 def test_each_row_has_a_source_and_a_test(row: list[str]) -> None:
     behaviour, source, test = row
     assert behaviour
-    assert re.match(r"manual|wire|seen|assumption|own decision|IEC", source)
-    found = re.fullmatch(r"`([\w/]+\.py)::(\w+)`", test)
+    assert re.match(r"manual|wire|seen|public programs|assumption|own decision|IEC", source)
+    found = re.fullmatch(r"`([\w./]+\.py)::(\w+)`", test)
     assert found is not None
     module = (HERE / found[1]).read_text(encoding="utf-8")
     assert re.search(rf"^(async )?def {found[2]}\(", module, re.MULTILINE)

@@ -1,9 +1,20 @@
 from __future__ import annotations
 
+import math
+import time
+from typing import Any
+
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from aioduco._wire.rpc import Op
+from aioduco.models.enums import TaskState
 from aioduco.sim.controller.monitoring import HeartbeatWatchdog
+from aioduco.sim.simulator import Simulator
+from aioduco.testing import eventually
+
+from .raw import RawClient
 
 
 def test_nothing_is_lost_before_the_first_beat() -> None:
@@ -21,6 +32,58 @@ def test_a_beat_puts_the_loss_off_and_the_loss_is_said_once() -> None:
     assert heartbeat.lost(12.0)
     assert not heartbeat.lost(13.0)
     assert not heartbeat.armed
+
+
+@pytest.mark.parametrize("slack", [0.0, 0.5])
+def test_a_beat_may_come_after_its_time_by_the_slack(slack: float) -> None:
+    heartbeat = HeartbeatWatchdog()
+    heartbeat.slack = slack
+    assert heartbeat.beat(0.0, 1000) == 0.0
+    assert not heartbeat.lost(1.0 + slack)
+    assert heartbeat.beat(1.0 + slack, 1000) == pytest.approx(slack)
+    assert not heartbeat.lost(2.0 + 2 * slack)
+    assert heartbeat.lost(2.001 + 2 * slack)
+    assert heartbeat.beat(4.0, 1000) == 0.0  # it was lost already: this one arms it again
+
+
+def test_a_beat_without_a_time_agrees_on_a_second() -> None:
+    heartbeat = HeartbeatWatchdog()
+    heartbeat.beat(0.0, 0)
+    assert heartbeat.time == 1000
+    assert not heartbeat.lost(0.999)
+    assert heartbeat.lost(1.001)
+
+
+@pytest.mark.parametrize(
+    ("options", "slack"),
+    [({}, 0.5), ({"strict": True}, 0.0), ({"heartbeat_slack": 2.0, "strict": True}, 2.0)],
+)
+def test_the_slack_of_a_simulator(options: dict[str, Any], slack: float) -> None:
+    with Simulator(**options) as sim:
+        assert sim._machine().heartbeat.slack == slack
+
+
+def test_a_slack_below_zero_is_refused() -> None:
+    with pytest.raises(ValueError, match="heartbeat_slack is -1"):
+        Simulator(heartbeat_slack=-1.0)
+
+
+def test_a_program_that_beats_once_a_second_keeps_its_arm_moving() -> None:
+    """As the vendor's own demo does: rpc_heartbeat(); sleep(1), so each beat is a little late."""
+    with Simulator(speed=math.inf, heartbeat_slack=30.0) as sim, RawClient(sim.port) as robot:
+        for name in ("power_on", "enable"):
+            assert robot.call(name, True) == TaskState.FINISHED
+        robot.call("rpc_heartbeat", 200)
+        # The wait is what a late beat is made of: the machine's own lateness only adds to it.
+        eventually(lambda: overdue(sim))
+        assert robot.call("movej2", [0.5] * 6, 1.0, 2.0, 0.0, True, Op(), False) == 4
+        robot.call("rpc_heartbeat", 200)
+        assert sim.forgiven == {"late heartbeat": 1}
+
+
+def overdue(sim: Simulator) -> bool:
+    due = sim._machine().heartbeat._due
+    return due is not None and time.monotonic() > due
 
 
 @given(st.integers(-(2**31), 2**31 - 1))

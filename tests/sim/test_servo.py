@@ -9,6 +9,7 @@ import pytest
 
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Joints, Pose
+from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 from aioduco.sim.simulator import READY, Simulator
 
 if TYPE_CHECKING:
@@ -136,6 +137,7 @@ def test_too_large_a_step_at_too_large_an_acceleration_is_a_position_deviation(
         (READY[:5], (1.0, 5.0, *GAINS), TaskState.ILLEGAL),
         ((math.nan, *READY[1:]), (1.0, 5.0, *GAINS), TaskState.PARAMETER_MISMATCH),
         ((7.0, *READY[1:]), (1.0, 5.0, *GAINS), TaskState.PARAMETER_MISMATCH),
+        (READY, (4.0, 5.0, *GAINS), TaskState.PARAMETER_MISMATCH),
         (READY, (0.0, 5.0, *GAINS), TaskState.PARAMETER_MISMATCH),
         (READY, (1.0, math.nan, *GAINS), TaskState.PARAMETER_MISMATCH),
         (READY, (1.0, 5.0, 0.0, 25.0, 10.0, 1.0), TaskState.PARAMETER_MISMATCH),
@@ -143,9 +145,38 @@ def test_too_large_a_step_at_too_large_an_acceleration_is_a_position_deviation(
         (READY, (1.0, 5.0, 200.0, 25.0, 10.0, 1.1), TaskState.PARAMETER_MISMATCH),
     ],
 )
-def test_wrong_parameters(robot: Program, joints: Any, numbers: Any, state: TaskState) -> None:
+def test_wrong_parameters(strict: Program, joints: Any, numbers: Any, state: TaskState) -> None:
     v, a, *gains = numbers
-    assert robot.servoj(joints, v, a, True, *gains) == state
+    assert strict.servoj(joints, v, a, True, *gains) == state
+
+
+@pytest.mark.parametrize(
+    ("numbers", "taken"),
+    [
+        pytest.param((1.0, 5.0, *GAINS[:2], 0.0, 0.0), (*GAINS[:3], 0.0), id="no smoothing"),
+        pytest.param((3.5, 3.5, 400.0, 80.0, 5.0, 2.0), (400.0, 80.0, 5.0, 1.0), id="a ROS driver"),
+        pytest.param((1.0, 5.0, 0.0, 25.0, 500.0, -1.0), (200.0, 25.0, 100.0, 0.0), id="far out"),
+        pytest.param((30.0, 5.0, *GAINS), GAINS, id="speed"),
+    ],
+)
+def test_smoothing_and_gains_out_of_their_range_are_taken(
+    sim: Simulator, robot: Program, monkeypatch: pytest.MonkeyPatch, numbers: Any, taken: Any
+) -> None:
+    tunings: list[ServoTuning] = []
+    aim = ServoFollower.aim
+
+    def spy(self: ServoFollower, target: Any, tuning: ServoTuning) -> None:
+        tunings.append(tuning)
+        aim(self, target, tuning)
+
+    monkeypatch.setattr(ServoFollower, "aim", spy)
+    v, a, *gains = numbers
+    assert robot.servoj(turned(0.2), v, a, True, *gains) == TaskState.FINISHED
+    (tuning,) = tunings
+    assert (tuning.kp, tuning.kd, tuning.smooth_vel, tuning.smooth_acc) == taken
+    assert tuning.v == min(v, 1.25 * math.pi)
+    assert sum(sim.forgiven.values()) >= 1
+    assert robot.servoj(turned(0.0), 1.0, 5.0, True, *(math.nan,) * 4) == 8
 
 
 def test_gains_that_are_left_out_are_the_vendors(sim: Simulator, robot: Program) -> None:

@@ -14,6 +14,7 @@ from aioduco.errors import ConnectionLost, ControllerError, ParameterError
 from aioduco.models.enums import TaskState
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim.simulator import READY, Simulator
+from aioduco.testing import nothing_forgiven
 
 from .conftest import OUT_OF_RANGE
 
@@ -251,13 +252,27 @@ def test_global_speed_scales_time(sim: Simulator, robot: Program) -> None:
     ],
 )
 def test_wrong_parameters_of_a_joint_motion(
-    sim: Simulator, robot: Program, change: dict[str, object], ends: int
+    strict: Program, change: dict[str, object], ends: int
 ) -> None:
     args: dict[str, object] = {"joints_list": list(READY), "v": 1.0, "a": 1.0, "r": 0.0}
     args.update(change)
-    assert robot.connection.call("movej2", (*args.values(), True, Op(), False)) == ends
-    assert not sim.moving
-    assert robot.get_last_error()[-1].startswith("movej2: ")
+    assert strict.connection.call("movej2", (*args.values(), True, Op(), False)) == ends
+    assert not strict.robotmoving()
+    assert strict.get_last_error()[-1].startswith("movej2: ")
+
+
+def test_a_speed_far_above_its_range_is_the_highest(sim: Simulator, robot: Program) -> None:
+    def hurry() -> None:
+        with nothing_forgiven(sim):
+            for v in (30.0, 100.0):
+                assert robot.to(v / 100.0, *READY[1:], v=v) == TaskState.FINISHED
+
+    with pytest.raises(AssertionError, match="speed above its range: 2 times"):
+        hurry()
+    with nothing_forgiven(sim):
+        assert robot.to(*READY) == TaskState.FINISHED
+        assert robot.to(*READY, v=math.inf) == TaskState.PARAMETER_MISMATCH
+        assert robot.to(*READY, v=-30.0) == TaskState.PARAMETER_MISMATCH
 
 
 @pytest.mark.parametrize(

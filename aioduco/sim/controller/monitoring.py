@@ -34,6 +34,8 @@ LEVELS = {0: np.inf, 1: 0.5, 2: 0.4, 3: 0.3, 4: 0.2, 5: 0.12}
 SMOOTHING = 0.008
 #: what a controller takes, in milliseconds; anything else is moved to the nearer end
 SHORTEST, LONGEST = 200, 60_000
+#: what a beat without a time agrees on [ms] (manual 1.3.1)
+AGREED = 1000
 
 
 class Standstill:
@@ -120,29 +122,40 @@ class HeartbeatWatchdog:
 
     Times are those of the network, not of the simulation: a client beats by its own clock,
     however fast simulated time goes.
+
+    Attributes:
+        time: in which the next beat is due [ms].
+        slack: for how long after that it may still come [s].
     """
 
     def __init__(self) -> None:
-        self._deadline: float | None = None
+        self._due: float | None = None
         self.time: int = 0
+        self.slack: float = 0.0
 
     @property
     def armed(self) -> bool:
         """Whether a missing beat would be noticed."""
-        return self._deadline is not None
+        return self._due is not None
 
-    def beat(self, now: float, time: int) -> None:
-        """A beat has come; the next is due within `time` milliseconds."""
-        self.time = min(max(time, SHORTEST), LONGEST)
-        self._deadline = now + self.time / 1000.0
+    def beat(self, now: float, time: int) -> float:
+        """A beat has come; the next is due within `time` milliseconds, 0 for the usual time.
+
+        Returns:
+            How long after its time it came [s]; 0 for in time.
+        """
+        late = 0.0 if self._due is None else max(0.0, now - self._due)
+        self.time = min(max(time, SHORTEST), LONGEST) if time else AGREED
+        self._due = now + self.time / 1000.0
+        return late
 
     def disarm(self) -> None:
         """Expect no further beat."""
-        self._deadline = None
+        self._due = None
 
     def lost(self, now: float) -> bool:
         """Whether a beat is overdue; true once."""
-        if self._deadline is None or now <= self._deadline:
+        if self._due is None or now <= self._due + self.slack:
             return False
-        self._deadline = None
+        self._due = None
         return True

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from aioduco._wire.rpc import Op
     from aioduco.sim.cabinet.signals import Signals
+    from aioduco.sim.forgiving import Forgiving
     from aioduco.sim.planner.mover import Travel
     from aioduco.sim.planner.path import JointSetPoint
 
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 __all__ = ["MotionTriggers", "PathTrigger", "Triggers", "motion_triggers", "point_trigger"]
 
 _TIME, _DISTANCE = 1, 2
+#: kinds that public programs send and no manual names
+_UNNAMED = (3, 4)
 #: what comes before the number of a bool register; further targets do not fit into the wire's byte
 _REGISTERS = 100
 #: a point is reached within the first distance, and passed where it was nearest within the other
@@ -228,7 +231,12 @@ class _Behind:
 
 
 def motion_triggers(
-    op: Op, signals: Signals, tip: Callable[[Vector], Vector], *, distance: bool
+    op: Op,
+    signals: Signals,
+    tip: Callable[[Vector], Vector],
+    forgiving: Forgiving,
+    *,
+    distance: bool,
 ) -> MotionTriggers | None:
     """Give the triggers of a motion; None if it has none.
 
@@ -236,35 +244,37 @@ def motion_triggers(
         op: as it came.
         signals: whose outputs are set.
         tip: position of the tool for joints [rad].
+        forgiving: whether kinds of triggers that no manual names are passed over.
         distance: whether the motion has a length in metres.
 
     Raises:
         Rejected: a trigger is of no kind, or its target does not exist.
     """
+    target = partial(_target, signals=signals, forgiving=forgiving)
     start = _trigger(
         op.time_or_dist_1, op.trig_time_1, op.trig_dist_1,
-        _target(op.time_or_dist_1, op.trig_io_1, op.trig_value_1, op.trig_event_1, signals),
+        target(op.time_or_dist_1, op.trig_io_1, op.trig_value_1, op.trig_event_1),
         distance,
     )  # fmt: skip
     end = _trigger(
         op.time_or_dist_2, op.trig_time_2, op.trig_dist_2,
-        _target(op.time_or_dist_2, op.trig_io_2, op.trig_value_2, op.trig_event_2, signals),
+        target(op.time_or_dist_2, op.trig_io_2, op.trig_value_2, op.trig_event_2),
         distance,
     )  # fmt: skip
     halt = _trigger(
         op.time_or_dist_3, op.trig_time_3, op.trig_dist_3,
-        _target(op.time_or_dist_3, op.trig_io_3, op.trig_value_3, op.trig_event_3, signals),
+        target(op.time_or_dist_3, op.trig_io_3, op.trig_value_3, op.trig_event_3),
         distance=False,
     )  # fmt: skip
     return MotionTriggers(tip, start, end, halt) if start or end or halt else None
 
 
-def point_trigger(op: Op, signals: Signals) -> Callable[[], None] | None:
+def point_trigger(op: Op, signals: Signals, forgiving: Forgiving) -> Callable[[], None] | None:
     """What is to happen when a point is reached; None for nothing.
 
     At a point there is neither a way nor a time: all triggers that are on fire at once.
     """
-    found = motion_triggers(op, signals, lambda q: q, distance=True)
+    found = motion_triggers(op, signals, lambda q: q, forgiving, distance=True)
     if found is None:
         return None
     fires = [t.fire for t in (found.start, found.end, found.halt) if t is not None]
@@ -288,9 +298,14 @@ def _trigger(
 
 
 def _target(
-    kind: int, index: int, value: bool, event: str, signals: Signals
+    kind: int, index: int, value: bool, event: str, *, signals: Signals, forgiving: Forgiving
 ) -> Callable[[], None] | None:
     if kind == 0:
+        return None
+    if kind in _UNNAMED:
+        forgiving.forgive(
+            "kind of a trigger", f"a trigger is of kind {kind}, but must be 0, 1 or 2"
+        )
         return None
     if kind not in (_TIME, _DISTANCE):
         raise _wrong(f"a trigger is of kind {kind}, but must be 0, 1 or 2")

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco.sim.cabinet.tools import FrameTable, Tool, WorkObject
+    from aioduco.sim.forgiving import Forgiving
 
 
 #: the largest distance in a pose: far beyond every arm, and still a number to compute with [m]
@@ -35,6 +36,18 @@ def number(name: str, value: float, low: float, high: float, unit: str) -> float
     if not low <= value <= high:
         raise mismatch(f"{name} is {value}, but must be from {low:.6g} to {high:.6g} {unit}")
     return value
+
+
+def at_most(
+    forgiving: Forgiving, kind: str, name: str, value: float, low: float, high: float, unit: str
+) -> float:
+    """A number within a range; above it, the highest, if that is forgiven."""
+    if high < value < math.inf:
+        forgiving.forgive(
+            kind, f"{name} is {value}, but must be from {low:.6g} to {high:.6g} {unit}"
+        )
+        return high
+    return number(name, value, low, high, unit)
 
 
 def positive(name: str, value: float, high: float, unit: str) -> float:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from aioduco.models.enums import TaskState
 from aioduco.sim.cabinet import Cabinet
+from aioduco.sim.forgiving import Forgiving
 from aioduco.sim.refusal import Rejected
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ class HandlerContext:
         frames: tools and work objects.
         series, model, serial: what get_robot_type tells.
         cabinet: what the controller keeps besides: variables, ports, files.
+        forgiving: decides whether a call that is off the manual is taken.
     """
 
     arm: Arm
@@ -69,6 +71,7 @@ class HandlerContext:
     model: str
     serial: str
     cabinet: Cabinet = field(default_factory=Cabinet)
+    forgiving: Forgiving = field(default_factory=Forgiving)
 
 
 class HandlerSection:
@@ -80,6 +83,7 @@ class HandlerSection:
         self._signals = context.signals
         self._frames = context.frames
         self._cabinet = context.cabinet
+        self._forgiving = context.forgiving
         self._context = context
 
     def _task(self, name: str, block: bool, command: Callable[[Controller], int]) -> int:

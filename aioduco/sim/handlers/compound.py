@@ -51,7 +51,8 @@ class CompoundHandlers(HandlerSection):
                 raise mismatch("el_offset, az_offset and up_height must be finite")
             left, right = _dwells(time)
             for op in op_list:
-                point_trigger(op, self._signals)  # when they are due, no source says: only checked
+                # When they are due, no source says: they are only checked.
+                point_trigger(op, self._signals, self._forgiving)
             controller.weaving.chosen = Weave(
                 WeaveShape(type),
                 WeavePlane(ref_plane),

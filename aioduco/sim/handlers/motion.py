@@ -274,7 +274,7 @@ class MotionHandlers(PathSection):
         def plan() -> Plan:
             poses = [point.pos for point in pose_list]
             for point in pose_list:
-                fire = point_trigger(point.op, self._signals)
+                fire = point_trigger(point.op, self._signals, self._forgiving)
                 if fire is not None:
                     place, _ = self._target("pose_list", point.pos, tool, wobj)
                     fires.append((place[:3, 3], fire))

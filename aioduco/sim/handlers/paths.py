@@ -41,6 +41,8 @@ _LINE_ACCELERATION = (0.01, math.inf, "m/s²")
 #: what the controller takes when it is to choose the acceleration itself: an assumption
 DEFAULT_JOINT_ACCELERATION = 5.0
 DEFAULT_LINE_ACCELERATION = 2.0
+#: what is forgiven of the speed of a motion that has a target
+TOO_FAST = "speed above its range"
 _STEEPEST = 1e3  # stands for an acceleration that only the joints limit [m/s²]
 
 
@@ -87,7 +89,7 @@ class PathSection(HandlerSection):
                 return (self._arm.fkine(q) @ tool)[:3, 3]
 
             planned = plan()
-            triggers = motion_triggers(op, self._signals, tip, distance=line)
+            triggers = motion_triggers(op, self._signals, tip, self._forgiving, distance=line)
             if points:
                 triggers = triggers or MotionTriggers(tip)
                 triggers.points.extend(points)
@@ -98,7 +100,7 @@ class PathSection(HandlerSection):
 
     def _joint_pace(self, v: float, a: float, def_acc: bool) -> tuple[float, float]:
         """Speed and acceleration of joints, as asked for or optimized."""
-        speed = arguments.number("v", v, *_JOINT_SPEED)
+        speed = arguments.at_most(self._forgiving, TOO_FAST, "v", v, *_JOINT_SPEED)
         change = DEFAULT_JOINT_ACCELERATION
         if not def_acc:
             change = arguments.number("a", a, *_JOINT_ACCELERATION)
@@ -114,7 +116,7 @@ class PathSection(HandlerSection):
         accelerations: Range = _LINE_ACCELERATION,
     ) -> tuple[float, float]:
         """Speed and acceleration of the tool, as asked for or optimized."""
-        speed = arguments.number("v", v, *speeds)
+        speed = arguments.at_most(self._forgiving, TOO_FAST, "v", v, *speeds)
         change = DEFAULT_LINE_ACCELERATION
         if not def_acc:
             change = arguments.number("a", a, *accelerations)

@@ -11,6 +11,7 @@ from aioduco.errors import Unreachable
 from aioduco.sim.controller.motion_queue import Following
 from aioduco.sim.handlers import arguments
 from aioduco.sim.handlers.base import HandlerSection
+from aioduco.sim.handlers.paths import TOO_FAST
 from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.servo_follower import ServoFollower, ServoTuning
 
@@ -124,7 +125,7 @@ class ServoHandlers(HandlerSection):
         block: bool,
     ) -> int:
         def command(controller: Controller) -> int:
-            goal, tuning = target(), _tuning(*numbers)
+            goal, tuning = target(), self._tuning(*numbers)
 
             def aim(follower: ServoFollower) -> None:
                 follower.aim(goal(follower.target), tuning)
@@ -135,6 +136,38 @@ class ServoHandlers(HandlerSection):
             )
 
         return self._task(name, block, command)
+
+    def _tuning(
+        self, v: float, a: float, kp: float, kd: float, smooth_vel: float, smooth_acc: float
+    ) -> ServoTuning:
+        if not (kp or kd or smooth_vel or smooth_acc):
+            kp, kd, smooth_vel, smooth_acc = _GAINS
+        return ServoTuning(
+            arguments.at_most(self._forgiving, TOO_FAST, "v", v, *_SPEED),
+            arguments.number("a", a, *_ACCELERATION),
+            # Without a proportional part the arm would never arrive.
+            arguments.positive("kp", self._usual("kp", kp, _GAINS[0]), 1e6, ""),
+            arguments.number("kd", kd, 0.0, 1e6, ""),
+            self._smoothing(
+                "smooth_vel", self._usual("smooth_vel", smooth_vel, _GAINS[2]), 1.0, 100.0
+            ),
+            self._smoothing("smooth_acc", smooth_acc, 0.0, 1.0),
+        )
+
+    def _usual(self, name: str, value: float, usual: float) -> float:
+        """The vendor's own value for a 0 that is out of its range."""
+        if value:
+            return value
+        self._forgiving.forgive("servo gains and smoothing", f"{name} is 0, but must be above 0")
+        return usual
+
+    def _smoothing(self, name: str, value: float, low: float, high: float) -> float:
+        """A smoothing; out of its range, the nearest one that is in it."""
+        if math.isfinite(value) and not low <= value <= high:
+            text = f"{name} is {value}, but must be from {low:g} to {high:g}"
+            self._forgiving.forgive("servo gains and smoothing", text)
+            value = min(max(value, low), high)
+        return arguments.number(name, value, low, high, "")
 
     def _at_pose(
         self, p: Sequence[float], q_near: Sequence[float], tool: str, wobj: str
@@ -149,19 +182,3 @@ class ServoHandlers(HandlerSection):
             return self._arm.ikine(flange, near)
         except Unreachable as exc:
             raise PlanError("unreachable", str(exc)) from exc
-
-
-def _tuning(
-    v: float, a: float, kp: float, kd: float, smooth_vel: float, smooth_acc: float
-) -> ServoTuning:
-    if not (kp or kd or smooth_vel or smooth_acc):
-        kp, kd, smooth_vel, smooth_acc = _GAINS
-    return ServoTuning(
-        arguments.number("v", v, *_SPEED),
-        arguments.number("a", a, *_ACCELERATION),
-        # Without a proportional part the arm would never arrive.
-        arguments.positive("kp", kp, 1e6, ""),
-        arguments.number("kd", kd, 0.0, 1e6, ""),
-        arguments.number("smooth_vel", smooth_vel, 1.0, 100.0, ""),
-        arguments.number("smooth_acc", smooth_acc, 0.0, 1.0, ""),
-    )

@@ -56,7 +56,9 @@ class TrackHandlers(HandlerSection):
         """The same, each with what is triggered there."""
 
         def points() -> list[tuple[tuple[float, ...], Any]]:
-            return [(_point(p.pos), point_trigger(p.op, self._signals)) for p in track]
+            return [
+                (_point(p.pos), point_trigger(p.op, self._signals, self._forgiving)) for p in track
+            ]
 
         return self._put("trackEnqueueOp", block, points)
 

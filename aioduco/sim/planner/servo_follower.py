@@ -1,9 +1,15 @@
 """The servo follower: each joint goes to its target for itself (manual 1.3.5, servoj).
 
-Each joint is drawn by a spring and a damper, kp (target - q) - kd qd, within its largest speed
-and acceleration, and never faster than it can brake before the target. The target is smoothed by
-two low-pass filters in a row. (Names, units and ranges of the parameters are the manual's; what
-the controller does with them is not published: all of this is an assumption.)
+Each joint accelerates by kp times its distance from the target, and kd times the rate of that
+distance, within its largest speed and acceleration, and never faster than it can brake before the
+target. The target is smoothed by two low-pass filters in a row. (Names, units and ranges of the
+parameters are the manual's; what the controller does with them is not published: all of this is an
+assumption.)
+
+Why the distance's rate, and not the joint's speed: the manual calls kd a derivative gain, and
+smoothing a help where the differences of the points over time are uneven, so their rate is used. A
+public driver was tuned to 400 and 80 to follow better than 200 and 25. With a damping of the speed
+alone it would follow worse, by kd/kp behind.
 """
 
 from __future__ import annotations
@@ -86,9 +92,11 @@ class ServoFollower(TargetFollower):
         self._once = self._once + (self._target - self._once) * _share(
             tuning.smooth_vel * _SPEED_SMOOTHING, cycle
         )
-        self._twice = self._twice + (self._once - self._twice) * _share(
+        before = self._twice
+        self._twice = before + (self._once - before) * _share(
             tuning.smooth_acc * _ACCELERATION_SMOOTHING, cycle
         )
+        rate = (self._twice - before) / cycle
         error = self._twice - last.q
         if np.abs(last.qd).max() < _STILL and np.abs(self._target - last.q).max() < _THERE:
             self._held += cycle
@@ -97,7 +105,7 @@ class ServoFollower(TargetFollower):
                 return self._setpoint
         change = min(tuning.a, _STEEPEST) * cycle
         speed = last.qd + np.clip(
-            (tuning.kp * error - tuning.kd * last.qd) * cycle, -change, change
+            (tuning.kp * error + tuning.kd * (rate - last.qd)) * cycle, -change, change
         )
         # The speed from which whole cycles of braking end at the target.
         arriving = change * (np.sqrt(0.25 + 2.0 * np.abs(error) / (change * cycle)) - 0.5)

@@ -16,6 +16,7 @@ from aioduco._wire import idl, messages
 from aioduco._wire.framing import Bounds, Malformed
 from aioduco._wire.messages import Message, MessageType
 from aioduco.sim.refusal import Refusal
+from aioduco.sim.server import older
 
 __all__ = [
     "CALL",
@@ -91,16 +92,14 @@ class Processor:
             return _error(
                 TApplicationException.UNKNOWN_METHOD, f"unknown function {message.name!r}"
             )
-        args = function.args()
-        self._in.setvalue(message.body)
         try:
-            self._reader.read_struct(args)
+            args = self._arguments(function, message.body)
         except Exception as exc:
             return _error(TApplicationException.PROTOCOL_ERROR, str(exc))
-        values = []
+        values, absent = [], older.ABSENT.get(message.name, {})
         for name, zero in zip(function.parameters, function.zeros, strict=True):
-            value = getattr(args, name)
-            values.append(zero() if value is None else value)
+            value = getattr(args, name, None)
+            values.append(absent.get(name, zero()) if value is None else value)
         try:
             value = getattr(self._handler, message.name)(*values)
         except Refusal as exc:
@@ -112,6 +111,19 @@ class Processor:
         if not function.void:
             result.success = value
         return REPLY, result
+
+    def _arguments(self, function: idl.Function, body: bytes) -> Any:
+        """The arguments as the generation sent them that the fields tell of."""
+        args = function.args()
+        self._in.setvalue(body)
+        self._reader.read_struct(args)
+        for layout in older.layouts(function.name, function.args):
+            came = layout.args()
+            self._in.setvalue(body)
+            self._reader.read_struct(came)
+            if layout.told(came):
+                return came
+        return args
 
     def _encode(self, message: Message, kind: int, result: Any) -> bytes:
         self._out.clean()

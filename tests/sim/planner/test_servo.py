@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -43,6 +45,31 @@ def test_it_ends_at_the_target_within_its_limits_and_does_not_pass_it(a: float) 
     steps = np.diff(rows[:, 0], axis=0)
     means = 0.5 * CYCLE * (rows[1:, 1] + rows[:-1, 1])
     assert np.abs(steps - means).max() < 1e-6
+
+
+def sine_error(a: float, *numbers: float) -> float:
+    """Farthest that 0.5 Hz, 0.3 rad, sent at 250 Hz, is from what is followed [rad]."""
+    kp, kd, smooth_vel, smooth_acc = numbers
+
+    def sine(time: float) -> float:
+        return 0.3 * math.sin(math.pi * time)
+
+    servo, worst = ServoFollower(ARM, Q, CYCLE), 0.0
+    for cycle in range(4000):
+        if cycle % 4 == 0:
+            target = Q + np.array([sine(cycle * CYCLE), 0.0, 0.0, 0.0, 0.0, 0.0])
+            servo.aim(target, ServoTuning(3.5, a, kp, kd, smooth_vel, smooth_acc))
+        point = servo.tick(NONE, NONE)
+        if cycle >= 1000:
+            worst = max(worst, abs(point.q[0] - Q[0] - sine((cycle + 1) * CYCLE)))
+    return worst
+
+
+@pytest.mark.parametrize(("a", "usual", "stiff"), [(3.5, 0.1205, 0.1132), (100.0, 0.0291, 0.0204)])
+def test_higher_gains_follow_better(a: float, usual: float, stiff: float) -> None:
+    """As the author of a public driver found, who went from 200 and 25 to 400 and 80."""
+    assert sine_error(a, 200.0, 25.0, 10.0, 1.0) == pytest.approx(usual, abs=5e-4)
+    assert sine_error(a, 400.0, 80.0, 5.0, 1.0) == pytest.approx(stiff, abs=5e-4)
 
 
 def test_each_joint_goes_for_itself() -> None:

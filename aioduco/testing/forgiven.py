@@ -1,0 +1,35 @@
+"""Asserts that a program kept to the manual in every call."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from aioduco.sim import Simulator
+
+__all__ = ["nothing_forgiven"]
+
+
+@contextlib.contextmanager
+def nothing_forgiven(simulator: Simulator) -> Iterator[None]:
+    """The simulator forgives nothing while the block runs.
+
+        with nothing_forgiven(duco_simulator):
+            await my_program.paint(duco_robot)
+
+    `Simulator(strict=True)` refuses such calls instead.
+
+    Args:
+        simulator: a lenient one, which the program in the block talks to.
+
+    Raises:
+        AssertionError: It took calls that are off the manual; says which and how often.
+    """
+    before = simulator.forgiven
+    yield
+    new = {kind: count - before.get(kind, 0) for kind, count in simulator.forgiven.items()}
+    found = [f"{kind}: {count} times" for kind, count in new.items() if count]
+    assert not found, f"the simulator forgave {len(found)} kinds of calls: {'; '.join(found)}"
