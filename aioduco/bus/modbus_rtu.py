@@ -166,7 +166,7 @@ class ModbusRtu:
 
         Args:
             address: address of the first, 0 to 0xFFFF.
-            values: their values, 0 to 0xFFFF each; 1 to 123.
+            values: their values, 0 to 0xFFFF each, or -0x8000 to -1 for the same bits; 1 to 123.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.

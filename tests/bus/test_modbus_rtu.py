@@ -23,7 +23,7 @@ async def test_registers() -> None:
     device = Device()
     modbus = client(device)
     await modbus.write_register(0x0103, 500)
-    await modbus.write_registers(0x0200, [1, 0xFFFF, 0x8000])
+    await modbus.write_registers(0x0200, [1, -1, 0x8000])
     assert device.written == [(0x0103, 500), (0x0200, 1), (0x0201, 0xFFFF), (0x0202, 0x8000)]
     assert await modbus.read_registers(0x0200, 3) == (1, 0xFFFF, 0x8000)
     assert await modbus.read_inputs(0x0103) == (500,)
@@ -128,7 +128,7 @@ async def test_one_request_at_a_time() -> None:
         ("write_register", (0x10000, 0), "address"),
         ("write_registers", (0, []), "values"),
         ("write_registers", (0, [0] * 124), "values"),
-        ("write_registers", (0, [-1]), "values"),
+        ("write_registers", (0, [-0x8001]), "values"),
     ],
 )
 async def test_a_wrong_argument(method: str, args: tuple[object, ...], name: str) -> None:

@@ -32,7 +32,7 @@ class Controller:
         async def stop(ending: str) -> None:
             self.stops.append(ending or "stop")
 
-        return StreamEndpoint(self.server.host, self.server.port, stop)
+        return StreamEndpoint(self.server.host, self.server.port, stop, stall_limit=15.0)
 
     @staticmethod
     def nowhere() -> StreamEndpoint:
