@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
 from aioduco.models.enums import TaskState
+from aioduco.models.pose import Pose
 from aioduco.sim.cabinet import Cabinet
 from aioduco.sim.refusal import Rejected
 
@@ -59,6 +60,7 @@ class HandlerContext:
         frames: tools and work objects.
         series, model, serial: what get_robot_type tells.
         cabinet: what the controller keeps besides: variables, ports, files.
+        mounting: where the base is in the world.
     """
 
     arm: Arm
@@ -69,6 +71,7 @@ class HandlerContext:
     model: str
     serial: str
     cabinet: Cabinet = field(default_factory=Cabinet)
+    mounting: Pose = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # noqa: RUF009 - a tuple of numbers
 
 
 class HandlerSection:
