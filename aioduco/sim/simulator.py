@@ -5,7 +5,6 @@ from __future__ import annotations
 import atexit
 import math
 import threading
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import anyio
@@ -43,6 +42,7 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.enums import OperationMode
     from aioduco.models.pose import JointsLike
+    from aioduco.models.status_frame import StatusFrame
     from aioduco.sim.cabinet.script import Script
     from aioduco.sim.cabinet.signals import Signals
     from aioduco.sim.cabinet.values import Value
@@ -201,14 +201,17 @@ class Simulator:
             model,
             f"SIM{self.seed:08d}",
             self.cabinet,
+            self.mounting,
         )
         answering = Handlers(context)
         server = Server(answering, host=self._address[0], port=self._address[1])
         server.start()
         if self._status_address is not None:
-            status = StatusServer(
-                partial(frame_of, answering), host=self.host, port=self._status_address
-            )
+
+            def frame() -> StatusFrame:
+                return frame_of(answering, simulated=runtime.snapshot.view.simulation)
+
+            status = StatusServer(frame, host=self.host, port=self._status_address)
             try:
                 status.start()
             except OSError:
@@ -322,8 +325,8 @@ class Simulator:
 
     @property
     def joints(self) -> Joints:
-        """Actual joints [rad]."""
-        return Joints.of(self._running().snapshot.q)
+        """Joints of the arm that stands here [rad], also while its controller only simulates."""
+        return Joints.of(self._running().snapshot.positions[:6])
 
     @property
     def moving(self) -> bool:

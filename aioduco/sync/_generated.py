@@ -1260,7 +1260,8 @@ class Motion(_Section):
             tool: name of the tool whose poses are recorded; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             interval: from point to point, above 0: sum of the joints' ways [rad] in mode 0, time
-                [s] in mode 1. None for 5° or 0.5 s. It is on the wire, not in the manual.
+                [s] in mode 1. None for 5° or 0.25 s, as the manual has it. Its prototype lacks this
+                argument, which is on the wire.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -3179,7 +3180,7 @@ class Settings(_Section):
         """Set the global speed (全局速度百分比), which all motions are scaled by.
 
         Args:
-            val: percent, 1 to 100.
+            val: percent, 1 to 100; fractions count.
 
         Raises:
             ParameterError: it is out of range; nothing was sent.
@@ -3190,11 +3191,16 @@ class Settings(_Section):
         self._runner.call(self._section.speed(val))
 
     def get_global_speed(self) -> int:
-        """Read the global speed (全局速度的百分比), in percent. Manual section 1.3.7."""
+        """Read the global speed (全局速度的百分比), in percent.
+
+        The wire has whole numbers here: of a speed with a fraction the fraction is missing.
+
+        Manual section 1.3.7.
+        """
         return self._runner.call(self._section.get_global_speed())
 
     def set_teach_speed(self, v: Whole) -> None:
-        """Set the speed of jogs (示教速度的百分比).
+        """Set the speed of jogs (示教速度的百分比), which the speed of each jog is a share of.
 
         Args:
             v: percent, a whole number from 1 to 100.
@@ -3240,8 +3246,12 @@ class Settings(_Section):
     def simulation(self, sim: bool) -> None:
         """Switch between the controller's own simulation and the real arm (仿真或者真机模式).
 
-        The arm must stand, or it moves in an unforeseen way and stops with an alarm. So this is
-        refused while it moves; see to it that no other program moves it.
+        In the simulation motions run and the states that are read move, for a dry run, while the
+        real arm stands. The simulated arm begins where the real one stands. Back at the real arm,
+        read where it is before the next motion: it has not moved.
+
+        The arm must be completely at rest, or it moves in an unforeseen way and stops with an
+        alarm. So this is refused while it moves; see to it that no other program moves it.
 
         Args:
             sim: true for the simulation, false for the real arm.
@@ -3249,7 +3259,7 @@ class Settings(_Section):
         Raises:
             ParameterError: it is neither; nothing was sent.
             RobotStateError: the arm moves; nothing was sent.
-            TaskError: it was not switched.
+            TaskError: it was not switched; the text has the controller's reason.
 
         Manual section 1.3.7.
         """
