@@ -30,6 +30,7 @@ from aioduco.sim.controller.power import PowerControl
 from aioduco.sim.controller.programs import ProgramExecution
 from aioduco.sim.controller.recorder import Recorder
 from aioduco.sim.controller.safety import Admission, SafetyController
+from aioduco.sim.controller.signal_rules import SignalRules
 from aioduco.sim.controller.tasks import MotionPhase, TaskTable
 from aioduco.sim.cycle import DriveCommand, SensedState
 from aioduco.sim.planner.path import JointSetPoint
@@ -132,6 +133,7 @@ class Controller:
         self.external_axes: SimulatedExternalAxes = SimulatedExternalAxes()
         self.collisions: CollisionDetector = CollisionDetector(np.full(6, np.inf))
         self.recorder: Recorder = Recorder()
+        self.rules: SignalRules = SignalRules()
         self.read_ahead: tuple[int, int] = (0, 1)
         self.program_lag: float = 0.0
         self.mode: OperationMode = OperationMode.AUTO
@@ -212,7 +214,7 @@ class Controller:
             self._motion.phase not in (MotionPhase.IDLE, MotionPhase.PAUSED)
             or self._execution.running
         )
-        changing = self.recorder.active or bool(self._leaving)
+        changing = self.recorder.active or self.rules.busy or bool(self._leaving)
         return under_way or self._power.busy or self.moving or changing
 
     def view(self) -> ControllerState:
@@ -416,6 +418,7 @@ class Controller:
     def tick(self, sensed: SensedState) -> DriveCommand:
         """One cycle."""
         self._real = sensed
+        self.rules.tick(sensed.time, self.signals)
         leaving, self._leaving = self._leaving, []
         for id_ in leaving:
             self.tasks.set(id_, TaskState.FINISHED)
