@@ -1354,6 +1354,7 @@ class Program(_Section):
 
         Raises:
             ParameterError: the path is no text; nothing was sent.
+            Refused: the controller lists an error: there is no such folder.
 
         Manual section 1.3.4.
         """
@@ -2214,6 +2215,10 @@ class State(_Section):
         Returns:
             The pose.
 
+        Raises:
+            ParameterError: a name is too long; nothing was sent.
+            Refused: the controller lists an error: it has no such tool or work object.
+
         Manual section 1.3.7.
         """
         return self._runner.call(self._section.get_tcp_pose_coord(tool, wobj))
@@ -2238,6 +2243,10 @@ class State(_Section):
 
         Args:
             tool: name of the tool; empty for the one in use.
+
+        Raises:
+            ParameterError: the name is too long; nothing was sent.
+            Refused: the controller lists an error: it has no such tool.
 
         Manual section 1.3.7.
         """
@@ -2516,7 +2525,18 @@ class Registers(_Section):
         self._runner.call(self._section.set_system_value_bool(name, value))
 
     def get_system_value_bool(self, name: str) -> bool:
-        """Read a variable of the controller of type bool (系统变量). Manual section 1.3.7."""
+        """Read a variable of the controller of type bool (系统变量).
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
+
+        Manual section 1.3.7.
+        """
         return self._runner.call(self._section.get_system_value_bool(name))
 
     def set_system_value_double(self, name: str, value: Real) -> None:
@@ -2535,7 +2555,18 @@ class Registers(_Section):
         self._runner.call(self._section.set_system_value_double(name, value))
 
     def get_system_value_double(self, name: str) -> float:
-        """Read a variable of the controller of type double (系统变量). Manual section 1.3.7."""
+        """Read a variable of the controller of type double (系统变量).
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
+
+        Manual section 1.3.7.
+        """
         return self._runner.call(self._section.get_system_value_double(name))
 
     def set_system_value_str(self, name: str, value: str) -> None:
@@ -2554,7 +2585,18 @@ class Registers(_Section):
         self._runner.call(self._section.set_system_value_str(name, value))
 
     def get_system_value_str(self, name: str) -> str:
-        """Read a variable of the controller of type str (系统变量). Manual section 1.3.7."""
+        """Read a variable of the controller of type str (系统变量).
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
+
+        Manual section 1.3.7.
+        """
         return self._runner.call(self._section.get_system_value_str(name))
 
     def set_system_value_list(self, name: str, value: VectorLike) -> None:
@@ -2575,6 +2617,14 @@ class Registers(_Section):
     def get_system_value_list(self, name: str) -> Vector:
         """Read a variable of the controller of type num_list (系统变量), as a read-only array.
 
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
+
         Manual section 1.3.7.
         """
         return self._runner.call(self._section.get_system_value_list(name))
@@ -2583,6 +2633,14 @@ class Registers(_Section):
         """Read a variable of the controller that is a list of poses, each a read-only array.
 
         Not in manual 3.8, but on its wire; manual 4.3 describes it.
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
         """
         return self._runner.call(self._section.get_system_value_lists(name))
 
@@ -3689,6 +3747,14 @@ class Modbus(_Section):
         Args:
             signal_name: its name.
 
+        Returns:
+            0 to 65535 for a register, 0 or 1 for a coil or an input.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller answers -1: there is no such signal, or its device does not
+                answer.
+
         Manual section 1.3.9.
         """
         return self._runner.call(self._section.modbus_read(signal_name))
@@ -3717,6 +3783,8 @@ class Modbus(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
+            Refused: the controller lists an error: there is no such signal. The wire has no answer
+                to this function, so nothing else can tell.
 
         Manual section 1.3.9.
         """
@@ -3727,9 +3795,13 @@ class Modbus(_Section):
     ) -> None:
         """Write registers that follow each other (多寄存器写操作).
 
+        The name of a signal says which device is written to and from which address on; the unit at
+        it is `slave_num`, and they are registers whatever the signal is: the manual's examples
+        write registers and coils of two units by one name. It does not say more.
+
         Args:
-            slave_num: number of the device, 0 to 255.
-            name: name of the signal.
+            slave_num: number of the unit, 0 to 255.
+            name: name of a signal at the first register's address.
             word_list: what is written, each 0 to 65535; at least one.
 
         Raises:
@@ -3745,9 +3817,11 @@ class Modbus(_Section):
     ) -> None:
         """Write coils that follow each other (多线圈写操作).
 
+        What is written where is as for `modbus_write_multiple_regs`.
+
         Args:
-            slave_num: number of the device, 0 to 255.
-            name: name of the signal.
+            slave_num: number of the unit, 0 to 255.
+            name: name of a signal at the first coil's address.
             byte_list: what is written, each 0 or 1; at least one.
 
         Raises:
