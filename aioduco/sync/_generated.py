@@ -4328,7 +4328,7 @@ class Sections:
     ) -> Snapshot:
         """Wait for a sample of the state that the predicate holds for, and return it.
 
-            robot.wait_for(lambda s: s.io.digital_inputs[2], timeout=5.0)
+            robot.wait_for(lambda s: s.io.input(3), timeout=5.0)
 
         Args:
             predicate: called with each new sample.

@@ -16,7 +16,9 @@ from aioduco.sim.cabinet import ModbusSlave
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
-VALUES = {"zero": 0.0, "off": False, "text": "", "none": [], "cell.x": 1.5}
+    from aioduco.sim.cabinet.values import Value
+
+VALUES: dict[str, Value] = {"zero": 0.0, "off": False, "text": "", "none": [], "cell.x": 1.5}
 
 
 @pytest.fixture(scope="module")
