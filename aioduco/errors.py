@@ -191,13 +191,14 @@ class Refused(DucoError):
 
     Attributes:
         function: the function of the wire that was called.
-        code: the value that it returned.
+        code: the value that it returned: a number, or what stands for nothing where something is
+            read, such as an empty text.
     """
 
-    def __init__(self, function: str, code: int, reason: str) -> None:
+    def __init__(self, function: str, code: object, reason: str) -> None:
         self.function = function
         self.code = code
-        super().__init__(f"the controller refused {function} (answer {code}): {reason}")
+        super().__init__(f"the controller refused {function} (answer {code!r}): {reason}")
 
 
 class BusError(DucoError):

@@ -375,7 +375,7 @@ class Robot:
     ) -> Snapshot:
         """Wait for a sample of the state that the predicate holds for, and return it.
 
-            await robot.wait_for(lambda s: s.io.digital_inputs[2], timeout=5.0)
+            await robot.wait_for(lambda s: s.io.input(3), timeout=5.0)
 
         Args:
             predicate: called with each new sample.

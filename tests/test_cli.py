@@ -22,6 +22,7 @@ import aioduco
 import aioduco.sync
 from aioduco.cli.app import app
 from aioduco.cli.demo.command import LEFT
+from aioduco.cli.sim_do import control_port_of
 from aioduco.kinematics import models
 from aioduco.models.enums import RobotState
 from aioduco.sim import Simulator
@@ -116,7 +117,7 @@ def test_sim_says_where_it_listens_and_ends_when_told(number: signal.Signals) ->
     with process("sim", "--port", "0") as sim:
         assert sim.stdout is not None
         words = sim.stdout.readline().split()
-        host, port = words[3].rstrip(";").split(":")
+        host, port = words[3].rstrip(",").split(":")
         assert words[:3] == ["simulated", "gcr5_910", "on"]
         with socket.create_connection((host, int(port)), timeout=5):
             sim.send_signal(number)
@@ -128,11 +129,29 @@ def test_sim_pushes_status_frames_where_it_says() -> None:
     with process("sim", "--port", "0", "--status-port", "0") as sim:
         assert sim.stdout is not None
         _, _, said = sim.stdout.readline().partition(", status frames on ")
-        with socket.create_connection(("127.0.0.1", int(said.split(";")[0])), timeout=5) as port:
+        with socket.create_connection(("127.0.0.1", int(said.split(",")[0])), timeout=5) as port:
             assert port.recv(1)
             sim.send_signal(signal.SIGTERM)
             sim.communicate(timeout=20)
     assert sim.returncode == 0
+
+
+def test_sim_does_what_a_shell_tells_it() -> None:
+    with process("sim", "--port", "0") as sim:
+        assert sim.stdout is not None
+        _, _, said = sim.stdout.readline().partition(", commands on ")
+        port = said.split(";")[0]
+        done = run("sim-do", "--control-port", port, "push", "0", "0", "-20")
+        assert (done.exit_code, done.output) == (0, "ok\n")
+        assert "emergency stop" in run("sim-do", "--control-port", port).output
+        wrong = run("sim-do", "--control-port", port, "input", "99", "on")
+        assert (wrong.exit_code, wrong.output.split(":")[0]) == (1, "error")
+        sim.send_signal(signal.SIGTERM)
+        assert sim.communicate(timeout=60)[1] == ""
+    nobody = run("sim-do", "--control-port", port, "estop")
+    assert nobody.exit_code == 1
+    assert f"no simulator takes commands on 127.0.0.1:{port}" in nobody.output
+    assert (control_port_of(7003), control_port_of(0), control_port_of(60_000)) == (17003, 0, 0)
 
 
 def test_sim_says_so_when_a_file_is_no_program(tmp_path: Path) -> None:
@@ -156,7 +175,7 @@ def test_sim_draws_what_the_arm_did(tmp_path: Path) -> None:
     options = ("--port", "0", "--speed", "10", "--scene", str(cell), "--mounting", "0,0,0.5,0,0,0")
     with process("sim", *options, "--render", str(film)) as sim:
         assert sim.stdout is not None
-        port = int(sim.stdout.readline().split()[3].rstrip(";").rpartition(":")[2])
+        port = int(sim.stdout.readline().split()[3].rstrip(",").rpartition(":")[2])
         with aioduco.sync.connect("127.0.0.1", port) as robot:
             robot.bring_up()
             robot.motion.movej2((1.0, *LEFT[1:]), v=2.0, a=5.0)

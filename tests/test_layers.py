@@ -79,6 +79,7 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
         *("planner", "force", "cabinet", "controller", "physics", "handlers", "server", "view"),
         *("runtime", "clock", "scene", "process", "forgiving"),
     },
+    "console": {"simulator"},
     "__main__": {"simulator"},
     "__init__": {"simulator", "process"},
 }

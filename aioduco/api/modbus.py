@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from aioduco.api.section import Section, done, settled
-from aioduco.errors import ParameterError
+from aioduco.api.section import Section, added, done, settled
+from aioduco.errors import ParameterError, Refused
 from aioduco.models import ranges
 
 if TYPE_CHECKING:
@@ -29,9 +29,23 @@ class Modbus(Section):
         Args:
             signal_name: its name.
 
+        Returns:
+            0 to 65535 for a register, 0 or 1 for a coil or an input.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller answers -1: there is no such signal, or its device does not
+                answer.
+
         Manual section 1.3.9.
         """
-        return await self._rpc.modbus_read(ranges.LONG_NAME("signal_name", signal_name))
+        name_ = ranges.LONG_NAME("signal_name", signal_name)
+        value = await self._told(
+            "modbus_read", name_, lambda: self._rpc.modbus_read(name_), lambda value: value == -1
+        )
+        if value == -1:  # no register and no coil has it
+            raise Refused("modbus_read", value, "there is no such signal, or its device is away")
+        return value
 
     async def modbus_write(self, signal_name: str, value: Whole) -> None:
         """Write a signal (modbus 节点写操作).
@@ -59,21 +73,30 @@ class Modbus(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
+            Refused: the controller lists an error: there is no such signal. The wire has no answer
+                to this function, so nothing else can tell.
 
         Manual section 1.3.9.
         """
         name_ = ranges.LONG_NAME("signal_name", signal_name)
         frequency_ = ranges.MODBUS_FREQUENCY("frequency", frequency)
+        before = await self._rpc.get_last_error()
         await self._rpc.modbus_set_frequency(name_, frequency_)
+        if why := added(before, await self._rpc.get_last_error(), name_):
+            raise Refused("modbus_set_frequency", None, "; ".join(why))
 
     async def modbus_write_multiple_regs(
         self, slave_num: Whole, name: str, word_list: WholesLike
     ) -> None:
         """Write registers that follow each other (多寄存器写操作).
 
+        The name of a signal says which device is written to and from which address on; the unit at
+        it is `slave_num`, and they are registers whatever the signal is: the manual's examples
+        write registers and coils of two units by one name. It does not say more.
+
         Args:
-            slave_num: number of the device, 0 to 255.
-            name: name of the signal.
+            slave_num: number of the unit, 0 to 255.
+            name: name of a signal at the first register's address.
             word_list: what is written, each 0 to 65535, or -32768 to -1 for the upper half; at
                 least one.
 
@@ -93,9 +116,11 @@ class Modbus(Section):
     ) -> None:
         """Write coils that follow each other (多线圈写操作).
 
+        What is written where is as for `modbus_write_multiple_regs`.
+
         Args:
-            slave_num: number of the device, 0 to 255.
-            name: name of the signal.
+            slave_num: number of the unit, 0 to 255.
+            name: name of a signal at the first coil's address.
             byte_list: what is written, each 0 or 1; at least one.
 
         Raises:

@@ -62,8 +62,15 @@ class Program(Section):
 
         Raises:
             ParameterError: the path is no text; nothing was sent.
+            Refused: the controller lists an error: there is no such folder.
 
         Manual section 1.3.4.
         """
-        files = await self._rpc.get_files_list(ranges.PATH("path", path))
+        path_ = ranges.PATH("path", path)
+        files = await self._told(
+            "get_files_list",
+            path_,
+            lambda: self._rpc.get_files_list(path_),
+            lambda files: not files,
+        )
         return {name: FileKind(kind) for name, kind in files.items()}

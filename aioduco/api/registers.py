@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from aioduco.api.section import Section, done, succeeded
 from aioduco.models import ranges
 from aioduco.models.state import vector
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
     from aioduco.models.rules import Real, VectorLike, Whole
     from aioduco.models.state import Vector
+    from aioduco.supervision.supervisor import Supervisor
+
+T = TypeVar("T")
 
 __all__ = ["Registers"]
 
@@ -25,7 +30,12 @@ class Registers(Section):
     domain is named "domain.variable".
     """
 
-    __slots__ = ()
+    __slots__ = ("_read",)
+
+    def __init__(self, supervisor: Supervisor) -> None:
+        super().__init__(supervisor)
+        #: functions and names of variables that are known to be there
+        self._read: set[tuple[str, str]] = set()
 
     async def write_bool_reg(self, num: Whole, value: bool) -> None:
         """Write an internal bool register (内部 bool 寄存器).
@@ -113,8 +123,21 @@ class Registers(Section):
         succeeded("set_system_value_bool", answer)
 
     async def get_system_value_bool(self, name: str) -> bool:
-        """Read a variable of the controller of type bool (系统变量). Manual section 1.3.7."""
-        return await self._rpc.get_system_value_bool(ranges.LONG_NAME("name", name))
+        """Read a variable of the controller of type bool (系统变量).
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
+
+        Manual section 1.3.7.
+        """
+        name_ = ranges.LONG_NAME("name", name)
+        function = "get_system_value_bool"
+        return await self._value(function, name_, lambda: self._rpc.get_system_value_bool(name_))
 
     async def set_system_value_double(self, name: str, value: Real) -> None:
         """Set a variable of the controller of type double (系统变量).
@@ -134,8 +157,21 @@ class Registers(Section):
         succeeded("set_system_value_double", answer)
 
     async def get_system_value_double(self, name: str) -> float:
-        """Read a variable of the controller of type double (系统变量). Manual section 1.3.7."""
-        return await self._rpc.get_system_value_double(ranges.LONG_NAME("name", name))
+        """Read a variable of the controller of type double (系统变量).
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
+
+        Manual section 1.3.7.
+        """
+        name_ = ranges.LONG_NAME("name", name)
+        function = "get_system_value_double"
+        return await self._value(function, name_, lambda: self._rpc.get_system_value_double(name_))
 
     async def set_system_value_str(self, name: str, value: str) -> None:
         """Set a variable of the controller of type str (系统变量).
@@ -155,8 +191,21 @@ class Registers(Section):
         succeeded("set_system_value_str", answer)
 
     async def get_system_value_str(self, name: str) -> str:
-        """Read a variable of the controller of type str (系统变量). Manual section 1.3.7."""
-        return await self._rpc.get_system_value_str(ranges.LONG_NAME("name", name))
+        """Read a variable of the controller of type str (系统变量).
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
+
+        Manual section 1.3.7.
+        """
+        name_ = ranges.LONG_NAME("name", name)
+        function = "get_system_value_str"
+        return await self._value(function, name_, lambda: self._rpc.get_system_value_str(name_))
 
     async def set_system_value_list(self, name: str, value: VectorLike) -> None:
         """Set a variable of the controller of type num_list (系统变量).
@@ -178,15 +227,43 @@ class Registers(Section):
     async def get_system_value_list(self, name: str) -> Vector:
         """Read a variable of the controller of type num_list (系统变量), as a read-only array.
 
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
+
         Manual section 1.3.7.
         """
-        values = await self._rpc.get_system_value_list(ranges.LONG_NAME("name", name))
+        name_ = ranges.LONG_NAME("name", name)
+        function = "get_system_value_list"
+        values = await self._value(function, name_, lambda: self._rpc.get_system_value_list(name_))
         return vector(values, len(values))
 
     async def get_system_value_lists(self, name: str) -> tuple[Vector, ...]:
         """Read a variable of the controller that is a list of poses, each a read-only array.
 
         Not in manual 3.8, but on its wire; manual 4.3 describes it.
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
         """
-        values = await self._rpc.get_system_value_lists(ranges.LONG_NAME("name", name))
+        name_ = ranges.LONG_NAME("name", name)
+        function = "get_system_value_lists"
+        values = await self._value(function, name_, lambda: self._rpc.get_system_value_lists(name_))
         return tuple(vector(row, len(row)) for row in values)
+
+    async def _value(self, function: str, name: str, ask: Callable[[], Awaitable[T]]) -> T:
+        """Read a variable; once it is known to be there, by one call, whatever it is."""
+        if (function, name) in self._read:
+            return await ask()
+        value = await self._told(function, name, ask, lambda value: not value)
+        self._read.add((function, name))
+        return value

@@ -17,8 +17,8 @@ the call, and nothing is sent before the motion is started.
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Coroutine
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar
 
 from aioduco._wire.rpc import AsyncRpc
 from aioduco.errors import (
@@ -38,8 +38,9 @@ if TYPE_CHECKING:
     from aioduco.supervision.supervisor import Supervisor
     from aioduco.supervision.task_state import JointEta
 
-__all__ = ["Section", "accepted", "done", "settled", "succeeded"]
+__all__ = ["Section", "accepted", "added", "done", "settled", "succeeded"]
 
+T = TypeVar("T")
 Call: TypeAlias = Callable[[AsyncRpc], Coroutine[Any, Any, int]]
 
 #: how long an arm may swing after the end of its motion, and how often it is asked [s]
@@ -190,6 +191,36 @@ class Section:
         else:
             done(name, answer)
 
+    async def _told(
+        self,
+        function: str,
+        name: str,
+        ask: Callable[[], Awaitable[T]],
+        nothing: Callable[[T], bool],
+    ) -> T:
+        """Read something that the wire answers by a nought if it cannot be read.
+
+        A nought may be true as well. So it is asked for once more: if that puts something on the
+        controller's error list, this is why.
+
+        Args:
+            function: the function of the wire.
+            name: what is read by it.
+            ask: reads it.
+            nothing: whether an answer is such a nought.
+
+        Raises:
+            Refused: it could not be read.
+        """
+        answer = await ask()
+        if not nothing(answer):
+            return answer
+        before = await self._rpc.get_last_error()
+        answer = await ask()
+        if nothing(answer) and (why := added(before, await self._rpc.get_last_error(), name)):
+            raise Refused(function, answer, "; ".join(why))
+        return answer
+
     async def _must_stand(self, function: str) -> None:
         """See that nothing moves the arm, for what makes it jump if something does.
 
@@ -225,6 +256,24 @@ def noted(call: Call) -> tuple[str, tuple[Any, ...]]:
     _ = call(AsyncRpc(note))
     ((name, args),) = calls
     return name, args
+
+
+def added(before: Sequence[str], after: Sequence[str], name: str) -> Sequence[str]:
+    """What came onto the controller's error list, of which it forgets the oldest entries.
+
+    Args:
+        before: the list as it was.
+        after: the list as it is.
+        name: what the call between them was about, in case the list is full of one text.
+    """
+    known = len(before)
+    for gone in range(known + 1):
+        if before[gone:] == after[: known - gone]:
+            new = after[known - gone :]
+            break
+    if not new and len(after) > 1 and set(after) == {after[0]} and name in after[0]:
+        return after[:1]
+    return new
 
 
 def done(function: str, answer: int) -> None:

@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Settings"]
 
+#: seconds in which the controller must have switched to its simulation and back
+_LIMIT = 10.0
+
 
 class Settings(Section):
     """Speeds, collision detection, simulation, pendant (manual 1.3.7).
@@ -25,7 +28,7 @@ class Settings(Section):
         """Set the global speed (全局速度百分比), which all motions are scaled by.
 
         Args:
-            val: percent, 1 to 100.
+            val: percent, 1 to 100; fractions count.
 
         Raises:
             ParameterError: it is out of range; nothing was sent.
@@ -36,11 +39,16 @@ class Settings(Section):
         done("speed", await self._rpc.speed(ranges.GLOBAL_SPEED("val", val)))
 
     async def get_global_speed(self) -> int:
-        """Read the global speed (全局速度的百分比), in percent. Manual section 1.3.7."""
+        """Read the global speed (全局速度的百分比), in percent.
+
+        The wire has whole numbers here: of a speed with a fraction the fraction is missing.
+
+        Manual section 1.3.7.
+        """
         return await self._rpc.get_global_speed()
 
     async def set_teach_speed(self, v: Whole) -> None:
-        """Set the speed of jogs (示教速度的百分比).
+        """Set the speed of jogs (示教速度的百分比), which the speed of each jog is a share of.
 
         Args:
             v: percent, a whole number from 1 to 100.
@@ -88,8 +96,12 @@ class Settings(Section):
     async def simulation(self, sim: bool) -> None:
         """Switch between the controller's own simulation and the real arm (仿真或者真机模式).
 
-        The arm must stand, or it moves in an unforeseen way and stops with an alarm. So this is
-        refused while it moves; see to it that no other program moves it.
+        In the simulation motions run and the states that are read move, for a dry run, while the
+        real arm stands. The simulated arm begins where the real one stands. Back at the real arm,
+        read where it is before the next motion: it has not moved.
+
+        The arm must be completely at rest, or it moves in an unforeseen way and stops with an
+        alarm. So this is refused while it moves; see to it that no other program moves it.
 
         Args:
             sim: true for the simulation, false for the real arm.
@@ -97,13 +109,13 @@ class Settings(Section):
         Raises:
             ParameterError: it is neither; nothing was sent.
             RobotStateError: the arm moves; nothing was sent.
-            TaskError: it was not switched.
+            TaskError: it was not switched; the text has the controller's reason.
 
         Manual section 1.3.7.
         """
         sim_ = ranges.FLAG("sim", sim)
         await self._must_stand("simulation")
-        done("simulation", await self._rpc.simulation(sim_, True))
+        await self._perform(lambda rpc: rpc.simulation(sim_, False), _LIMIT)
 
     async def set_teach_pendant(self, enable: bool) -> None:
         """Turn the keys of the pendant on or off (示教器的物理按键).

@@ -115,10 +115,20 @@ class State(Section):
         Returns:
             The pose.
 
+        Raises:
+            ParameterError: a name is too long; nothing was sent.
+            Refused: the controller lists an error: it has no such tool or work object.
+
         Manual section 1.3.7.
         """
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)
-        return pose(await self._rpc.get_tcp_pose_coord(tool_, wobj_))
+        numbers = await self._told(
+            "get_tcp_pose_coord",
+            tool_ or wobj_,
+            lambda: self._rpc.get_tcp_pose_coord(tool_, wobj_),
+            lambda numbers: not numbers,
+        )
+        return pose(numbers)
 
     async def get_tcp_speed(self) -> Vector:
         """Read the speed of the tool (末端速度) [m/s, rad/s]. Manual section 1.3.7."""
@@ -141,9 +151,20 @@ class State(Section):
         Args:
             tool: name of the tool; empty for the one in use.
 
+        Raises:
+            ParameterError: the name is too long; nothing was sent.
+            Refused: the controller lists an error: it has no such tool.
+
         Manual section 1.3.7.
         """
-        return vector(await self._rpc.get_tcp_force_tool(ranges.FRAME("tool", tool)))
+        tool_ = ranges.FRAME("tool", tool)
+        force = await self._told(
+            "get_tcp_force_tool",
+            tool_,
+            lambda: self._rpc.get_tcp_force_tool(tool_),
+            lambda force: not force,
+        )
+        return vector(force)
 
     async def get_flange_pose(self) -> Pose:
         """Read the pose of the flange in the base frame (法兰位姿) [m, rad].

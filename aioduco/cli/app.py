@@ -9,6 +9,7 @@ from aioduco.cli.demo.command import demo
 from aioduco.cli.doctor import doctor
 from aioduco.cli.plot import plot
 from aioduco.cli.sim import sim
+from aioduco.cli.sim_do import sim_do
 
 __all__ = ["app"]
 
@@ -20,6 +21,8 @@ app: typer.Typer = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command()(sim)
+# A number below zero is a word, not an option.
+app.command("sim-do", context_settings={"ignore_unknown_options": True})(sim_do)
 app.command()(demo)
 app.command()(doctor)
 app.command()(plot)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 from aioduco.cli import extras, picture, watching
+from aioduco.cli.sim_do import control_port_of
 from aioduco.errors import RenderError
 
 if TYPE_CHECKING:
@@ -35,6 +36,12 @@ def sim(
         int | None,
         typer.Option(
             min=0, max=65535, help="Push status frames on this port too; 2001 as a controller."
+        ),
+    ] = None,
+    control_port: Annotated[
+        int | None,
+        typer.Option(
+            min=0, max=65535, help="Take commands of `aioduco sim-do` here. Default: port + 10000."
         ),
     ] = None,
     speed: Annotated[
@@ -74,6 +81,8 @@ def sim(
     if render is not None and render.suffix not in picture.KINDS:
         raise typer.BadParameter(f"its name must end in {' or '.join(picture.KINDS)}")
     from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this command alone
+    from aioduco.sim.console import Console  # noqa: PLC0415 - as above
+    from aioduco.sim.server.line_server import LineServer  # noqa: PLC0415 - as above
 
     with _bell() as (heard, ring):
         try:
@@ -97,9 +106,17 @@ def sim(
             raise typer.Exit(1) from None
         except OSError as error:
             ports = f"{port}" if status_port is None else f"{port} and {status_port}"
-            typer.echo(f"cannot listen on {host}:{ports}: {error.strerror or error}", err=True)
+            _say_taken(host, ports, error)
             raise typer.Exit(1) from None
-        with contextlib.closing(simulator):
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(contextlib.closing(simulator))
+            commands = control_port_of(port) if control_port is None else control_port
+            try:
+                lines = LineServer(Console(simulator).answer, commands)
+            except OSError as error:
+                _say_taken("127.0.0.1", f"{commands} for commands", error)
+                raise typer.Exit(1) from None
+            stack.enter_context(contextlib.closing(lines))
             try:
                 watch = watching.SimulatorWatch(simulator, render, view=view)
             except RenderError as error:
@@ -108,8 +125,13 @@ def sim(
             where = f"{simulator.host}:{simulator.port}"
             if simulator.status_port is not None:
                 where += f", status frames on {simulator.status_port}"
+            where += f", commands on {lines.port}"
             typer.echo(f"simulated {model} on {where}; Ctrl-C ends it")
             watch.until(heard)
+
+
+def _say_taken(host: str, ports: str, error: OSError) -> None:
+    typer.echo(f"cannot listen on {host}:{ports}: {error.strerror or error}", err=True)
 
 
 def _mounting(text: str) -> MountingLike:

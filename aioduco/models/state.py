@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from aioduco.errors import ParameterError
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -144,7 +146,9 @@ class RobotStatus(Sample):
 class IOStatus(Sample):
     """Inputs, outputs and registers (manual 1.3.7, getRobotIOStatus).
 
-    Tuples begin with channel 1 of the cabinet or the tool, and with register 1.
+    Signals have the controller's numbers in `input`, `output`, `tool_input` and `tool_output`:
+    `status.input(1)` is DI1. Tuples begin with channel 1 of the cabinet or the tool, and with
+    register 1, at index 0: `status.digital_inputs[0]` is DI1, too.
 
     Attributes:
         analog_current_outputs: currents put out [mA].
@@ -183,3 +187,33 @@ class IOStatus(Sample):
     word_outputs: tuple[int, ...]
     float_inputs: tuple[float, ...]
     float_outputs: tuple[float, ...]
+
+    def input(self, num: int) -> bool:
+        """Whether a general input of the cabinet is on.
+
+        Args:
+            num: its number on the controller, from 1.
+
+        Raises:
+            ParameterError: there is no such input.
+        """
+        return _numbered(num, self.digital_inputs)
+
+    def output(self, num: int) -> bool:
+        """Whether a general output of the cabinet is on; the number is as for `input`."""
+        return _numbered(num, self.digital_outputs)
+
+    def tool_input(self, num: int) -> bool:
+        """Whether an input of the tool is on; the number is as for `input`."""
+        return _numbered(num, self.tool_inputs)
+
+    def tool_output(self, num: int) -> bool:
+        """Whether an output of the tool is on; the number is as for `input`."""
+        return _numbered(num, self.tool_outputs)
+
+
+def _numbered(num: int, signals: tuple[bool, ...]) -> bool:
+    """The signal of a number of the controller's, which begin with 1."""
+    if not 1 <= num <= len(signals):
+        raise ParameterError("num", num, f"from 1 to {len(signals)}")
+    return signals[num - 1]

@@ -55,6 +55,9 @@ _STRONG: tuple[float, ...] = (math.inf,) * 6
 class SimulationSnapshot(NamedTuple):
     """Arm and controller after one cycle.
 
+    While the controller simulates, joints, set-point and wrench are those of its simulated arm;
+    torques, temperatures and `positions` stay those of the real one.
+
     Attributes:
         time: simulated time [s].
         q, qd, qdd: actual joints, their speeds and accelerations [rad, s]. Shape (6,) each.
@@ -373,18 +376,22 @@ class SimulationRuntime:
             self._warmth.tick(at - self._warm_at, torque, powered=powered)
             self._warm_at = at
         with self._lock:
+            simulated = self._controller.simulated
             sensed = SensedState(at, time.monotonic(), q, qd, wrench, plant.external_torque)
             self._drive = self._controller.tick(sensed)
+            if simulated is not None:
+                followed, qdd = simulated, simulated.qdd
+            known = self._controller.sensed
             view = self._controller.view()
             self._snapshot = SimulationSnapshot(
                 at,
-                q,
-                qd,
+                known.q,
+                known.qd,
                 qdd,
                 torque,
                 followed,
                 view,
-                wrench,
+                known.wrench,
                 plant.target_torque,
                 self._controller.collisions.torque,
                 positions,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import atexit
 import math
 import threading
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import anyio
@@ -19,6 +18,7 @@ from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
 from aioduco.sim.cabinet.values import SystemValues
 from aioduco.sim.clock import checked_speed
 from aioduco.sim.controller.monitoring import CollisionDetector
+from aioduco.sim.controller.signal_rules import SignalRule, SignalRules
 from aioduco.sim.controller.state_machine import Controller
 from aioduco.sim.force.control import ForceControl
 from aioduco.sim.force.noise import SensorNoise
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.enums import OperationMode
     from aioduco.models.pose import JointsLike
+    from aioduco.models.status_frame import StatusFrame
     from aioduco.sim.cabinet.script import Script
     from aioduco.sim.cabinet.signals import Signals
     from aioduco.sim.cabinet.values import Value
@@ -160,6 +161,7 @@ class Simulator:
         self._address = (host, port)
         self._status_address = status_port
         self._status: StatusServer | None = None
+        self._rules = SignalRules()
         self._halted = threading.Event()
         self._on_shutdown = on_shutdown
         self._server: Server | None = None
@@ -203,6 +205,7 @@ class Simulator:
         controller = Controller(mover, self._start, force)
         controller.program_lag = self._program_lag
         controller.heartbeat.slack = self._heartbeat_slack
+        controller.rules = self._rules
         controller.external_axes = self.external_axes
         controller.collisions = CollisionDetector(np.array(self.arm.effort))
         runtime = SimulationRuntime(
@@ -225,14 +228,17 @@ class Simulator:
             f"SIM{self.seed:08d}",
             self.cabinet,
             self._forgiving,
+            self.mounting,
         )
         answering = (SinglePrecisionHandlers if self._real_readings else Handlers)(context)
         server = Server(answering, host=self._address[0], port=self._address[1])
         server.start()
         if self._status_address is not None:
-            status = StatusServer(
-                partial(frame_of, answering), host=self.host, port=self._status_address
-            )
+
+            def frame() -> StatusFrame:
+                return frame_of(answering, simulated=runtime.snapshot.view.simulation)
+
+            status = StatusServer(frame, host=self.host, port=self._status_address)
             try:
                 status.start()
             except OSError:
@@ -346,8 +352,8 @@ class Simulator:
 
     @property
     def joints(self) -> Joints:
-        """Actual joints [rad]."""
-        return Joints.of(self._running().snapshot.q)
+        """Joints of the arm that stands here [rad], also while its controller only simulates."""
+        return Joints.of(self._running().snapshot.positions[:6])
 
     @property
     def moving(self) -> bool:
@@ -422,6 +428,38 @@ class Simulator:
         """Set an input of the tool, 1 or 2."""
         with self._running().command() as controller:
             controller.signals.tool_in[num] = value
+
+    def rule(
+        self,
+        output: int | str,
+        input: int | str,  # noqa: A002 - what it is
+        *,
+        after: float = 0.0,
+        inverted: bool = False,
+    ) -> None:
+        """Have an input follow an output, as the sensor of a cylinder follows its valve.
+
+            sim.rule(output=1, input=3, after=0.5)      # closed, half a second after the valve
+
+        It may be called before the start, too. The input has the output's state at once, and from
+        then on follows each change, until another rule is given for it. A pulse is followed
+        however short it is beside `after`.
+
+        Args:
+            output: a general output, 1 to 16; "tool 1" or "tool 2" for one of the tool.
+            input: a general input, likewise.
+            after: by how much it follows, in simulated time [s].
+            inverted: whether the input is on while the output is off.
+
+        Raises:
+            ValueError: There is no such signal, or the time is negative.
+        """
+        rule = SignalRule(output, input, after, inverted)
+        if self._runtime is None:
+            self._rules.add(rule)
+            return
+        with self._runtime.command():
+            self._rules.add(rule)
 
     def switch_mode(self, mode: OperationMode) -> None:
         """Turn the mode switch of the cabinet; what runs is paused, as by `switch_mode`.

@@ -1260,7 +1260,8 @@ class Motion(_Section):
             tool: name of the tool whose poses are recorded; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             interval: from point to point, above 0: sum of the joints' ways [rad] in mode 0, time
-                [s] in mode 1. None for 5° or 0.5 s. It is on the wire, not in the manual.
+                [s] in mode 1. None for 5° or 0.25 s, as the manual has it. Its prototype lacks this
+                argument, which is on the wire.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -1353,6 +1354,7 @@ class Program(_Section):
 
         Raises:
             ParameterError: the path is no text; nothing was sent.
+            Refused: the controller lists an error: there is no such folder.
 
         Manual section 1.3.4.
         """
@@ -2213,6 +2215,10 @@ class State(_Section):
         Returns:
             The pose.
 
+        Raises:
+            ParameterError: a name is too long; nothing was sent.
+            Refused: the controller lists an error: it has no such tool or work object.
+
         Manual section 1.3.7.
         """
         return self._runner.call(self._section.get_tcp_pose_coord(tool, wobj))
@@ -2237,6 +2243,10 @@ class State(_Section):
 
         Args:
             tool: name of the tool; empty for the one in use.
+
+        Raises:
+            ParameterError: the name is too long; nothing was sent.
+            Refused: the controller lists an error: it has no such tool.
 
         Manual section 1.3.7.
         """
@@ -2515,7 +2525,18 @@ class Registers(_Section):
         self._runner.call(self._section.set_system_value_bool(name, value))
 
     def get_system_value_bool(self, name: str) -> bool:
-        """Read a variable of the controller of type bool (系统变量). Manual section 1.3.7."""
+        """Read a variable of the controller of type bool (系统变量).
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
+
+        Manual section 1.3.7.
+        """
         return self._runner.call(self._section.get_system_value_bool(name))
 
     def set_system_value_double(self, name: str, value: Real) -> None:
@@ -2534,7 +2555,18 @@ class Registers(_Section):
         self._runner.call(self._section.set_system_value_double(name, value))
 
     def get_system_value_double(self, name: str) -> float:
-        """Read a variable of the controller of type double (系统变量). Manual section 1.3.7."""
+        """Read a variable of the controller of type double (系统变量).
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
+
+        Manual section 1.3.7.
+        """
         return self._runner.call(self._section.get_system_value_double(name))
 
     def set_system_value_str(self, name: str, value: str) -> None:
@@ -2553,7 +2585,18 @@ class Registers(_Section):
         self._runner.call(self._section.set_system_value_str(name, value))
 
     def get_system_value_str(self, name: str) -> str:
-        """Read a variable of the controller of type str (系统变量). Manual section 1.3.7."""
+        """Read a variable of the controller of type str (系统变量).
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
+
+        Manual section 1.3.7.
+        """
         return self._runner.call(self._section.get_system_value_str(name))
 
     def set_system_value_list(self, name: str, value: VectorLike) -> None:
@@ -2574,6 +2617,14 @@ class Registers(_Section):
     def get_system_value_list(self, name: str) -> Vector:
         """Read a variable of the controller of type num_list (系统变量), as a read-only array.
 
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
+
         Manual section 1.3.7.
         """
         return self._runner.call(self._section.get_system_value_list(name))
@@ -2582,6 +2633,14 @@ class Registers(_Section):
         """Read a variable of the controller that is a list of poses, each a read-only array.
 
         Not in manual 3.8, but on its wire; manual 4.3 describes it.
+
+        Args:
+            name: its name; "domain.variable" within a domain.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller lists an error: there is no such variable, or it is of another
+                type.
         """
         return self._runner.call(self._section.get_system_value_lists(name))
 
@@ -3180,7 +3239,7 @@ class Settings(_Section):
         """Set the global speed (全局速度百分比), which all motions are scaled by.
 
         Args:
-            val: percent, 1 to 100.
+            val: percent, 1 to 100; fractions count.
 
         Raises:
             ParameterError: it is out of range; nothing was sent.
@@ -3191,11 +3250,16 @@ class Settings(_Section):
         self._runner.call(self._section.speed(val))
 
     def get_global_speed(self) -> int:
-        """Read the global speed (全局速度的百分比), in percent. Manual section 1.3.7."""
+        """Read the global speed (全局速度的百分比), in percent.
+
+        The wire has whole numbers here: of a speed with a fraction the fraction is missing.
+
+        Manual section 1.3.7.
+        """
         return self._runner.call(self._section.get_global_speed())
 
     def set_teach_speed(self, v: Whole) -> None:
-        """Set the speed of jogs (示教速度的百分比).
+        """Set the speed of jogs (示教速度的百分比), which the speed of each jog is a share of.
 
         Args:
             v: percent, a whole number from 1 to 100.
@@ -3241,8 +3305,12 @@ class Settings(_Section):
     def simulation(self, sim: bool) -> None:
         """Switch between the controller's own simulation and the real arm (仿真或者真机模式).
 
-        The arm must stand, or it moves in an unforeseen way and stops with an alarm. So this is
-        refused while it moves; see to it that no other program moves it.
+        In the simulation motions run and the states that are read move, for a dry run, while the
+        real arm stands. The simulated arm begins where the real one stands. Back at the real arm,
+        read where it is before the next motion: it has not moved.
+
+        The arm must be completely at rest, or it moves in an unforeseen way and stops with an
+        alarm. So this is refused while it moves; see to it that no other program moves it.
 
         Args:
             sim: true for the simulation, false for the real arm.
@@ -3250,7 +3318,7 @@ class Settings(_Section):
         Raises:
             ParameterError: it is neither; nothing was sent.
             RobotStateError: the arm moves; nothing was sent.
-            TaskError: it was not switched.
+            TaskError: it was not switched; the text has the controller's reason.
 
         Manual section 1.3.7.
         """
@@ -3680,6 +3748,14 @@ class Modbus(_Section):
         Args:
             signal_name: its name.
 
+        Returns:
+            0 to 65535 for a register, 0 or 1 for a coil or an input.
+
+        Raises:
+            ParameterError: the name is empty; nothing was sent.
+            Refused: the controller answers -1: there is no such signal, or its device does not
+                answer.
+
         Manual section 1.3.9.
         """
         return self._runner.call(self._section.modbus_read(signal_name))
@@ -3708,6 +3784,8 @@ class Modbus(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
+            Refused: the controller lists an error: there is no such signal. The wire has no answer
+                to this function, so nothing else can tell.
 
         Manual section 1.3.9.
         """
@@ -3718,9 +3796,13 @@ class Modbus(_Section):
     ) -> None:
         """Write registers that follow each other (多寄存器写操作).
 
+        The name of a signal says which device is written to and from which address on; the unit at
+        it is `slave_num`, and they are registers whatever the signal is: the manual's examples
+        write registers and coils of two units by one name. It does not say more.
+
         Args:
-            slave_num: number of the device, 0 to 255.
-            name: name of the signal.
+            slave_num: number of the unit, 0 to 255.
+            name: name of a signal at the first register's address.
             word_list: what is written, each 0 to 65535, or -32768 to -1 for the upper half; at
                 least one.
 
@@ -3737,9 +3819,11 @@ class Modbus(_Section):
     ) -> None:
         """Write coils that follow each other (多线圈写操作).
 
+        What is written where is as for `modbus_write_multiple_regs`.
+
         Args:
-            slave_num: number of the device, 0 to 255.
-            name: name of the signal.
+            slave_num: number of the unit, 0 to 255.
+            name: name of a signal at the first coil's address.
             byte_list: what is written, each 0 or 1; at least one.
 
         Raises:
@@ -4246,7 +4330,7 @@ class Sections:
     ) -> Snapshot:
         """Wait for a sample of the state that the predicate holds for, and return it.
 
-            robot.wait_for(lambda s: s.io.digital_inputs[2], timeout=5.0)
+            robot.wait_for(lambda s: s.io.input(3), timeout=5.0)
 
         Args:
             predicate: called with each new sample.

@@ -41,6 +41,7 @@ class Desk(Bench):
         self._going: BenchTask | None = None
         for name, index in HELD.items():
             self.answer(name, self._goes_on(name, index))
+        self.begins("simulation")
         for name in ENDINGS:
             self.answer(name, self._ending(name))
 

@@ -9,6 +9,7 @@ from aioduco import ForceFrame, ForceLogic, GuardedForce, Joints, Load, Pose
 from aioduco._wire import rpc
 from aioduco.api.kinematics import Reachability
 from api.bus_cases import call, frozen
+from api.cases import Case
 from api.motion_cases import FRAMES, HOME, NEAR, OFFSET, OTHER, POSE, motion
 
 LOAD = [1.5, 0.01, 0.02, 0.03]
@@ -53,13 +54,13 @@ TOOLS = [
     call("state", "read_encoder_count", {}, answer=2**40, result=2**40),
 ]
 SETTINGS = [
+    Case("settings", "simulation", {"sim": True}, (True, False), answer=1000, by_itself=True),
     call("settings", "speed", {"val": 55.5}, 55.5),
     call("settings", "get_global_speed", {}, answer=55, result=55),
     call("settings", "set_teach_speed", {"v": 30}, 30),
     call("settings", "get_teach_speed", {}, answer=30, result=30),
     call("settings", "collision_detect", {"level": 3}, 3),
     call("settings", "collision_detection_reset", {}),
-    call("settings", "simulation", {"sim": True}, True, True),
     call("settings", "set_teach_pendant", {"enable": False}, False),
     call(
         *("motion", "start_record_track"),

@@ -95,7 +95,7 @@ def test_what_returns_nothing_by_the_manual() -> None:
             settled("set_load_data", code)
 
 
-@pytest.mark.parametrize(("mode", "interval"), [(0, 5.0), (1, 0.5)])
+@pytest.mark.parametrize(("mode", "interval"), [(0, 5.0), (1, 0.25)])
 async def test_a_track_has_the_interval_of_its_mode(
     robot: aioduco.Robot, desk: Desk, mode: int, interval: float
 ) -> None:
@@ -141,7 +141,7 @@ async def test_the_arm_must_stand(robot: aioduco.Robot, desk: Desk, name: str) -
     async def call() -> None:
         await (robot.force.fc_stop() if name == "fc_stop" else robot.settings.simulation(True))
 
-    desk.answer(name, 4)
+    desk.begins(name)
     desk.motion_time = 30.0
     await robot.motion.movej2(HOME, 1.0, 1.0).start()
     with pytest.raises(aioduco.RobotStateError, match="the arm moves"):
@@ -150,6 +150,13 @@ async def test_the_arm_must_stand(robot: aioduco.Robot, desk: Desk, name: str) -
     await robot.stop()
     await call()
     assert len(desk.received(name)) == 1
+
+
+async def test_a_switch_that_is_refused_says_why(robot: aioduco.Robot, desk: Desk) -> None:
+    desk.errors = ["simulation: motions are under way or wait"]
+    desk.begins("simulation", end=aioduco.TaskState.ILLEGAL)
+    with pytest.raises(aioduco.TaskIllegal, match=r"(?s)simulation.*motions are under way or wait"):
+        await robot.settings.simulation(True)
 
 
 async def test_another_program_moves_the_arm(robot: aioduco.Robot, desk: Desk) -> None:

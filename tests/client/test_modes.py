@@ -81,3 +81,23 @@ async def test_force_control_goes_on_through_a_stop(sim: Simulator) -> None:
             await robot.motion.movej2([0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0], v=2.0, a=8.0)
             is Outcome.FINISHED
         )
+
+
+async def test_a_dry_run_is_supervised_as_a_run(sim: Simulator) -> None:
+    # A busy machine holds up the loop: that is no matter of this test.
+    async with aioduco.connect(sim.host, sim.port, heartbeat=60.0, loop_stall_limit=60.0) as robot:
+        await robot.bring_up()
+        before = sim.joints.array
+        begin = (await robot.state.get_actual_joints_position()).array
+        await robot.settings.simulation(True)
+        assert await robot.motion.movej2(TARGET, v=3.0, a=8.0) is Outcome.FINISHED
+        running = await robot.motion.movej2(list(begin), v=0.2, a=4.0).start()
+        with pytest.raises(aioduco.RobotStateError, match="the arm moves"):
+            await robot.settings.simulation(False)
+        await robot.stop()  # returns when the simulated arm stands
+        assert (await running.wait()) is Outcome.STOPPED
+        assert not await robot.state.robotmoving()
+        await robot.settings.simulation(False)
+        at = (await robot.state.get_actual_joints_position()).array
+        assert at == pytest.approx(before, abs=1e-3)
+        assert sim.joints.array == pytest.approx(before, abs=1e-3)

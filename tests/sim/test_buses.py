@@ -220,21 +220,37 @@ def test_signals_of_the_controllers_modbus(sim: Simulator, program: Program) -> 
         program.modbus_write("coil", 2),
         program.modbus_write("in", 1),
         program.modbus_write_multiple_regs(2, "reg", 3, [1, 2]),
-        program.modbus_write_multiple_regs(1, "reg", 2, [1, 2]),
-        program.modbus_write_multiple_coils(2, "reg", 1, [1]),
         program.modbus_add_signal("10.0.0.5", 2, 1, 9, "new"),
         program.modbus_add_signal("10.0.0.5", 2, 1, 0, "in"),
         program.modbus_add_signal("10.0.0.5", 2, 1, 0, ""),
         program.modbus_add_signal("10.0.0.5", 2, 70000, 0, "far"),
     ]
     assert mismatches == [TaskState.PARAMETER_MISMATCH] * len(mismatches)
-    assert program.modbus_write_multiple_regs(2, "reg", 3, [1, 2, 3]) == TaskState.ERROR
+    failed = [
+        program.modbus_write_multiple_regs(2, "reg", 3, [1, 2, 3]),
+        program.modbus_write_multiple_regs(1, "reg", 2, [1, 2]),
+        program.modbus_write_multiple_coils(2, "reg", 1, [1]),
+    ]
+    assert failed == [TaskState.ERROR] * len(failed)
     assert slave.registers == {7: 65535, 8: 5}
     assert program.modbus_delete_signal("reg") == TaskState.FINISHED
     assert program.modbus_delete_signal("reg") == TaskState.ERROR
     assert program.modbus_write("reg", 1) == TaskState.ERROR
     assert program.modbus_read("reg") == -1
     assert "no Modbus signal 'reg'" in program.get_last_error()[-1]
+
+
+def test_one_name_leads_to_registers_and_coils_as_the_manual_prints_it(
+    sim: Simulator, program: Program
+) -> None:
+    one = ModbusSlave(registers=dict.fromkeys(range(10, 15), 0))
+    two = ModbusSlave(coils=dict.fromkeys(range(10, 15), False))
+    sim.cabinet.modbus.slaves |= {("10.0.0.7", 1): one, ("10.0.0.7", 2): two}
+    program.modbus_add_signal("10.0.0.7", 1, 10, 3, "mbus1")
+    assert program.modbus_write_multiple_regs(1, "mbus1", 5, [1, 2, 3, 4, 5]) == 4
+    assert program.modbus_write_multiple_coils(2, "mbus1", 5, [1] * 5) == 4
+    assert list(one.registers.values()) == [1, 2, 3, 4, 5]
+    assert all(two.coils.values())
 
 
 def test_a_slave_that_is_away_does_not_answer(sim: Simulator, program: Program) -> None:

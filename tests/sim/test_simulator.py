@@ -223,6 +223,9 @@ def test_global_speed_scales_time(sim: Simulator, robot: Program) -> None:
     whole = duration(3.0)
     assert robot.speed(50.0) == TaskState.FINISHED
     assert robot.get_global_speed() == 50
+    assert robot.speed(55.5) == TaskState.FINISHED
+    assert (sim.view.speed, robot.get_global_speed()) == (55.5, 55)
+    assert robot.speed(50.0) == TaskState.FINISHED
     assert duration(0.0) > 1.5 * whole
     for wrong in (0.0, 101.0, math.nan, -5.0):
         assert robot.speed(wrong) == OUT_OF_RANGE

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, fields
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -103,6 +104,29 @@ def test_one_status_is_of_one_instant(sim: Simulator, robot: Program) -> None:
     currents = np.array(status.jointActualCurrent) / 1000.0 * sim.arm.effort
     assert abs(currents[1]) > 1.0
     robot.stop(True)
+
+
+def turned(sim: Simulator) -> bool:
+    return sim.joints[0] > 0.05
+
+
+def test_the_world_is_where_the_arm_is_mounted(connect: Callable[[Simulator], Program]) -> None:
+    for mounting in ("wall", (0.5, -0.2, 0.8, 0.3, 0.2, 1.0)):
+        with Simulator(speed=math.inf, mounting=mounting) as sim:
+            robot = connect(sim)
+            robot.bring_up()
+            robot.speedj([0.3] * 6, 5.0, -1, False)
+            sim.wait_until(partial(turned, sim))
+            status = robot.getRobotStatus()
+            robot.stop(True)
+        for kind in ("Expect", "Actual"):
+            q = np.array(getattr(status, f"joint{kind}Position"))
+            qd = np.array(getattr(status, f"joint{kind}Velocity"))
+            pose = sim.mounting @ Pose.from_matrix(sim.arm.fkine(q))
+            assert Pose.of(getattr(status, f"cart{kind}Position")).almost_equal(pose)
+            turn = sim.mounting.matrix[:3, :3]
+            speed = (np.reshape(sim.arm.jacobian(q) @ qd, (2, 3)) @ turn.T).ravel()
+            assert getattr(status, f"cart{kind}Velocity") == pytest.approx(speed)
 
 
 # -- tools and work objects ----------------------------------------------------------------------

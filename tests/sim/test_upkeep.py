@@ -91,14 +91,70 @@ def test_a_switch_at_the_cabinet_decides_the_mode(sim: Simulator, robot: Program
     assert robot.get_robot_state() == [6, 0, 5, 1]
 
 
-def test_the_real_arm_is_in_use(sim: Simulator, robot: Program) -> None:
+def test_a_dry_run_leaves_the_arm_where_it_is(sim: Simulator, robot: Program) -> None:
+    robot.to(0.4, *READY[1:])
+    there = sim.joints.array
+    assert robot.simulation(True, True) == TaskState.FINISHED
+    assert sim.view.simulation
+    goal = [-0.6, 0.2, *READY[2:]]
+    assert robot.to(*goal) == TaskState.FINISHED
+    assert robot.get_actual_joints_position() == pytest.approx(goal, abs=1e-6)
+    assert robot.get_target_joints_position() == pytest.approx(goal, abs=1e-6)
+    flange = sim.arm.fkine(goal)
+    assert list(robot.get_tcp_pose()) == pytest.approx(list(Pose.from_matrix(flange)), abs=1e-6)
+    assert sim.joints.array == pytest.approx(there, abs=1e-4)
+    # Power goes on and off as it does with the real arm.
+    assert robot.disable(True) == robot.enable(True) == TaskState.FINISHED
+    assert robot.get_actual_joints_position() == pytest.approx(goal, abs=1e-6)
+
     assert robot.simulation(False, True) == TaskState.FINISHED
-    assert robot.simulation(True, True) == TaskState.ILLEGAL
-    assert "stands while its motions run" in robot.get_last_error()[-1]
-    robot.to(1.0, *READY[1:], v=0.2, block=False)
-    sim.wait_until(lambda: sim.moving)
-    assert robot.simulation(False, True) == TaskState.ILLEGAL
-    robot.stop(True)
+    # At once, and what motions begin from: the arm does not jump to where the dry run ended.
+    assert robot.get_actual_joints_position() == pytest.approx(there, abs=1e-3)
+    assert robot.get_target_joints_position() == pytest.approx(there, abs=1e-3)
+    assert robot.robotmoving() is False
+    speeds: list[float] = []
+
+    def watched() -> bool:
+        speeds.append(max(map(abs, robot.get_actual_joints_speed())))
+        return not sim.moving and len(speeds) > 20
+
+    sim.wait_until(watched)
+    assert max(speeds) < 0.05
+    assert robot.to(*goal) == TaskState.FINISHED
+    assert sim.joints.array == pytest.approx(goal, abs=1e-3)
+
+
+def test_simulation_is_switched_at_rest_only(sim: Simulator, robot: Program) -> None:
+    for there in (True, False):  # into it, and back
+        robot.to(1.0, *READY[1:], v=0.2, block=False)
+        sim.wait_until(lambda: sim.moving)
+        assert robot.simulation(there, True) == TaskState.ILLEGAL
+        assert robot.get_last_error()[-1] == "simulation: the robot moves"
+        robot.pause(True)
+        assert robot.simulation(there, True) == TaskState.ILLEGAL
+        assert robot.get_last_error()[-1] == "simulation: motions are under way or wait"
+        robot.stop(True)
+        assert robot.simulation(there, True) == TaskState.FINISHED
+        assert robot.simulation(there, True) == TaskState.FINISHED  # already so
+        assert sim.view.simulation is there
+        assert robot.to(*READY) == TaskState.FINISHED
+
+
+def test_nothing_pushes_at_a_simulated_arm(sim: Simulator, robot: Program) -> None:
+    robot.set_load_data([3.0, 0.0, 0.0, 0.1])
+    robot.simulation(True, True)
+    sim.push((0.0, 0.0, -400.0, 0.0, 0.0, 0.0))
+    assert robot.to(0.3, 0.3, *READY[2:]) == TaskState.FINISHED
+    assert robot.get_tcp_force() == pytest.approx([0.0] * 6, abs=1e-6)
+    assert robot.get_robot_state() == [6, 0, 5, 1]
+
+
+def test_a_controller_that_starts_again_has_the_real_arm(sim: Simulator, robot: Program) -> None:
+    robot.simulation(True, True)
+    robot.to(0.3, *READY[1:])
+    robot.connection.call("restart", (False,))
+    sim.wait_until(lambda: not sim.view.simulation, 60.0)
+    assert sim.joints.array == pytest.approx(READY, abs=1e-3)
 
 
 def test_reach_is_checked_from_any_mounting(sim: Simulator, robot: Program) -> None:

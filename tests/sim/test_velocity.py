@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from aioduco._wire.rpc import MoveJogTaskParam
 from aioduco.models.enums import TaskState
+from aioduco.models.jog import JogFrame
 from aioduco.models.pose import Pose
 from aioduco.sim.simulator import READY, Simulator
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import numpy as np
+
     from .conftest import Program
 
 STILL = [0.0] * 6
@@ -144,6 +150,41 @@ def test_a_cartesian_jog_follows_the_axes_of_its_frame(
     assert robot.stop_manual_move(True) == TaskState.FINISHED
     back = sim.arm.fkine(sim.joints)[:3, 3] - there
     assert back @ [-a for a in axis] == pytest.approx(float(sum(back**2)) ** 0.5, rel=0.02)
+
+
+def test_a_jog_along_the_world_of_an_arm_at_a_wall(connect: Callable[..., Program]) -> None:
+    step = jog(jog_type=1, axis_num=2, use_step=True, step_cartvalue=0.05)
+    moved: list[np.ndarray] = []
+    for frame in (JogFrame.WORLD, JogFrame.BASE):
+        with Simulator(speed=math.inf, mounting="wall") as sim:
+            robot = connect(sim)
+            robot.bring_up()
+            start = sim.arm.fkine(sim.joints)[:3, 3]
+            assert robot.move_jog(replace(step, jog_coordinate=frame), True) == TaskState.FINISHED
+            way = sim.arm.fkine(sim.joints)[:3, 3] - start
+            moved.append(sim.mounting.matrix[:3, :3] @ way)
+    world, base = moved
+    assert world == pytest.approx([0.0, 0.0, 0.05], abs=1e-3)  # up
+    assert abs(base[2]) < 1e-3  # away from the wall
+
+
+def test_the_teaching_speed_scales_jogs(sim: Simulator, robot: Program) -> None:
+    assert robot.set_teach_speed(40) == TaskState.FINISHED
+    robot.move_jog(jog(vel=50.0), False)  # of 0.5 rad/s for a joint
+    fastest = 0.0
+
+    def far() -> bool:
+        nonlocal fastest
+        fastest = max(fastest, robot.get_target_joints_speed()[0])
+        return bool(sim.joints[0] > 0.3)
+
+    sim.wait_until(far, 60.0)
+    assert robot.stop_manual_move(True) == TaskState.FINISHED
+    assert fastest == pytest.approx(0.5 * 0.5 * 0.4, rel=1e-6)
+    begun = sim.time
+    step = jog(vel=50.0, use_step=True, step_jointValue=0.1)
+    assert robot.move_jog(step, True) == TaskState.FINISHED
+    assert sim.time - begun > 0.1 / (0.5 * 0.5 * 0.4)
 
 
 def test_a_step_can_be_ended(sim: Simulator, robot: Program) -> None:

@@ -17,8 +17,8 @@ __all__ = ["Teaching"]
 
 _ENDING = "end_teach_mode"
 
-#: what the vendor's client sends by the mode: degrees, seconds. The manual says 5° and 250 ms
-_INTERVAL = (5.0, 0.5)
+#: by the mode, as the manual has it: degrees, seconds. The vendor's client sends 0.5 s instead
+_INTERVAL = (5.0, 0.25)
 
 
 class Teaching(Section):
@@ -109,7 +109,8 @@ class Teaching(Section):
             tool: name of the tool whose poses are recorded; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             interval: from point to point, above 0: sum of the joints' ways [rad] in mode 0, time
-                [s] in mode 1. None for 5° or 0.5 s. It is on the wire, not in the manual.
+                [s] in mode 1. None for 5° or 0.25 s, as the manual has it. Its prototype lacks this
+                argument, which is on the wire.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.

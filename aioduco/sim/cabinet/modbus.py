@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import TypeVar
 
@@ -272,23 +272,37 @@ class ModbusSignals:
             signal.due = time + 1.0 / signal.frequency
         return signal.value
 
-    def write(self, name: str, values: list[int], kind: ModbusKind | None = None) -> None:
-        """Write to a signal and, for several values, to those behind it.
-
-        Args:
-            name: the signal.
-            values: what is written.
-            kind: which it must be; None for a coil or a register.
+    def write(self, name: str, value: int) -> None:
+        """Write to a signal.
 
         Raises:
             NoAnswer: There is no such signal, or its slave does not answer.
-            ValueError: It cannot be written, or a value does not fit.
+            ValueError: It cannot be written, or the value does not fit.
         """
         signal = self._signal(name)
-        if signal.kind not in (ModbusKind.COIL, ModbusKind.REGISTER) or signal.kind is not (
-            kind or signal.kind
-        ):
+        if signal.kind not in (ModbusKind.COIL, ModbusKind.REGISTER):
             raise ValueError(f"{name!r} is a {signal.kind.name.lower()}")
+        self._write(name, signal, [value])
+        signal.due = float("-inf")
+
+    def write_several(self, name: str, unit: int, kind: ModbusKind, values: list[int]) -> None:
+        """Write coils or registers that follow each other, at the device of a signal.
+
+        Args:
+            name: the signal; its address is that of the first.
+            unit: number of the slave at the device.
+            kind: coil or register, whatever the signal is.
+            values: what is written.
+
+        Raises:
+            NoAnswer: There is no such signal, or the slave does not answer.
+            ValueError: A value does not fit, or there is none.
+        """
+        signal = self._signal(name)
+        self._write(name, replace(signal, unit=unit, kind=kind), values)
+        signal.due = float("-inf")
+
+    def _write(self, name: str, signal: ModbusSignal, values: list[int]) -> None:
         highest = 1 if signal.kind is ModbusKind.COIL else 0xFFFF
         if not values or not all(0 <= value <= highest for value in values):
             raise ValueError(f"{values} must be whole numbers from 0 to {highest}")
@@ -300,15 +314,6 @@ class ModbusSignals:
                 slave.write_registers(signal.address, values)
         except KeyError as exc:
             raise NoAnswer(f"the slave of {name!r} has no address {exc}") from None
-        signal.due = float("-inf")
-
-    def unit(self, name: str) -> int:
-        """The number of a signal's slave.
-
-        Raises:
-            NoAnswer: There is none of this name.
-        """
-        return self._signal(name).unit
 
     def _signal(self, name: str) -> ModbusSignal:
         if name not in self._signals:

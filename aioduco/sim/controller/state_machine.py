@@ -6,7 +6,9 @@ get. Commands come between ticks; each makes a task and returns its id.
 Invariants:
 - set-points reach the drives only while the robot is enabled and no STOP0 holds;
 - a stop is accepted in every state, and needs nothing else to end first;
-- what a safety stop ended stays ended: only power off, power on, enable lead out of it.
+- what a safety stop ended stays ended: only power off, power on, enable lead out of it;
+- while the controller simulates, the arm's brakes hold, and set-points move a simulated arm, which
+  follows them exactly and is what everything else here knows as the arm.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ from aioduco.sim.controller.power import PowerControl
 from aioduco.sim.controller.programs import ProgramExecution
 from aioduco.sim.controller.recorder import Recorder
 from aioduco.sim.controller.safety import Admission, SafetyController
+from aioduco.sim.controller.signal_rules import SignalRules
 from aioduco.sim.controller.tasks import MotionPhase, TaskTable
 from aioduco.sim.cycle import DriveCommand, SensedState
 from aioduco.sim.planner.path import JointSetPoint
@@ -74,6 +77,7 @@ class ControllerState(NamedTuple):
         force_control: whether force control is on.
         sensor: how the signal of the force sensor is read.
         standing: whether the arm has stood for a while.
+        simulation: whether motions move the controller's own simulation, and the arm stands.
     """
 
     robot: RobotState
@@ -85,12 +89,27 @@ class ControllerState(NamedTuple):
     collision_axis: int
     error: int
     errors: tuple[str, ...]
-    speed: int
+    speed: float
     tool: Tool
     wobj: WorkObject
     force_control: bool
     sensor: ForceSensor
     standing: bool
+    simulation: bool
+
+
+class _Simulation(NamedTuple):
+    """The controller's own simulation.
+
+    Attributes:
+        arm: what the simulated arm has reached, which is the latest set-point.
+        bare: what the force sensor showed without load and force when the real arm was left.
+        axes: where the external axes were then.
+    """
+
+    arm: JointSetPoint
+    bare: tuple[float, ...]
+    axes: dict[int, float]
 
 
 class Controller:
@@ -114,6 +133,7 @@ class Controller:
         self.external_axes: SimulatedExternalAxes = SimulatedExternalAxes()
         self.collisions: CollisionDetector = CollisionDetector(np.full(6, np.inf))
         self.recorder: Recorder = Recorder()
+        self.rules: SignalRules = SignalRules()
         self.read_ahead: tuple[int, int] = (0, 1)
         self.program_lag: float = 0.0
         self.mode: OperationMode = OperationMode.AUTO
@@ -122,13 +142,16 @@ class Controller:
         self._motion = MotionQueue(self.tasks, mover, q)
         self._execution = ProgramExecution(self.tasks)
         self._sensed = SensedState(0.0, 0.0, q, _ZEROS, _ZEROS, _ZEROS)
+        self._real = self._sensed
+        self._simulation: _Simulation | None = None
+        self._leaving: list[int] = []  # tasks that end once readers see the real arm again
         self.force: ForceTasks = ForceTasks(self.tasks, self._motion, force, self._sensed)
         self._safety = SafetyController()
         self._admission = Admission(self._power, self._safety, self._motion, self._execution)
         self._at_rest = True
         self._standstill = Standstill()
         self._errors: deque[str] = deque(maxlen=20)
-        self._speed = 100
+        self._speed = 100.0
         self._jog = 0  # the task of the latest step
 
     # -- what others ask ---------------------------------------------------------------------
@@ -175,6 +198,16 @@ class Controller:
         return self._motion.setpoint
 
     @property
+    def sensed(self) -> SensedState:
+        """What is known of the arm in this cycle: of the simulated one while there is one."""
+        return self._sensed
+
+    @property
+    def simulated(self) -> JointSetPoint | None:
+        """Where the simulated arm is; None while motions move the real one."""
+        return None if self._simulation is None else self._simulation.arm
+
+    @property
     def starting(self) -> bool:
         """Whether the controller is starting again, and serves no client."""
         return self._power.state in (RobotState.START, RobotState.INITIALIZE)
@@ -186,7 +219,8 @@ class Controller:
             self._motion.phase not in (MotionPhase.IDLE, MotionPhase.PAUSED)
             or self._execution.running
         )
-        return under_way or self._power.busy or self.moving or self.recorder.active
+        changing = self.recorder.active or self.rules.busy or bool(self._leaving)
+        return under_way or self._power.busy or self.moving or changing
 
     def view(self) -> ControllerState:
         """The state, for readers."""
@@ -206,6 +240,7 @@ class Controller:
             self.force.active,
             self.force.sensor,
             not self.moving,
+            self._simulation is not None,
         )
 
     # -- commands: each is a task, and returns its id ----------------------------------------
@@ -304,7 +339,29 @@ class Controller:
                 self._motion.pause()
         return self.finish("switch_mode")
 
-    def set_speed(self, percent: int) -> int:
+    def simulate(self, on: bool) -> int:
+        """Have motions move a simulated arm from where the real one stands, or the real one again.
+
+        The real one is then where its brakes have held it, and so are the set-points.
+        """
+        if on is (self._simulation is not None):
+            return self.finish("simulation")
+        if reason := self._under_way():
+            return self.reject("simulation", TaskState.ILLEGAL, reason)
+        if on:
+            self._simulation = _Simulation(
+                JointSetPoint.at_rest(self._sensed.q),
+                self.force.sensor.bare,
+                dict(self.external_axes.positions),
+            )
+            return self.finish("simulation")
+        self._leave_simulation()
+        id_ = self.tasks.new("simulation")
+        self.tasks.set(id_, TaskState.RUNNING)
+        self._leaving.append(id_)
+        return id_
+
+    def set_speed(self, percent: float) -> int:
         """Global speed [%]."""
         self._speed = percent
         self._motion.set_speed(percent / 100.0)
@@ -365,6 +422,23 @@ class Controller:
 
     def tick(self, sensed: SensedState) -> DriveCommand:
         """One cycle."""
+        self._real = sensed
+        self.rules.tick(sensed.time, self.signals)
+        leaving, self._leaving = self._leaving, []
+        for id_ in leaving:
+            self.tasks.set(id_, TaskState.FINISHED)
+        simulation = self._simulation
+        if simulation is None:
+            return self._tick(sensed)
+        arm = simulation.arm
+        known = sensed._replace(q=arm.q, qd=arm.qd, wrench=_ZEROS, external=_ZEROS)
+        weight = self.force.sensor.weight(self.force.control.turn(known))
+        drive = self._tick(known._replace(wrench=np.add(simulation.bare, weight)))
+        if self._simulation is simulation:
+            self._simulation = simulation._replace(arm=drive.setpoint)
+        return DriveCommand(JointSetPoint.at_rest(sensed.q), brake=True)
+
+    def _tick(self, sensed: SensedState) -> DriveCommand:
         self._sensed = self.force.sensed = sensed
         self._execution.watch(sensed.time, self._motion.phase, self.program_lag)
         if self.heartbeat.lost(sensed.now):
@@ -404,6 +478,28 @@ class Controller:
             return DriveCommand(JointSetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
         return DriveCommand(setpoint, brake=False)
 
+    def _under_way(self) -> str:
+        """Why the arm is not completely at rest; empty if it is."""
+        if self.in_motion:
+            return "the robot moves"
+        if self._motion.phase is not MotionPhase.IDLE:
+            return "motions are under way or wait"
+        if self._execution.active:
+            return "a program runs or waits"
+        if self.force.active:
+            return "force control is on"
+        return ""
+
+    def _leave_simulation(self) -> None:
+        """The real arm is the arm again. Nothing may be queued."""
+        if self._simulation is None:
+            return
+        self.external_axes.positions.update(self._simulation.axes)
+        self._simulation = None
+        self._sensed = self.force.sensed = self._real
+        self._motion.reset(self._real.q)
+        self.collisions.reset()
+
     def _power_begun(self, name: str) -> None:
         if name in ("disable", "power_off", "shutdown", "restart"):
             self._halt(TaskState.STOPPED, f"stopped by {name}")
@@ -416,6 +512,7 @@ class Controller:
             if name != "power_off":
                 self.heartbeat.disarm()
                 self.recorder.stop()
+                self._leave_simulation()
 
     def _power_went(self, before: RobotState, now: RobotState) -> None:
         if now is RobotState.ENABLE and before is not RobotState.ENABLE:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
 from aioduco.models.enums import TaskState
+from aioduco.models.pose import Pose
 from aioduco.sim.cabinet import Cabinet
 from aioduco.sim.forgiving import Forgiving
 from aioduco.sim.refusal import Rejected
@@ -61,6 +62,7 @@ class HandlerContext:
         series, model, serial: what get_robot_type tells.
         cabinet: what the controller keeps besides: variables, ports, files.
         forgiving: decides whether a call that is off the manual is taken.
+        mounting: where the base is in the world.
     """
 
     arm: Arm
@@ -72,6 +74,7 @@ class HandlerContext:
     serial: str
     cabinet: Cabinet = field(default_factory=Cabinet)
     forgiving: Forgiving = field(default_factory=Forgiving)
+    mounting: Pose = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # noqa: RUF009 - a tuple of numbers
 
 
 class HandlerSection:

@@ -182,9 +182,7 @@ class BusHandlers(HandlerSection):
 
     def modbus_write(self, signal_name: str, value: int) -> int:
         """对 modbus 节点进行写操作."""
-        return self._change(
-            "modbus_write", lambda: self._cabinet.modbus.write(signal_name, [value])
-        )
+        return self._change("modbus_write", lambda: self._cabinet.modbus.write(signal_name, value))
 
     def modbus_set_frequency(self, signal_name: str, frequence: int) -> None:
         """修改 modbus 节点的刷新频率 [Hz]."""
@@ -225,9 +223,7 @@ class BusHandlers(HandlerSection):
         def change() -> None:
             if length != len(values):
                 raise ValueError(f"len is {length}, but there are {len(values)} values")
-            if self._cabinet.modbus.unit(name) != slave:
-                raise ValueError(f"{name!r} is not a signal of slave {slave}")
-            self._cabinet.modbus.write(name, values, kind)
+            self._cabinet.modbus.write_several(name, slave, kind, values)
 
         return self._change(function, change)
 

@@ -26,13 +26,13 @@ class SettingHandlers(HandlerSection):
         """机器人全局速度百分比 [%]."""
 
         def command(controller: Controller) -> int:
-            return controller.set_speed(round(number("val", val, 1.0, 100.0, "%")))
+            return controller.set_speed(number("val", val, 1.0, 100.0, "%"))
 
         return self._task("speed", True, command)
 
     def get_global_speed(self) -> int:
-        """全局速度的百分比 [%]."""
-        return self._runtime.snapshot.view.speed
+        """全局速度的百分比 [%], in whole numbers on the wire."""
+        return math.floor(self._runtime.snapshot.view.speed)
 
     def switch_mode(self, mode: int) -> int:
         """0: manual, 1: automatic; refused where a switch at the cabinet decides."""
@@ -73,7 +73,7 @@ class SettingHandlers(HandlerSection):
         return self.get_origin_DH()
 
     def set_teach_speed(self, v: int) -> int:
-        """示教速度的百分比 [%]."""
+        """示教速度的百分比 [%]: that of jogs from the next one on."""
 
         def change() -> None:
             self._cabinet.teach_speed = int(number("v", v, 1, 100, "%"))
@@ -102,17 +102,8 @@ class SettingHandlers(HandlerSection):
         return self._keep("set_teach_pendant", change)
 
     def simulation(self, sim: bool, block: bool) -> int:
-        """The real arm, or none: only the first is simulated."""
-
-        def command(controller: Controller) -> int:
-            if sim:
-                reason = "an arm that stands while its motions run is not simulated"
-                raise Rejected(TaskState.ILLEGAL, reason)
-            if controller.in_motion:
-                raise Rejected(TaskState.ILLEGAL, "the robot moves")
-            return controller.finish("simulation")
-
-        return self._task("simulation", block, command)
+        """切换机器人到仿真或者真机模式; the arm must be completely at rest."""
+        return self._task("simulation", block, lambda controller: controller.simulate(sim))
 
     def read_encoder_count(self) -> int:
         """外接 INC 的实际 count 值."""

@@ -26,6 +26,8 @@ class StateHandlers(HandlerSection):
         super().__init__(context)
         self._last: tuple[SimulationSnapshot, TipMotion, TipMotion] | None = None
         self._effort = np.array(self._arm.effort)
+        mounting = context.mounting
+        self._mounting = mounting.matrix if any(mounting) else None
 
     # -- joints --------------------------------------------------------------------------------
 
@@ -111,7 +113,7 @@ class StateHandlers(HandlerSection):
         """Everything about the arm at one instant."""
         snapshot = self._runtime.snapshot
         view, setpoint = snapshot.view, snapshot.setpoint
-        actual, expected = self._tips(snapshot)
+        actual, expected = map(self._in_world, self._tips(snapshot))
         if self._cabinet.empty_statuses > 0:
             self._cabinet.empty_statuses -= 1
             return RobotStatus(robotState=int(view.robot), robotError=view.error)
@@ -151,6 +153,19 @@ class StateHandlers(HandlerSection):
         expected = tip_motion(geometry, point.q, point.qd, point.qdd, tool.matrix)
         self._last = (snapshot, actual, expected)
         return actual, expected
+
+    def _in_world(self, tip: TipMotion) -> TipMotion:
+        """The same in the world's frame, in which the status has it."""
+        mounting = self._mounting
+        if mounting is None:
+            return tip
+
+        def turned(vector: list[float]) -> list[float]:
+            both = np.reshape(vector, (2, 3)) @ mounting[:3, :3].T
+            return [*both[0].tolist(), *both[1].tolist()]
+
+        pose = list(Pose.from_matrix(mounting @ Pose(*tip.pose).matrix))
+        return TipMotion(pose, turned(tip.speed), turned(tip.acceleration))
 
     def _flange(self) -> TipMotion:
         now = self._runtime.snapshot

@@ -157,7 +157,7 @@ class VelocityHandlers(HandlerSection):
         return JointVelocity(self._arm, q, self._runtime.cycle)
 
     def _jog(self, param: MoveJogTaskParam) -> Following:
-        share, axis = param.jog_direction * param.vel / 100.0, param.axis_num
+        share, axis = param.jog_direction * self._jog_share(param), param.axis_num
         velocity = np.zeros(6)
         if param.jog_type == _JOINTS:
             velocity[axis] = share * _JOG_JOINT
@@ -185,16 +185,23 @@ class VelocityHandlers(HandlerSection):
 
         return Following.once("move_jog", begin_tool)
 
+    def _jog_share(self, param: MoveJogTaskParam) -> float:
+        """Speed of a jog as a share of the highest: its own percent of the teaching speed."""
+        return param.vel / 100.0 * self._cabinet.teach_speed / 100.0
+
     def _axes(self, frame: int) -> Vector | None:
         """Axes of a frame by its number, in the base; None for those of the tool."""
         if frame == JogFrame.TOOL:
             return None
         if frame == JogFrame.WORK_OBJECT:
             return self._frames.wobj().matrix[:3, :3]
-        return np.eye(3)  # the world's, which are the base's
+        if frame == JogFrame.WORLD:
+            world: Vector = self._context.mounting.matrix[:3, :3].T
+            return world
+        return np.eye(3)
 
     def _jog_step(self, param: MoveJogTaskParam) -> Plan:
-        axis, share = param.axis_num, param.vel / 100.0
+        axis, share = param.axis_num, self._jog_share(param)
         if param.jog_type == _JOINTS:
             turn = np.zeros(6)
             turn[axis] = param.jog_direction * param.step_jointValue

@@ -34,8 +34,8 @@ _WAITING = 4
 _MOST_CLIENTS = 64
 
 
-def frame_of(robot: rpc.Functions) -> StatusFrame:
-    """The frame of what a controller answers to calls.
+def frame_of(robot: rpc.Functions, *, simulated: bool = False) -> StatusFrame:
+    """The frame of what a controller answers to calls, and of whether it only simulates its arm.
 
     What no source explains is zero: the state of the drives, the forces that are expected, those
     at the base. Analog channels are four of voltage, then four of current.
@@ -91,6 +91,7 @@ def frame_of(robot: rpc.Functions) -> StatusFrame:
         collision=status.collision,
         collision_axis=status.collisionAxis,
         error=status.robotError,
+        simulated=int(simulated),
     )
 
 

@@ -1,0 +1,49 @@
+"""`aioduco sim-do`: what a person at the machine does, on a simulator that runs elsewhere."""
+
+from __future__ import annotations
+
+import socket
+from typing import Annotated
+
+import typer
+
+__all__ = ["control_port_of", "sim_do"]
+
+_HOST = "127.0.0.1"
+_ABOVE = 10_000
+_PATIENCE = 10.0  # [s]
+
+
+def control_port_of(port: int) -> int:
+    """The port for commands that goes with a simulator's own; 0, a free one, if there is none."""
+    return port + _ABOVE if 0 < port <= 65535 - _ABOVE else 0
+
+
+def sim_do(
+    words: Annotated[
+        list[str] | None, typer.Argument(help="What to do, such as: input 3 on. None: help.")
+    ] = None,
+    port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the simulator.")] = 7003,
+    control_port: Annotated[
+        int | None,
+        typer.Option(min=1, max=65535, help="Its port for commands, if that is not port + 10000."),
+    ] = None,
+) -> None:
+    """Do something at a simulator that runs on this computer: inputs, emergency stop, pushes."""
+    where = control_port or control_port_of(port)
+    try:
+        with socket.create_connection((_HOST, where), timeout=_PATIENCE) as line:
+            line.sendall(" ".join(words or ["help"]).encode() + b"\n")
+            line.shutdown(socket.SHUT_WR)
+            with line.makefile("r") as answer:
+                said = answer.read().rstrip("\n")
+    except OSError as error:
+        typer.echo(
+            f"no simulator takes commands on {_HOST}:{where}: {error.strerror or error}; "
+            "`aioduco sim` names its port for commands when it starts",
+            err=True,
+        )
+        raise typer.Exit(1) from None
+    failed = said.startswith("error")
+    typer.echo(said, err=failed)
+    raise typer.Exit(1 if failed else 0)

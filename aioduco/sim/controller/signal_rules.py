@@ -1,0 +1,97 @@
+"""Rules from outputs to inputs, as cylinders with a sensor are: a pure state machine."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from aioduco.sim.cabinet.signals import Bank, Outputs, Signals
+
+__all__ = ["SignalRule", "SignalRules", "place"]
+
+_TOOL = "tool"
+
+
+@dataclass(frozen=True, slots=True)
+class SignalRule:
+    """An input that follows an output.
+
+    Attributes:
+        output: number of a general output, 1 to 16; "tool 1" and "tool 2" are those of the tool.
+        input: number of a general input, likewise.
+        after: by how much it follows [s].
+        inverted: whether it is on while the output is off.
+
+    Raises:
+        ValueError: There is no such signal, or the time is negative.
+    """
+
+    output: int | str
+    input: int | str
+    after: float = 0.0
+    inverted: bool = False
+
+    def __post_init__(self) -> None:
+        for name, signal in (("output", self.output), ("input", self.input)):
+            tool, num = place(signal)
+            if not 1 <= num <= (2 if tool else 16):
+                raise ValueError(
+                    f'{name} is {signal!r}, but must be 1 to 16, or "tool 1" or "tool 2"'
+                )
+        if not 0.0 <= self.after < math.inf:
+            raise ValueError(f"after is {self.after}, but must be from 0 s")
+
+
+def place(signal: int | str) -> tuple[bool, int]:
+    """Whether a signal is one of the tool, and its number; 0 for what names none."""
+    if not isinstance(signal, str):
+        return False, signal
+    kind, _, num = signal.strip().rpartition(" ")
+    known = kind.strip() in ("", _TOOL) and num.isdecimal()
+    return kind.strip() == _TOOL, int(num) if known else 0
+
+
+class SignalRules:
+    """Carries out rules, cycle by cycle; an input is as its rule says from the first one on."""
+
+    def __init__(self) -> None:
+        self._last: dict[SignalRule, bool | None] = {}
+        self._due: list[tuple[float, SignalRule, bool]] = []
+
+    @property
+    def busy(self) -> bool:
+        """Whether an input is to change."""
+        return bool(self._due) or None in self._last.values()
+
+    def add(self, rule: SignalRule) -> None:
+        """Carry out one more rule; one for the same input is replaced."""
+        target = place(rule.input)
+        self._last = {one: on for one, on in self._last.items() if place(one.input) != target}
+        self._due = [due for due in self._due if place(due[1].input) != target]
+        self._last[rule] = None
+
+    def tick(self, time: float, signals: Signals) -> None:
+        """One cycle.
+
+        Args:
+            time: of the simulation [s].
+            signals: whose outputs are watched, and whose inputs are set.
+        """
+        for rule, before in self._last.items():
+            tool, num = place(rule.output)
+            outputs: Outputs | Bank[bool] = signals.tool_out if tool else signals.standard_out
+            on = outputs[num] if tool else signals.standard_out.level(num, time)
+            if on is not before:
+                self._last[rule] = on
+                after = 0.0 if before is None else rule.after
+                self._due.append((time + after, rule, on is not rule.inverted))
+        # A nanosecond for the rounding of a sum of cycles.
+        now = [due for due in self._due if due[0] <= time + 1e-9]
+        if not now:
+            return
+        self._due = [due for due in self._due if due[0] > time + 1e-9]
+        for _, rule, on in now:
+            tool, num = place(rule.input)
+            (signals.tool_in if tool else signals.standard_in)[num] = on

@@ -1,0 +1,61 @@
+"""A loopback port that takes lines of text, one command each, and answers each with text."""
+
+from __future__ import annotations
+
+import socketserver
+import threading
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["LineServer"]
+
+_HOST = "127.0.0.1"
+_LONGEST = 1000  # bytes of a line
+
+
+class _Lines(socketserver.StreamRequestHandler):
+    def handle(self) -> None:
+        assert isinstance(self.server, _Listener)
+        while line := self.rfile.readline(_LONGEST):
+            answer = self.server.answer(line.decode(errors="replace"))
+            try:
+                self.wfile.write(answer.encode() + b"\n")
+            except OSError:
+                return  # it has gone without its answer
+
+
+class _Listener(socketserver.ThreadingTCPServer):
+    allow_reuse_address = True
+    daemon_threads = True
+
+    def __init__(self, port: int, answer: Callable[[str], str]) -> None:
+        self.answer = answer
+        super().__init__((_HOST, port), _Lines)
+
+
+class LineServer:
+    """Listens on loopback only, whatever the simulator itself listens on.
+
+    Args:
+        answer: carries out a line, and gives what is answered; called in a thread of its own.
+        port: TCP port; 0 picks a free one, which `port` then tells.
+
+    Raises:
+        OSError: The port cannot be listened on.
+    """
+
+    def __init__(self, answer: Callable[[str], str], port: int) -> None:
+        self._listener = _Listener(port, answer)
+        self.port: int = self._listener.server_address[1]
+        self._thread = threading.Thread(
+            target=self._listener.serve_forever, args=(0.05,), name="sim-lines", daemon=True
+        )
+        self._thread.start()
+
+    def close(self) -> None:
+        """Listen no more; returns when the thread has ended."""
+        self._listener.shutdown()
+        self._thread.join()
+        self._listener.server_close()

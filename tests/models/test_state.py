@@ -1,0 +1,27 @@
+"""Samples: signals by the controller's numbers."""
+
+from __future__ import annotations
+
+import pytest
+
+from aioduco._wire import rpc
+from aioduco.errors import ParameterError
+from aioduco.models.samples import Samples
+
+
+def test_signals_have_the_controllers_numbers() -> None:
+    on = [True, False] * 8
+    sample = Samples().io(
+        rpc.IOStatus(
+            digitalInputs=on, digitalOutputs=on[::-1], toolIOIn=[True, False], toolIOOut=[False] * 2
+        )
+    )
+    assert [sample.input(num) for num in range(1, 17)] == on == list(sample.digital_inputs)
+    assert (sample.output(1), sample.output(16)) == (False, True)
+    assert (sample.tool_input(1), sample.tool_input(2)) == (True, False)
+    assert not sample.tool_output(1)
+    for num in (0, 17, -1):
+        with pytest.raises(ParameterError, match="from 1 to 16"):
+            sample.input(num)
+    with pytest.raises(ParameterError, match="from 1 to 2"):
+        sample.tool_output(3)

@@ -1,0 +1,145 @@
+"""Rules from outputs to inputs, and what a person at the machine does in words."""
+
+from __future__ import annotations
+
+import math
+import socket
+from contextlib import closing
+from typing import TYPE_CHECKING
+
+import pytest
+
+from aioduco.models.enums import OperationMode, TaskState
+from aioduco.sim.cabinet.signals import Signals
+from aioduco.sim.console import COMMANDS, Console
+from aioduco.sim.controller.signal_rules import SignalRule, SignalRules
+from aioduco.sim.server.line_server import LineServer
+from aioduco.sim.simulator import READY, Simulator
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .conftest import Program
+
+
+def test_an_input_follows_its_output_after_a_time() -> None:
+    signals, rules = Signals(), SignalRules()
+    rules.add(SignalRule(1, 3, 0.5))
+    rules.add(SignalRule(1, "tool 2", 0.1, inverted=True))
+    rules.add(SignalRule("tool 1", 4))
+    seen = []
+    for cycle in range(30):
+        signals.standard_out[1] = 5 <= cycle < 15
+        signals.tool_out[1] = cycle == 7
+        rules.tick(cycle * 0.1, signals)
+        seen.append((signals.standard_in[3], signals.tool_in[2], signals.standard_in[4]))
+    closed, opened, held = (list(states) for states in zip(*seen, strict=True))
+    assert [cycle for cycle, on in enumerate(closed) if on] == list(range(10, 20))
+    assert [cycle for cycle, on in enumerate(opened) if not on] == list(range(6, 16))
+    assert [cycle for cycle, on in enumerate(held) if on] == [7]
+    assert not rules.busy
+    rules.add(SignalRule(2, 3))  # instead of the first
+    signals.standard_out[1] = True
+    rules.tick(3.0, signals)
+    rules.tick(9.0, signals)
+    assert not signals.standard_in[3]
+
+
+@pytest.mark.parametrize(
+    ("rule", "what"),
+    [
+        ((0, 1), "output is 0"),
+        ((1, 17), "input is 17"),
+        (("tool 3", 1), "output is 'tool 3'"),
+        ((1, "lamp 1"), "input is 'lamp 1'"),
+        ((1, 1, -0.1), "after is -0.1"),
+        ((1, 1, math.inf), "after is inf"),
+    ],
+)
+def test_a_rule_of_what_is_not_there(rule: tuple[int, int, float], what: str) -> None:
+    with pytest.raises(ValueError, match=what):
+        SignalRule(*rule)
+
+
+def test_a_gripper_tells_when_it_has_closed(connect: Callable[[Simulator], Program]) -> None:
+    simulator = Simulator(speed=math.inf)
+    simulator.rule(output=1, input=3, after=0.5)  # before the start
+    with simulator as sim:
+        sim.rule(output=1, input=4, inverted=True)
+        robot = connect(sim)
+        sim.wait_until(lambda: robot.get_standard_digital_in(4))
+        began = sim.time
+        robot.set_standard_digital_out(1, True, True)
+        sim.wait_until(lambda: robot.get_standard_digital_in(3), 60.0)
+        assert sim.time - began >= 0.5
+        assert not robot.get_standard_digital_in(4)
+
+
+# -- in words ------------------------------------------------------------------------------------
+
+
+def test_commands_do_what_they_say(sim: Simulator, robot: Program) -> None:
+    say = Console(sim).answer
+    assert [say("input 3 on"), say("input tool 1 on"), say("voltage 2 7.5")] == ["ok"] * 3
+    assert robot.get_standard_digital_in(3)
+    assert robot.get_tool_digital_in(1)
+    assert robot.get_standard_analog_voltage_in(2) == 7.5
+    assert say("input 3 off") == "ok"
+    assert not robot.get_standard_digital_in(3)
+    robot.set_standard_digital_out(5, True, True)
+    assert [say("output 5"), say("output 6"), say("output tool 1")] == ["on", "off", "off"]
+    assert say("rule 5 7 0.01") == say("rule 5 tool 2 inverted") == "ok"
+    sim.wait_until(lambda: robot.get_standard_digital_in(7))
+
+    assert say("push 0 0 -20") == "ok"
+    sim.wait_until(lambda: robot.get_tcp_force()[2] < -15.0)
+    assert say("push") == say("load 0") == "ok"
+    sim.wait_until(lambda: abs(robot.get_tcp_force()[2]) < 1.0)
+    assert say("mode remote") == "ok"
+    assert robot.get_robot_state()[3] == OperationMode.REMOTE
+    assert say("collide 2") == "ok"
+    assert robot.getRobotStatus().collisionAxis == 2
+    assert say("estop") == "ok"
+    assert robot.to(*READY) == TaskState.ILLEGAL
+    told = say("state")
+    assert "moving no\nstates " in told
+    assert "error list: emergency stop pressed" in told
+    assert say("release") == say("speed 50") == "ok"
+    assert sim.speed == 50.0
+    assert say("drop") == "1 connections were cut"
+    assert say("help").count("\n") == len(COMMANDS) - 1 == say("").count("\n")
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("jump", "there is no command 'jump'; there are input, output"),
+        ("input 3", "on or off?; usage: input [tool] NUM on|off"),
+        ("input three on", "which signal?"),
+        ("input 17 on", "there is no signal 17"),
+        ("push 1 2", "2 numbers; usage: push [FX FY FZ"),
+        ("push a b c", "'a b c' are no numbers"),
+        ("mode fast", "one of manual, auto, remote"),
+        ("estop now", "'now' is too much"),
+        ("collide 9", "joint is 9"),
+        ("rule 1 99", "input is 99"),
+        ("speed -1", "speed"),
+    ],
+)
+def test_a_command_that_makes_no_sense_says_so(sim: Simulator, line: str, said: str) -> None:
+    answer = Console(sim).answer(line)
+    assert answer.startswith("error: ")
+    assert said in answer
+
+
+def test_lines_are_answered_in_order_until_the_port_is_closed() -> None:
+    with closing(LineServer(str.upper, 0)) as lines:
+        with socket.create_connection(("127.0.0.1", lines.port), timeout=30) as client:
+            client.sendall("one\ntwö\n".encode())
+            client.shutdown(socket.SHUT_WR)
+            with client.makefile("rb") as answer:
+                assert answer.read().decode().split() == ["ONE", "TWÖ"]
+        with pytest.raises(OSError, match="in use"):
+            LineServer(str.upper, lines.port)
+    with pytest.raises(ConnectionRefusedError):
+        socket.create_connection(("127.0.0.1", lines.port), timeout=30)
