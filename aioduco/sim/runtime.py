@@ -180,6 +180,11 @@ class SimulationRuntime:
         """What is laid over the paths; for handlers within a command."""
         return self._controller.weaving
 
+    @property
+    def last_motion(self) -> str:
+        """The function of the motion that was taken last; for handlers within a command."""
+        return self._controller.last_motion
+
     @contextlib.contextmanager
     def command(self) -> Iterator[Controller]:
         """The controller, to give it commands; readers see their effect when this ends.

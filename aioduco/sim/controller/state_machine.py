@@ -115,6 +115,7 @@ class Controller:
         self.collisions: CollisionDetector = CollisionDetector(np.full(6, np.inf))
         self.recorder: Recorder = Recorder()
         self.read_ahead: tuple[int, int] = (0, 1)
+        self.last_motion: str = ""  # the function of the motion that was taken last
         self.program_lag: float = 0.0
         self.mode: OperationMode = OperationMode.AUTO
         self.halted: bool = False
@@ -216,6 +217,7 @@ class Controller:
         if (skipped := self.force.admit(name)) is not None:
             return skipped
         id_ = self.tasks.new(name)
+        self.last_motion = name
         self._motion.append(id_, plan, triggers)
         self._collect_failures()
         return id_
@@ -227,6 +229,7 @@ class Controller:
         if (skipped := self.force.admit(name)) is not None:
             return skipped
         id_ = self.tasks.new(name)
+        self.last_motion = name
         self._motion.follow(id_, following)
         self._collect_failures()
         return id_
