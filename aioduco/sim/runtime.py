@@ -202,7 +202,7 @@ class SimulationRuntime:
                 yield self._controller
             finally:
                 self._snapshot = self._snapshot._replace(view=self._controller.view())
-                released = self._take_ended()
+                released = self._take_answered()
         for event in released:
             event.set()
         self._wake.set()
@@ -212,7 +212,10 @@ class SimulationRuntime:
         return self._controller.tasks.state(id_)
 
     def wait(self, id_: int) -> TaskState:
-        """Wait until a task has ended; the state that it ended in.
+        """Wait until a task has ended, and give the state that it ended in.
+
+        A motion that may blend into the next is not waited for to its end: see
+        `MotionQueue.read_ahead`.
 
         Raises:
             Refusal: The simulation ended or failed before the task.
@@ -222,13 +225,13 @@ class SimulationRuntime:
             raise Pending(id_)
         tasks = self._controller.tasks
         with self._lock:
-            if (state := tasks.state(id_)).ended:
+            if (state := tasks.answer(id_)).ended:
                 return state
             ended = threading.Event()
             self._waiters.setdefault(id_, []).append(ended)
         if not self._closing:  # after the registration: `_release` comes after the flag
             ended.wait()
-        if not (state := tasks.state(id_)).ended:
+        if not (state := tasks.answer(id_)).ended:
             raise Refusal("the simulation ended before the task")
         return state
 
@@ -395,7 +398,7 @@ class SimulationRuntime:
             )
             # Before a command can come: else it would be chance in which cycle that counts.
             self._busy = self._controller.busy
-            released = self._take_ended()
+            released = self._take_answered()
             network = None if self._controller.halted else not self._controller.starting
         for event in released:
             event.set()
@@ -406,10 +409,10 @@ class SimulationRuntime:
             self._network = network
             self._on_network(network)
 
-    def _take_ended(self) -> list[threading.Event]:
-        """Those who wait for the tasks that ended. Under the lock."""
+    def _take_answered(self) -> list[threading.Event]:
+        """Those who wait for the tasks that ended or were passed on. Under the lock."""
         released: list[threading.Event] = []
-        for id_ in self._controller.tasks.take_ended():
+        for id_ in self._controller.tasks.take_answered():
             released += self._waiters.pop(id_, ())
         return released
 

@@ -391,6 +391,7 @@ class Controller:
         if joint and self._safety.fault is None:
             self.collide(joint)
         setpoint = self._motion.tick(sensed.time, sensed.q, sensed.qd, at_rest=self._at_rest)
+        self._motion.read_ahead(*self.read_ahead)
         self.external_axes.positions.update(self._motion.axes)
         setpoint = self.force.tick(setpoint)
         self._collect_failures()
