@@ -255,8 +255,8 @@ class Force(Section):
 
         Args:
             middle: middle of the range, -5 to 5 and -2π to 2π [m/s, rad/s]. Shape (6,).
-            range: how far the value may be from it [m/s, rad/s]; noise must fit in. 0 takes the axis
-                out of the condition. The manual leaves open whether the range is to each side,
+            range: how far the value may be from it [m/s, rad/s]; noise must fit in. 0 takes the
+                axis out of the condition. The manual leaves open whether the range is to each side,
                 or over all. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.

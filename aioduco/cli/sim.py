@@ -55,6 +55,9 @@ def sim(
     mounting: Annotated[
         str, typer.Option(help="floor, wall, ceiling, or x,y,z,rx,ry,rz of the base [m, rad].")
     ] = "floor",
+    pedestal: Annotated[
+        float, typer.Option(help="Height of a column under an arm on the floor [m].")
+    ] = 0.0,
     render: Annotated[
         Path | None,
         typer.Option(help="At the end, write what the arm did as .gif, or how it stands as .png."),
@@ -80,6 +83,7 @@ def sim(
                 scene=scene,
                 tool=tool,
                 mounting=_mounting(mounting),
+                pedestal=pedestal,
                 on_shutdown=ring,
             )
             simulator.start()

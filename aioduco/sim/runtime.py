@@ -378,7 +378,9 @@ class SimulationRuntime:
             self._warmth.tick(at - self._warm_at, torque, powered=powered)
             self._warm_at = at
         with self._lock:
-            sensed = SensedState(at, time.monotonic(), q, qd, wrench, plant.external_torque)
+            sensed = SensedState(
+                at, time.monotonic(), q, qd, wrench, plant.external_torque, plant.touched
+            )
             self._drive = self._controller.tick(sensed)
             view = self._controller.view()
             self._snapshot = SimulationSnapshot(

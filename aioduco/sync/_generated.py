@@ -762,8 +762,8 @@ class Motion(_Section):
         ends.
 
         Args:
-            poses: 2 to 50 poses of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
-                Shape (n, 6).
+            poses: 1 to 50 poses of the tool in the work object, of which the first may be where
+                the arm is; x, y, z [m], rx, ry, rz [rad]. Shape (n, 6).
             v: highest speed of the tool, 0.01 to 5 [m/s].
             a: highest acceleration of the tool, from 0.01 [m/s²].
             tool: name of the tool; empty for the one in use.
@@ -802,7 +802,7 @@ class Motion(_Section):
         ends.
 
         Args:
-            points: 2 to 50 poses of the tool in the work object, each with what is set there.
+            points: 1 to 50 poses of the tool in the work object, each with what is set there.
             v: speed of the tool, 0.00001 to 5 [m/s].
             a: acceleration of the tool, from 0.00001 [m/s²].
             tool: name of the tool; empty for the one in use.
@@ -3548,8 +3548,9 @@ class Force(_Section):
 
         Args:
             middle: middle of the range [m, rad]. Shape (6,).
-            range: how far the value may be from it, from 0 [m, rad]; noise must fit in.
-                The manual leaves open whether that is to each side, or over all. Shape (6,).
+            range: how far the value may be from it [m, rad]; noise must fit in. 0 takes the axis
+                out of the condition. The manual leaves open whether the range is to each side,
+                or over all. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: how long it must hold, from 0 [s].
@@ -3583,8 +3584,9 @@ class Force(_Section):
 
         Args:
             middle: middle of the range, -5 to 5 and -2π to 2π [m/s, rad/s]. Shape (6,).
-            range: how far the value may be from it, from 0 [m/s, rad/s]; noise must fit in.
-                The manual leaves open whether that is to each side, or over all. Shape (6,).
+            range: how far the value may be from it [m/s, rad/s]; noise must fit in. 0 takes the
+                axis out of the condition. The manual leaves open whether the range is to each side,
+                or over all. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: how long it must hold, from 0 [s].
@@ -3618,8 +3620,9 @@ class Force(_Section):
 
         Args:
             middle: middle of the range, -1000 to 1000 [N, N·m]. Shape (6,).
-            range: how far the value may be from it, from 0 [N, N·m]; noise must fit in.
-                The manual leaves open whether that is to each side, or over all. Shape (6,).
+            range: how far the value may be from it [N, N·m]; noise must fit in. 0 takes the axis
+                out of the condition. The manual leaves open whether the range is to each side,
+                or over all. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: how long it must hold, from 0 [s].

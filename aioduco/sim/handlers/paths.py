@@ -248,7 +248,9 @@ class PathSection(HandlerSection):
                 np.minimum(np.abs(wanted), np.abs(found)) > _MIRRORED
             )
             if other.any():
-                which = ", ".join(name for name, is_other in zip(_BRANCH, other, strict=True) if is_other)
+                which = ", ".join(
+                    name for name, is_other in zip(_BRANCH, other, strict=True) if is_other
+                )
                 raise PlanError(
                     "parameter",
                     f"q_near is in another branch than the end of the path: {which} mirrored",
