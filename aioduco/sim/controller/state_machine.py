@@ -356,9 +356,8 @@ class Controller:
         if self._power.state is not RobotState.ENABLE:
             return
         self.collisions.axis = joint
-        self.fault(
-            SafetyState.STOP2, f"Joint {joint} 检测到碰撞{touched and f' (simulator: {touched})'}"
-        )
+        known = touched and f" (simulator: {touched})"
+        self.fault(SafetyState.STOP2, f"Joint {joint} 检测到碰撞{known}")
         if not self.force.active:  # it has moved the set-points away from those of the motions
             self._motion.yield_to(self._sensed.q)
 

@@ -398,7 +398,7 @@ class MotionHandlers(PathSection):
         return self._motion("wobj_move_2p", plan, op, block)
 
     def set_blend_ahead(self, per: int, num: int) -> int:
-        """How far programs read motions ahead, and when calls that block let their motions blend."""
+        """How far programs read motions ahead, and when calls that block are answered."""
 
         def command(controller: Controller) -> int:
             if not 0 <= per <= 100:

@@ -248,9 +248,7 @@ class PathSection(HandlerSection):
                 np.minimum(np.abs(wanted), np.abs(found)) > _MIRRORED
             )
             if other.any():
-                which = ", ".join(
-                    name for name, is_other in zip(_BRANCH, other, strict=True) if is_other
-                )
+                which = ", ".join(np.array(_BRANCH)[other])
                 raise PlanError(
                     "parameter",
                     f"q_near is in another branch than the end of the path: {which} mirrored",
