@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from aioduco.models.jog import JogDirections
-from aioduco.sync._tasks import awaitables, moves
+from aioduco.sync._tasks import MotionPath, awaitables, moves
 
 if TYPE_CHECKING:
     from aioduco import robot as aio_robot
@@ -186,6 +186,9 @@ class Motion(_Section):
         move = robot.motion.movel.start(target, v=0.2, a=0.5)
         robot.motion.run(approach, pass_by, retreat)         # made by .prepare, blended
 
+    A motion with a blend radius `r` blends only into one that the controller has in time: see
+    `run` and `path`.
+
     Motions at a velocity, jogs and hand guiding go on until their time is over or they are told to
     end: they are tied to a block, which ends them when it is left:
 
@@ -216,7 +219,8 @@ class Motion(_Section):
         """Send motions one after another, ahead of the arm, and wait for all of them.
 
         The controller can blend a motion into the next only if it has that one in time. So some
-        are sent ahead; the others follow as the first ones end.
+        are sent ahead; the others follow as the first ones end. `path` does so for motions that
+        are not all known beforehand.
 
         Args:
             motions: in the order in which they are to be carried out.
@@ -233,6 +237,31 @@ class Motion(_Section):
         If this is interrupted, the arm is stopped.
         """
         return self._runner.call(self._section.run(*awaitables(motions), ahead=ahead))
+
+    def path(self, *, ahead: int = 2) -> MotionPath:
+        """Make a path of motions that blend, for a program that sends them one by one.
+
+            with robot.motion.path() as path:
+                for corner in corners:
+                    path.add(robot.motion.movel.prepare(corner, v=0.2, a=0.5, r=mm(30)))
+
+        A motion that is awaited alone has no successor until it has ended, so it never blends.
+        Here `add` returns while the arm is still on its way, as the manual's blocking calls
+        do at the beginning of a blend. When the block is left, all motions have ended.
+
+        Args:
+            ahead: how many motions the controller has at most, the running one included, 1 to
+                1000. With 1 nothing blends.
+
+        Returns:
+            The path; nothing is sent before its block.
+
+        Raises:
+            ParameterError: `ahead` is out of range.
+
+        Manual section 1.3.5, blend radius.
+        """
+        return MotionPath(self._runner, self._section.path(ahead=ahead))
 
     def follow_joint_trajectory(
         self,
