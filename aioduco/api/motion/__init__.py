@@ -63,6 +63,9 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
     async def set_blend_ahead(self, per: int, num: int = 1) -> None:
         """Set how early the controller reads the next motion, to blend into it (融合预读取).
 
+        It holds for programs of the controller, and for calls that block, which this package does
+        not make: what `run` and `path` send ahead is known to the controller as it comes.
+
         Args:
             per: percent of a motion after which the next is read, 0 to 100; usually 0 or 50.
             num: how many motions are read ahead if `per` is 0, 1 to 3: more for short motions
