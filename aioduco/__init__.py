@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.report import StreamStatistics
     from aioduco.supervision.command import HeldMotion, MotionCommand
     from aioduco.supervision.heartbeat import HeartbeatState
+    from aioduco.supervision.motion_path import MotionPath
     from aioduco.supervision.settings import ExitLadder
     from aioduco.supervision.state_feed import Snapshot
     from aioduco.supervision.task import OnCancel, Task
@@ -71,6 +72,7 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     "Robot",
     "HeldMotion",
     "MotionCommand",
+    "MotionPath",
     "ExitLadder",
     "OnCancel",
     "Outcome",
@@ -169,6 +171,7 @@ _HOMES = {
     "aioduco.streaming.report": ("StreamStatistics",),
     "aioduco.streaming.options": ("LaneOptions",),
     "aioduco.supervision.command": ("HeldMotion", "MotionCommand"),
+    "aioduco.supervision.motion_path": ("MotionPath",),
     "aioduco.supervision.state_feed": ("Snapshot",),
     "aioduco.supervision.heartbeat": ("HeartbeatState",),
     "aioduco.supervision.settings": ("ExitLadder",),

@@ -30,6 +30,8 @@ TARGET = ROOT / "aioduco" / "sync" / "_generated.py"
 #: coroutines of the robot that `aioduco/sync/_robot.py` has in its own way
 BY_HAND = {"open", "aclose"}
 MOTIONS = {"MotionCommand", "HeldMotion"}
+#: what functions return that do not wait, which `aioduco/sync/_tasks.py` has in its own way
+TIED = {"MotionPath"}
 
 DOCS = {
     "Motion": '''"""Motions of the arm (移动控制, manual 1.3.5).
@@ -41,6 +43,9 @@ DOCS = {
         move = robot.motion.movel.start(target, v=0.2, a=0.5)
         robot.motion.run(approach, pass_by, retreat)         # made by .prepare, blended
 
+    A motion with a blend radius `r` blends only into one that the controller has in time: see
+    `run` and `path`.
+
     Motions at a velocity, jogs and hand guiding go on until their time is over or they are told to
     end: they are tied to a block, which ends them when it is left:
 
@@ -51,6 +56,8 @@ DOCS = {
 
 #: what is said otherwise to a program that waits
 WORDS = (
+    (r"async with (robot\.motion\.path)\(", r"with \1("),
+    (r"await path\.add\((robot\.[\w.]+)\(", r"path.add(\1.prepare("),
     (r"async with (robot\.[\w.]+)\(", r"with \1.start("),
     (r"await (robot\.[\w.]+)\((.*)\)\.start\(\)", r"\1.start(\2)"),
     (r"async (with|for) ", r"\1 "),
@@ -72,7 +79,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from aioduco.sync._tasks import awaitables, moves
+from aioduco.sync._tasks import MotionPath, awaitables, moves
 
 if TYPE_CHECKING:
 {imports}
@@ -92,6 +99,8 @@ class _Section:
 '''
 
 
+#: what it needs of the package when it is imported
+RUN_TIME = "from aioduco.sync._tasks import MotionPath, awaitables, moves"
 #: what the module needs besides
 OWN = {
     "from aioduco import robot as aio_robot",
@@ -148,7 +157,7 @@ class Generator:
         self.imports: dict[str, str] = {}
         self.sources: dict[str, Source] = {}
         #: imports of what is evaluated
-        self.run_time: set[str] = {"from aioduco.sync._tasks import awaitables, moves"}
+        self.run_time: set[str] = {RUN_TIME}
 
     def source(self, module: str) -> Source:
         return self.sources.setdefault(module, Source(module))
@@ -167,7 +176,7 @@ class Generator:
                 wanted = f"from {source.module} import {each.id}"
             if wanted is None:
                 raise SystemExit(f"{source.module}: where does {each.id} come from?")
-            if each.id in MOTIONS:
+            if each.id in MOTIONS | TIED:
                 continue
             if self.imports.setdefault(each.id, wanted) != wanted:
                 raise SystemExit(f"two things are called {each.id}")
@@ -180,7 +189,8 @@ class Generator:
         if node.returns is None:
             raise SystemExit(f"{owner.__name__}.{name} does not say what it returns")
         returns = self.need(node.returns, source, default=False)
-        motion = isinstance(node, ast.FunctionDef)
+        tied = returns in TIED
+        motion = isinstance(node, ast.FunctionDef) and not tied
         if motion and returns not in MOTIONS:
             raise SystemExit(f"{owner.__name__}.{name}: no rule for what returns {returns}")
         if node.decorator_list:
@@ -193,6 +203,9 @@ class Generator:
         call = f"{target}.{name}"
         if motion:
             return lines + _broken(f"        return {call}", sent, "")
+        if tied:
+            head = f"        return {returns}(self._runner, {call}"
+            return lines + _broken(head, sent, ")")
         back = "" if returns == "None" else "return "
         line = f"        {back}self._runner.call({call}({', '.join(sent)}))"
         if len(line) <= 100:
@@ -322,7 +335,7 @@ class Generator:
         lines += self.robot(shown_as)
         text = "\n".join(lines)
         header = HEADER.replace(
-            "from aioduco.sync._tasks import awaitables, moves",
+            RUN_TIME,
             "\n".join(sorted(self.run_time)),
             1,
         )

@@ -212,6 +212,7 @@ def test_sim_without_a_display_shows_no_window(monkeypatch: pytest.MonkeyPatch) 
     [
         (("--render", "out.mp4"), 2, ".gif or .png"),
         (("--mounting", "roof"), 1, "no mounting is called 'roof'"),
+        (("--mounting", "wall", "--pedestal", "0.5"), 1, "a pedestal is for an arm on the floor"),
         (("--scene", "nowhere.xml"), 2, "nowhere.xml"),
     ],
 )

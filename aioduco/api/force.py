@@ -215,8 +215,9 @@ class Force(Section):
 
         Args:
             middle: middle of the range [m, rad]. Shape (6,).
-            range: how far the value may be from it, from 0 [m, rad]; noise must fit in.
-                The manual leaves open whether that is to each side, or over all. Shape (6,).
+            range: how far the value may be from it [m, rad]; noise must fit in. 0 takes the axis
+                out of the condition. The manual leaves open whether the range is to each side,
+                or over all. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: how long it must hold, from 0 [s].
@@ -254,8 +255,9 @@ class Force(Section):
 
         Args:
             middle: middle of the range, -5 to 5 and -2π to 2π [m/s, rad/s]. Shape (6,).
-            range: how far the value may be from it, from 0 [m/s, rad/s]; noise must fit in.
-                The manual leaves open whether that is to each side, or over all. Shape (6,).
+            range: how far the value may be from it [m/s, rad/s]; noise must fit in. 0 takes the
+                axis out of the condition. The manual leaves open whether the range is to each side,
+                or over all. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: how long it must hold, from 0 [s].
@@ -293,8 +295,9 @@ class Force(Section):
 
         Args:
             middle: middle of the range, -1000 to 1000 [N, N·m]. Shape (6,).
-            range: how far the value may be from it, from 0 [N, N·m]; noise must fit in.
-                The manual leaves open whether that is to each side, or over all. Shape (6,).
+            range: how far the value may be from it [N, N·m]; noise must fit in. 0 takes the axis
+                out of the condition. The manual leaves open whether the range is to each side,
+                or over all. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: how long it must hold, from 0 [s].

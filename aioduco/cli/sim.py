@@ -62,6 +62,9 @@ def sim(
     mounting: Annotated[
         str, typer.Option(help="floor, wall, ceiling, or x,y,z,rx,ry,rz of the base [m, rad].")
     ] = "floor",
+    pedestal: Annotated[
+        float, typer.Option(help="Height of a column under an arm on the floor [m].")
+    ] = 0.0,
     render: Annotated[
         Path | None,
         typer.Option(help="At the end, write what the arm did as .gif, or how it stands as .png."),
@@ -98,6 +101,7 @@ def sim(
                 mounting=_mounting(mounting),
                 strict=strict,
                 real_readings=real_readings,
+                pedestal=pedestal,
                 on_shutdown=ring,
             )
             simulator.start()

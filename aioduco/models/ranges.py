@@ -112,9 +112,9 @@ FRAME_TYPE = jog.FRAME_TYPE
 #: speedj and speedl: None to run until speed_stop (-1 on the wire)
 RUN_TIME = OrForever(Duration(0.001, source="1.3.5"))
 
-#: spline, spline_op: the manual prints only the 50; a curve needs two points
-SPLINE_POINTS = Points(POSE, 2, 50, source="1.3.5")
-SPLINE_COUNT = Integer(2, 50, "points", source="1.3.5")
+#: spline, spline_op: the manual prints only the 50; the curve begins where the arm is
+SPLINE_POINTS = Points(POSE, 1, 50, source="1.3.5")
+SPLINE_COUNT = Integer(1, 50, "points", source="1.3.5")
 
 #: servo_tcp and servol: manual 3.8 calls them joint speed and acceleration, 4.3 Cartesian with
 #: [0.00001, 5] m/s; what 3.8 allows lies within both

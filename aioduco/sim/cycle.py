@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
@@ -19,6 +19,11 @@ if TYPE_CHECKING:
     Vector = NDArray[np.float64]
 
 __all__ = ["DriveCommand", "Plant", "SensedState"]
+
+
+def untouched() -> str:
+    """Say that the arm touches nothing."""
+    return ""
 
 
 class SensedState(NamedTuple):
@@ -32,6 +37,7 @@ class SensedState(NamedTuple):
         wrench: signal of the force sensor: what acts on the flange, in its frame, the weight of
             what it carries included [N, N m]. Shape (6,).
         external: torques that the motion needed beyond those of the drives [N m]. Shape (6,).
+        touched: says what of the arm touches what, for messages; empty for nothing.
     """
 
     time: float
@@ -40,6 +46,7 @@ class SensedState(NamedTuple):
     qd: Vector
     wrench: Vector
     external: Vector
+    touched: Callable[[], str] = untouched
 
 
 class DriveCommand(NamedTuple):
@@ -75,6 +82,10 @@ class Plant(Protocol):
     @property
     def torque(self) -> Vector:
         """Joint torques [N m]. Shape (6,)."""
+        ...
+
+    def touched(self) -> str:
+        """What of the arm touches what, for people; empty for nothing."""
         ...
 
     def step(self, setpoint: JointSetPoint) -> None:

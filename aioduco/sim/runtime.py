@@ -186,6 +186,11 @@ class SimulationRuntime:
         """What is laid over the paths; for handlers within a command."""
         return self._controller.weaving
 
+    @property
+    def last_motion(self) -> str:
+        """The function of the motion that was taken last; for handlers within a command."""
+        return self._controller.last_motion
+
     @contextlib.contextmanager
     def command(self) -> Iterator[Controller]:
         """The controller, to give it commands; readers see their effect when this ends.
@@ -203,7 +208,7 @@ class SimulationRuntime:
                 yield self._controller
             finally:
                 self._snapshot = self._snapshot._replace(view=self._controller.view())
-                released = self._take_ended()
+                released = self._take_answered()
         for event in released:
             event.set()
         self._wake.set()
@@ -213,7 +218,10 @@ class SimulationRuntime:
         return self._controller.tasks.state(id_)
 
     def wait(self, id_: int) -> TaskState:
-        """Wait until a task has ended; the state that it ended in.
+        """Wait until a task has ended, and give the state that it ended in.
+
+        A motion that may blend into the next is not waited for to its end: see
+        `MotionQueue.read_ahead`.
 
         Raises:
             Refusal: The simulation ended or failed before the task.
@@ -223,13 +231,13 @@ class SimulationRuntime:
             raise Pending(id_)
         tasks = self._controller.tasks
         with self._lock:
-            if (state := tasks.state(id_)).ended:
+            if (state := tasks.answer(id_)).ended:
                 return state
             ended = threading.Event()
             self._waiters.setdefault(id_, []).append(ended)
         if not self._closing:  # after the registration: `_release` comes after the flag
             ended.wait()
-        if not (state := tasks.state(id_)).ended:
+        if not (state := tasks.answer(id_)).ended:
             raise Refusal("the simulation ended before the task")
         return state
 
@@ -377,7 +385,9 @@ class SimulationRuntime:
             self._warm_at = at
         with self._lock:
             simulated = self._controller.simulated
-            sensed = SensedState(at, time.monotonic(), q, qd, wrench, plant.external_torque)
+            sensed = SensedState(
+                at, time.monotonic(), q, qd, wrench, plant.external_torque, plant.touched
+            )
             self._drive = self._controller.tick(sensed)
             if simulated is not None:
                 followed, qdd = simulated, simulated.qdd
@@ -400,7 +410,7 @@ class SimulationRuntime:
             )
             # Before a command can come: else it would be chance in which cycle that counts.
             self._busy = self._controller.busy
-            released = self._take_ended()
+            released = self._take_answered()
             network = None if self._controller.halted else not self._controller.starting
         for event in released:
             event.set()
@@ -411,10 +421,10 @@ class SimulationRuntime:
             self._network = network
             self._on_network(network)
 
-    def _take_ended(self) -> list[threading.Event]:
-        """Those who wait for the tasks that ended. Under the lock."""
+    def _take_answered(self) -> list[threading.Event]:
+        """Those who wait for the tasks that ended or were passed on. Under the lock."""
         released: list[threading.Event] = []
-        for id_ in self._controller.tasks.take_ended():
+        for id_ in self._controller.tasks.take_answered():
             released += self._waiters.pop(id_, ())
         return released
 

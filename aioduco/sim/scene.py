@@ -55,6 +55,7 @@ _FIXED = {"solref": "0.05 0.2", "solimp": "0.5 0.5 0.001", "priority": "2"}
 # What gives way is to be the spring, not the surface.
 _SPRUNG = {**_LOOSE, "priority": "3"}
 _PERIOD = 0.004  # of what vibrates, over 2π: a step of 1 ms still follows it [s]
+_LOWEST_PEDESTAL = 0.05  # [m]
 MountingLike: TypeAlias = Literal["floor", "wall", "ceiling"] | Sequence[float]
 """Where the arm is: on the floor, at a wall, at the ceiling, or a pose of its base [m, rad]."""
 
@@ -345,7 +346,7 @@ def mjcf_of(scene: SceneLike, *, free: bool = True) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
-def mounting_of(mounting: MountingLike, arm: Arm) -> Pose:
+def mounting_of(mounting: MountingLike, arm: Arm, pedestal: float = 0.0) -> Pose:
     """Give the pose of an arm's base in the world, whose z axis is up and whose floor is at 0.
 
     Args:
@@ -353,9 +354,10 @@ def mounting_of(mounting: MountingLike, arm: Arm) -> Pose:
             spare, its z axis along the world's x axis; "ceiling": twice as high as it reaches,
             upside down about the x axis; or six numbers [m, rad].
         arm: the arm.
+        pedestal: height of a column under an arm on the floor [m].
 
     Raises:
-        SceneError: It is neither a name nor a pose.
+        SceneError: It is neither a name nor a pose, or no arm on the floor gets a pedestal.
     """
     high = arm.reach + arm.geometry.d1
     named = {
@@ -363,6 +365,12 @@ def mounting_of(mounting: MountingLike, arm: Arm) -> Pose:
         "wall": (0.0, 0.0, 4.0 / 3.0 * high, 0.0, 0.5 * np.pi, 0.0),
         "ceiling": (0.0, 0.0, 2.0 * high, np.pi, 0.0, 0.0),
     }
+    if pedestal:
+        if mounting != "floor":
+            raise SceneError("a pedestal is for an arm on the floor: give the height by mounting")
+        if not _LOWEST_PEDESTAL <= pedestal < np.inf:
+            raise SceneError(f"pedestal is {pedestal}, but must be 0 or from {_LOWEST_PEDESTAL} m")
+        return Pose(0.0, 0.0, float(pedestal), 0.0, 0.0, 0.0)
     if isinstance(mounting, str) and mounting not in named:
         raise SceneError(f"no mounting is called {mounting!r}: floor, wall, ceiling, or a pose")
     try:

@@ -96,6 +96,8 @@ class Simulator:
         program_lag: how long the program state reads 1, stopping, after all motions have ended
             [s]: up to 2 has been seen of a real controller, none unless told.
         mounting: where the base is in the world: "floor", "wall", "ceiling", or a pose [m, rad].
+        pedestal: height of a column on which an arm on the floor stands, so that it reaches below
+            its base [m].
         external_axes: schemes of external axes by name, which a controller's pendant would define:
             of each, one to three `aioduco.sim.cabinet.Axis`, or their numbers.
         values: system values by name, which a controller's pendant would define.
@@ -128,6 +130,7 @@ class Simulator:
         scene: SceneLike | None = None,
         tool: SceneLike | None = None,
         mounting: MountingLike = "floor",
+        pedestal: float = 0.0,
         external_axes: Mapping[str, Sequence[Sequence[float]]] | None = None,
         vibration_time: float = 0.0,
         program_lag: float = 0.0,
@@ -150,7 +153,8 @@ class Simulator:
                 raise ValueError(f"{name} is {time}, but must be from 0 s")
         self._vibration_time, self._program_lag = vibration_time, program_lag
         self._heartbeat_slack = heartbeat_slack
-        self.mounting: Pose = mounting_of(mounting, self.arm)
+        self.mounting: Pose = mounting_of(mounting, self.arm, pedestal)
+        self._pedestal = pedestal > 0.0
         self._scene = None if scene is None else mjcf_of(scene)
         self._tool = None if tool is None else mjcf_of(tool, free=False)
         self.cabinet: Cabinet = Cabinet(SystemValues(values))
@@ -193,6 +197,7 @@ class Simulator:
             scene=self._scene,
             tool=self._tool,
             mounting=self.mounting,
+            pedestal=self._pedestal,
         )
 
         def mover(q: NDArray[np.float64]) -> Mover:

@@ -14,13 +14,14 @@ from __future__ import annotations
 
 from aioduco.sync._feeds import Events, Feed, Subscription
 from aioduco.sync._robot import Robot, connect
-from aioduco.sync._tasks import MotionCommand, MotionFunction, Task
+from aioduco.sync._tasks import MotionCommand, MotionFunction, MotionPath, Task
 
 __all__ = [
     "Events",
     "Feed",
     "MotionCommand",
     "MotionFunction",
+    "MotionPath",
     "Robot",
     "Subscription",
     "Task",

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from aioduco.models.jog import JogDirections
-from aioduco.sync._tasks import awaitables, moves
+from aioduco.sync._tasks import MotionPath, awaitables, moves
 
 if TYPE_CHECKING:
     from aioduco import robot as aio_robot
@@ -186,6 +186,9 @@ class Motion(_Section):
         move = robot.motion.movel.start(target, v=0.2, a=0.5)
         robot.motion.run(approach, pass_by, retreat)         # made by .prepare, blended
 
+    A motion with a blend radius `r` blends only into one that the controller has in time: see
+    `run` and `path`.
+
     Motions at a velocity, jogs and hand guiding go on until their time is over or they are told to
     end: they are tied to a block, which ends them when it is left:
 
@@ -198,6 +201,9 @@ class Motion(_Section):
 
     def set_blend_ahead(self, per: int, num: int = 1) -> None:
         """Set how early the controller reads the next motion, to blend into it (融合预读取).
+
+        It holds for programs of the controller, and for calls that block, which this package does
+        not make: what `run` and `path` send ahead is known to the controller as it comes.
 
         Args:
             per: percent of a motion after which the next is read, 0 to 100; usually 0 or 50.
@@ -216,7 +222,8 @@ class Motion(_Section):
         """Send motions one after another, ahead of the arm, and wait for all of them.
 
         The controller can blend a motion into the next only if it has that one in time. So some
-        are sent ahead; the others follow as the first ones end.
+        are sent ahead; the others follow as the first ones end. `path` does so for motions that
+        are not all known beforehand.
 
         Args:
             motions: in the order in which they are to be carried out.
@@ -233,6 +240,31 @@ class Motion(_Section):
         If this is interrupted, the arm is stopped.
         """
         return self._runner.call(self._section.run(*awaitables(motions), ahead=ahead))
+
+    def path(self, *, ahead: int = 2) -> MotionPath:
+        """Make a path of motions that blend, for a program that sends them one by one.
+
+            with robot.motion.path() as path:
+                for corner in corners:
+                    path.add(robot.motion.movel.prepare(corner, v=0.2, a=0.5, r=mm(30)))
+
+        A motion that is awaited alone has no successor until it has ended, so it never blends.
+        Here `add` returns while the arm is still on its way, as the manual's blocking calls
+        do at the beginning of a blend. When the block is left, all motions have ended.
+
+        Args:
+            ahead: how many motions the controller has at most, the running one included, 1 to
+                1000. With 1 nothing blends.
+
+        Returns:
+            The path; nothing is sent before its block.
+
+        Raises:
+            ParameterError: `ahead` is out of range.
+
+        Manual section 1.3.5, blend radius.
+        """
+        return MotionPath(self._runner, self._section.path(ahead=ahead))
 
     def follow_joint_trajectory(
         self,
@@ -762,8 +794,8 @@ class Motion(_Section):
         ends.
 
         Args:
-            poses: 2 to 50 poses of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
-                Shape (n, 6).
+            poses: 1 to 50 poses of the tool in the work object, of which the first may be where
+                the arm is; x, y, z [m], rx, ry, rz [rad]. Shape (n, 6).
             v: highest speed of the tool, 0.01 to 5 [m/s].
             a: highest acceleration of the tool, from 0.01 [m/s²].
             tool: name of the tool; empty for the one in use.
@@ -802,7 +834,7 @@ class Motion(_Section):
         ends.
 
         Args:
-            points: 2 to 50 poses of the tool in the work object, each with what is set there.
+            points: 1 to 50 poses of the tool in the work object, each with what is set there.
             v: speed of the tool, 0.00001 to 5 [m/s].
             a: acceleration of the tool, from 0.00001 [m/s²].
             tool: name of the tool; empty for the one in use.
@@ -3617,8 +3649,9 @@ class Force(_Section):
 
         Args:
             middle: middle of the range [m, rad]. Shape (6,).
-            range: how far the value may be from it, from 0 [m, rad]; noise must fit in.
-                The manual leaves open whether that is to each side, or over all. Shape (6,).
+            range: how far the value may be from it [m, rad]; noise must fit in. 0 takes the axis
+                out of the condition. The manual leaves open whether the range is to each side,
+                or over all. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: how long it must hold, from 0 [s].
@@ -3652,8 +3685,9 @@ class Force(_Section):
 
         Args:
             middle: middle of the range, -5 to 5 and -2π to 2π [m/s, rad/s]. Shape (6,).
-            range: how far the value may be from it, from 0 [m/s, rad/s]; noise must fit in.
-                The manual leaves open whether that is to each side, or over all. Shape (6,).
+            range: how far the value may be from it [m/s, rad/s]; noise must fit in. 0 takes the
+                axis out of the condition. The manual leaves open whether the range is to each side,
+                or over all. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: how long it must hold, from 0 [s].
@@ -3687,8 +3721,9 @@ class Force(_Section):
 
         Args:
             middle: middle of the range, -1000 to 1000 [N, N·m]. Shape (6,).
-            range: how far the value may be from it, from 0 [N, N·m]; noise must fit in.
-                The manual leaves open whether that is to each side, or over all. Shape (6,).
+            range: how far the value may be from it [N, N·m]; noise must fit in. 0 takes the axis
+                out of the condition. The manual leaves open whether the range is to each side,
+                or over all. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
             duration: how long it must hold, from 0 [s].

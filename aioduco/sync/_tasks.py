@@ -17,11 +17,12 @@ if TYPE_CHECKING:
 
     from aioduco.models.enums import Outcome, TaskState
     from aioduco.supervision import command as aio_command
+    from aioduco.supervision import motion_path as aio_path
     from aioduco.supervision import task as aio_task
     from aioduco.supervision.task import OnCancel
     from aioduco.sync._runner import Runner
 
-__all__ = ["MotionCommand", "MotionFunction", "Task", "awaitables", "moves"]
+__all__ = ["MotionCommand", "MotionFunction", "MotionPath", "Task", "awaitables", "moves"]
 
 P = ParamSpec("P")
 
@@ -289,6 +290,66 @@ class MotionCommand:
         self.awaitable.hand_over()
         work = self.awaitable.start(deadline=deadline, on_cancel=on_cancel)
         return Task(self._runner, self._runner.call(work, undo=_forsake))
+
+
+class MotionPath:
+    """A path made of motions, which blend; tied to a block. `robot.motion.path` makes it.
+
+    When the block is left, the arm has come to the end of the last one. If the block raises, the
+    arm is stopped, or what `on_cancel` says.
+    """
+
+    def __init__(self, runner: Runner, path: aio_path.MotionPath) -> None:
+        self._runner = runner
+        self._path = path
+
+    def __repr__(self) -> str:
+        return repr(self._path)
+
+    @property
+    def ahead(self) -> int:
+        """How many motions the controller has at most, the running one included."""
+        return self._path.ahead
+
+    @property
+    def outcomes(self) -> tuple[Outcome, ...]:
+        """How the motions ended that are known to have: finished or blended."""
+        return self._path.outcomes
+
+    def add(self, motion: MotionCommand) -> Task:
+        """Send a motion behind the others, and return its task when it is accepted.
+
+        While the controller has `ahead` motions, it waits before that until one of them has ended.
+        So the program is ahead of the arm: what is to happen at a place belongs into an `op` of
+        the motion, or behind the block.
+
+        Args:
+            motion: the motion, such as `robot.motion.movel.prepare(..., r=0.03)`.
+
+        Raises:
+            ParameterError: it is no motion; nothing was sent.
+            TaskError: one before it did not succeed; nothing was sent.
+            Refused: the controller refused it.
+            RobotStateError: the block was left, or the arm was stopped since; nothing was sent.
+            HeartbeatLost, OutcomeUnknown, ConnectionLost: as `MotionCommand.start` says.
+        """
+        (command,) = awaitables([motion])
+        work = self._path.add(command)
+        return Task(self._runner, self._runner.call(work, undo=_forsake))
+
+    def __enter__(self) -> Self:
+        self._runner.call(self._path.__aenter__())
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        for task in self._path.tasks:
+            self._runner.holds(task)
+        self._runner.call(self._path.__aexit__(exc_type, exc, traceback))
 
 
 def awaitables(motions: Iterable[Any]) -> list[aio_command.MotionCommand]:

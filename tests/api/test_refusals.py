@@ -126,9 +126,9 @@ def test_the_edges_are_taken(case: Case, name: str) -> None:
 @pytest.mark.parametrize(
     ("function", "fewest", "most"),
     [
-        ("spline_op", 2, 50),
+        ("spline_op", 1, 50),
         ("trackEnqueueOp", 1, 1000),
-        ("spline", 2, 50),
+        ("spline", 1, 50),
         ("trackEnqueue", 1, 1000),
     ],
 )

@@ -145,3 +145,128 @@ async def test_what_is_no_motion_is_refused(robot: aioduco.Robot, bench: Bench) 
         await robot.motion.run(ahead=0)
     assert await robot.motion.run() == ()
     assert bench.commands == []
+
+
+# -- a path: motions that a program sends one by one ---------------------------------------------
+
+
+async def test_a_path_goes_on_while_the_arm_moves_and_blends(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.motion_time = 1.0  # long beside what a busy machine takes to send the next
+    moving: list[bool] = []
+    live: list[int] = []
+    async with robot.motion.path() as path:
+        for motion in motions(robot, [0.02, 0.02, 0.0]):
+            await path.add(motion)
+            moving.append(bench.moving())
+            live.append(sum(not task.state.ended for task in bench.tasks.values()))
+    assert not bench.moving()
+    assert path.outcomes == (Outcome.BLENDED, Outcome.BLENDED, Outcome.FINISHED)
+    assert path.tasks == ()
+    assert moving == [True] * 3
+    assert max(live) == 2  # the running one and the next, as the controller reads ahead at first
+
+
+async def test_alone_a_motion_with_a_radius_has_no_successor(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    """What an awaited motion returns is its end at the target, whatever its radius."""
+    bench.motion_time = 0.1
+    for motion in motions(robot, [0.02, 0.02]):
+        assert await motion is Outcome.FINISHED
+        assert not bench.moving()
+
+
+@pytest.mark.parametrize("noticed", [True, False])
+async def test_a_path_sends_nothing_after_a_failure(
+    robot: aioduco.Robot, bench: Bench, noticed: bool
+) -> None:
+    bench.motion_time = 0.05
+    bench.ends = TaskState.ERROR
+
+    async def along() -> None:
+        first, second, third = motions(robot, [0.02, 0.02, 0.0])
+        second.hand_over()
+        async with robot.motion.path() as path:
+            task = await path.add(first)
+            if noticed:
+                await task.wait()
+            else:
+                await path.add(second)
+            await path.add(third)
+
+    with pytest.raises(aioduco.TaskFailed):
+        await along()
+    assert len(bench.received("movel")) == (1 if noticed else 2)
+    assert not bench.moving()
+    assert not robot.tasks
+
+
+async def test_a_stop_ends_a_path_and_holds_for_what_would_follow(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.motion_time = 30.0
+
+    async def along(before: list[aioduco.MotionCommand]) -> None:
+        (behind,) = motions(robot, [0.0])
+        async with robot.motion.path(ahead=5) as path:
+            for motion in before:
+                await path.add(motion)
+            await robot.stop()
+            await path.add(behind)
+
+    with pytest.raises(aioduco.TaskStopped):
+        await along(motions(robot, [0.02]))
+    assert len(bench.received("movel")) == 1
+    assert not bench.moving()
+    # A stop before the first motion holds for it, too: the block began before.
+    with pytest.raises(aioduco.RobotStateError, match="was stopped on this path"):
+        await along([])
+    assert len(bench.received("movel")) == 1
+
+
+async def test_a_block_that_raises_stops_the_arm(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time = 30.0
+
+    async def along() -> None:
+        async with robot.motion.path() as path:
+            await path.add(motions(robot, [0.02])[0])
+            assert bench.moving()
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        await along()
+    assert not bench.moving()
+    assert not robot.tasks
+
+
+async def test_a_block_that_is_cancelled_stops_the_arm(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time = 30.0
+    legs = motions(robot, [0.02, 0.02, 0.0])
+    for leg in legs:
+        leg.hand_over()
+    async with cancelled_once(bench.moving) as scope, robot.motion.path() as path:
+        for leg in legs:
+            await path.add(leg)
+    assert scope.cancelled_caught
+    assert not bench.moving()
+    assert not robot.tasks
+
+
+async def test_a_path_takes_motions_within_its_block(robot: aioduco.Robot, bench: Bench) -> None:
+    (motion,) = motions(robot, [0.02])
+    path = robot.motion.path()
+    with pytest.raises(aioduco.RobotStateError, match="within its block"):
+        await path.add(motion)
+    async with path:
+        with pytest.raises(aioduco.ParameterError, match="must be a motion"):
+            await path.add("home")  # type: ignore[arg-type]  # the wrong type is the point
+        with pytest.raises(RuntimeError, match="make another one"):
+            await path.__aenter__()
+    with pytest.raises(aioduco.RobotStateError, match="within its block"):
+        await path.add(motion)
+    with pytest.raises(aioduco.ParameterError, match="ahead is 0"):
+        robot.motion.path(ahead=0)
+    assert bench.commands == []
+    assert path.outcomes == ()

@@ -10,7 +10,7 @@ from aioduco import errors
 
 NAMES = {
     "the robot": "__version__ connect freeze_support ExitLadder Robot HeldMotion MotionCommand "
-    "OnCancel Outcome Task",
+    "MotionPath OnCancel Outcome Task",
     "values": "deg mm Joints JointsLike Pose PoseLike",
     "outputs": "bool_register event float_register output tool_output word_register Op PointOp",
     "what motions are made of": "ExternalAxis ExternalAxisScheme ExternalAxisState FileKind "

@@ -31,6 +31,10 @@ class Leg:
     cycles: int
     blends: bool = False
 
+    @property
+    def radius(self) -> float:
+        return 0.01 if self.blends else 0.0
+
 
 def leg(joint: float, cycles: int = 10, *, blends: bool = False) -> Callable[[Vector], Any]:
     """A plan: all joints to one angle."""
@@ -66,6 +70,14 @@ class FakeMover:
     def moving(self) -> bool:
         waiting = bool(self._queue) and not self.paused
         return waiting or self._braking > 0 or (self._active is not None and not self.paused)
+
+    @property
+    def active(self) -> int | None:
+        return None if self._active is None else self._active[0]
+
+    @property
+    def progress(self) -> float:
+        return 1.0 if self._active is None else 1.0 - self._left / self._active[1].cycles
 
     def append(self, key: int, plan: Callable[[Vector], Any]) -> None:
         if self._active is None and not self._queue:

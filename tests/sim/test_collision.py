@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
 import aioduco
+from aioduco.errors import SceneError
 from aioduco.kinematics import Arm, arm, models
 from aioduco.models.enums import RobotState, SafetyState, TaskState
 from aioduco.sim.controller.monitoring import LEVELS, SMOOTHING, CollisionDetector
@@ -222,3 +224,42 @@ def test_a_wrong_load_is_an_offset_and_at_a_sensitive_level_a_collision(
         sim.wait_until(lambda: sim.view.collision_axis == 4)
         with pytest.raises(ValueError, match="cannot be"):
             sim.load(-1.0)
+
+
+# -- the floor ---------------------------------------------------------------------------------
+
+
+def below(robot: Program, z: float) -> int:
+    """Straight down to a height in the base frame [m]."""
+    here = robot.get_tcp_pose()
+    return robot.line([*here[:2], z, *here[3:]], block=False)
+
+
+def test_a_collision_names_the_floor(sim: Simulator, robot: Program) -> None:
+    id_ = below(robot, -0.2)
+    sim.wait_until(lambda: robot.get_noneblock_taskstate(id_) == TaskState.ERROR, 60.0)
+    (text,) = robot.get_last_error()
+    assert re.fullmatch(
+        r"Joint \d 检测到碰撞 \(simulator: .*the flange touches the floor.*\)", text
+    )
+
+
+def test_an_arm_on_a_pedestal_reaches_below_its_base(connect: Callable[..., Program]) -> None:
+    with Simulator(speed=math.inf, pedestal=0.5) as sim:
+        robot = connect(sim)
+        robot.bring_up()
+        id_ = below(robot, -0.2)
+        sim.wait_until(lambda: robot.get_noneblock_taskstate(id_) == TaskState.FINISHED, 60.0)
+        assert robot.get_tcp_pose()[2] == pytest.approx(-0.2, abs=1e-3)
+        id_ = below(robot, -0.6)  # and there is a floor, half a metre down
+        sim.wait_until(lambda: robot.get_noneblock_taskstate(id_) == TaskState.ERROR, 60.0)
+        assert "the floor" in robot.get_last_error()[-1]
+        assert robot.get_tcp_pose()[2] == pytest.approx(-0.51, abs=0.005)
+
+
+def test_a_pedestal_is_for_an_arm_on_the_floor() -> None:
+    with pytest.raises(SceneError, match="give the height by mounting"):
+        Simulator(mounting="wall", pedestal=0.5)
+    for height in (-0.5, 0.01, math.nan):
+        with pytest.raises(SceneError, match="pedestal is"):
+            Simulator(pedestal=height)

@@ -141,6 +141,50 @@ def test_a_motion_that_blends_into_the_next_is_interrupted(ready: Bench) -> None
     assert (ready.ended(first), ready.ended(second)) == (5, 4)
 
 
+def test_who_waits_for_a_motion_that_may_blend_is_answered_in_time(ready: Bench) -> None:
+    """Not at its end: only then the motion comes with which it blends."""
+    controller = ready.controller
+    tasks = controller.tasks
+
+    def move(*, blends: bool = True) -> int:
+        return controller.move("movel", leg(1.0, 10, blends=blends))
+
+    controller.read_ahead = 50, 1
+    first = move()
+    ready.until(lambda: tasks.answer(first).ended)
+    assert (tasks.answer(first), state(ready, first)) == (TaskState.INTERRUPT, TaskState.RUNNING)
+    assert controller.progress == pytest.approx(0.5)
+    second = move(blends=False)
+    assert (ready.ended(first), ready.ended(second)) == (5, 4)
+    assert tasks.answer(second) is TaskState.FINISHED
+    # The controller cannot know whether another motion will come.
+    alone = move()
+    ready.until(lambda: tasks.answer(alone).ended)
+    assert (tasks.answer(alone), state(ready, alone)) == (TaskState.INTERRUPT, TaskState.RUNNING)
+    assert ready.ended(alone) == 4
+    # By number: as many as that are known to the controller, the running one included.
+    controller.read_ahead = 0, 1
+    row = [move() for _ in range(3)]
+    ready.tick(2)
+    assert [tasks.answer(id_).ended for id_ in row] == [True, False, False]
+    ready.until(lambda: tasks.answer(row[1]).ended)
+    assert state(ready, row[0]) is TaskState.INTERRUPT
+    assert state(ready, row[1]) is TaskState.RUNNING
+
+
+def test_who_waits_for_a_motion_that_is_stopped_or_paused_is_told_so(ready: Bench) -> None:
+    controller = ready.controller
+    controller.read_ahead = 50, 1
+    id_ = controller.move("movel", leg(1.0, 10, blends=True))
+    ready.tick(4)
+    controller.pause()
+    ready.tick(20)
+    assert controller.tasks.answer(id_) is TaskState.PAUSED
+    controller.stop()
+    assert ready.ended(id_) == 3
+    assert controller.tasks.answer(id_) is TaskState.STOPPED
+
+
 @pytest.mark.parametrize(
     ("code", "ends"),
     [("unreachable", 6), ("singular", 6), ("limits", 6), ("parameter", 8)],

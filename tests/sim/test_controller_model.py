@@ -135,9 +135,11 @@ class Commands(RuleBasedStateMachine):
     def tasks_that_ended_stay_as_they_were(self) -> None:
         for id_, state in self.last.items():
             assert self.controller.tasks.state(id_) is state
-        for id_ in self.controller.tasks.take_ended():
+        for id_ in self.controller.tasks.take_answered():
             assert id_ not in self.last
-            self.last[id_] = self.controller.tasks.state(id_)
+            state = self.controller.tasks.state(id_)
+            if state.ended:  # not one that was passed on
+                self.last[id_] = state
 
     @invariant()
     def a_run_is_closed_once_when_its_task_ends(self) -> None:

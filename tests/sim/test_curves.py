@@ -90,6 +90,47 @@ def test_splines_go_through_their_poses(sim: Simulator, robot: Program) -> None:
     assert robot.spline(plain[::-1], *spline) == TaskState.PARAMETER_MISMATCH
     assert robot.spline([], *spline) == TaskState.PARAMETER_MISMATCH
     assert robot.spline(plain * 20, *spline) == TaskState.PARAMETER_MISMATCH
+    # The warning is about two splines: behind another motion the first pose may be the present.
+    assert robot.tcp_move([0, 0, 0.01, 0, 0, 0], 0.1, 1.0, 0.0, "", True, Op(), False) == 4
+    here = [round(number, 4) for number in tip(robot, sim)]
+    assert robot.spline([here, *plain[:1]], *spline) == TaskState.FINISHED
+    assert near(tip(robot, sim), goals[0])
+    assert robot.tcp_move([0, 0, 0.01, 0, 0, 0], 0.1, 1.0, 0.0, "", True, Op(), False) == 4
+    assert robot.spline([list(tip(robot, sim))], *spline) == TaskState.FINISHED
+
+
+@pytest.mark.parametrize("function", ["movel", "movec", "move_circle", "move_spiral", "spiral 2"])
+def test_paths_end_in_the_branch_of_the_joints_given(
+    sim: Simulator, robot: Program, function: str
+) -> None:
+    """`q_near` does not choose a solution here: it verifies the one to which the path leads."""
+    start = tip(robot, sim)
+    side, far = (list(start.shifted(x=x, z=z)) for x, z in ((0.02, 0.03), (0.04, 0.0)))
+    centre = list(start.shifted(x=0.02))
+
+    def move(q_near: list[float]) -> int:
+        rest = (q_near, "", "", True, Op(), False)
+        match function:
+            case "movel":
+                return robot.movel(far, 0.2, 1.0, 0.0, *rest)
+            case "movec":
+                return robot.movec(side, far, 0.2, 1.0, 0.0, 0, *rest)
+            case "move_circle":
+                return robot.move_circle(side, far, 0.2, 1.0, 0.0, 1, *rest)
+            case "move_spiral":
+                return robot.move_spiral(centre, centre, 0.5, 0.0, 0.02, 0, 0.2, 1.0, *rest)
+        return robot.move_spiral(centre, far, 0.5, 0.0, 0.0, 1, 0.2, 1.0, *rest)
+
+    end = Pose.of(far if function != "move_circle" else start)
+    mirrored = sim.arm.ikine_all(end.matrix)
+    own = sim.arm.ikine(end.matrix, sim.joints)
+    others = [q for q in mirrored if np.abs(q - own).max() > 0.5]
+    assert len(others) == len(mirrored) - 1
+    for q in others:
+        assert move(list(q)) == TaskState.PARAMETER_MISMATCH
+        assert near(tip(robot, sim), start)
+    assert "branch" in robot.get_last_error()[-1]
+    assert move(list(own + 0.1)) == TaskState.FINISHED  # joints nearby, not those of the target
 
 
 def test_points_of_a_spline_trigger_as_they_are_passed(connect: Callable[..., Program]) -> None:

@@ -287,6 +287,26 @@ def test_a_condition_holds_for_its_duration() -> None:
     assert clock.at(0.3) is None
 
 
+@pytest.mark.parametrize("what", ["pos", "vel", "ft"])
+def test_a_range_of_zero_takes_a_number_out_of_the_condition(what: Any) -> None:
+    clock = Clock(*(1 if each == what else 0 for each in ("pos", "vel", "ft")))
+    z_alone = (0.0, 0.0, 0.005, 0.0, 0.0, 0.0)
+    middle = (0.0, 0.0, 0.05, 0.0, 0.0, 0.0)
+
+    def wait(spread: tuple[float, ...]) -> None:
+        condition = Condition(middle, spread, absolute=False, duration=0.0, timeout=9.0)
+        clock.conditions.set(what, condition)
+        clock.begin()
+
+    wait(z_alone)
+    clock.values[what] = [0.3, -0.2, 0.0, 0.1, 0.0, 0.4]  # far from the middle, but for z
+    assert clock.at(0.1) is None
+    clock.values[what][2] = 0.047
+    assert clock.at(0.2) == "met"
+    wait((0.0,) * 6)  # nothing counts, so nothing can hold
+    assert clock.at(0.3) is None
+
+
 def test_changes_count_from_the_beginning_and_angles_go_round() -> None:
     clock = Clock(1, 0, 0)
     clock.set("pos", 0.5, absolute=False)

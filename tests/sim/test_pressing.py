@@ -298,9 +298,9 @@ def test_fc_stop_during_a_motion_is_a_fault(simulator: Simulator, robot: Program
 def test_a_motion_ends_where_a_position_is_reached(simulator: Simulator, robot: Program) -> None:
     config(robot, 20.0)
     here = robot.get_tcp_pose()
-    wide = [9.0, 9.0, 0.002, 9.0, 9.0, 9.0]
+    z_alone = [0.0, 0.0, 0.002, 0.0, 0.0, 0.0]
     done(robot, robot.fc_start())
-    done(robot, robot.fc_wait_pos([0, 0, -0.01, 0, 0, 0], wide, False, 0, 10_000))
+    done(robot, robot.fc_wait_pos([0, 0, -0.01, 0, 0, 0], z_alone, False, 0, 10_000))
     done(robot, robot.fc_wait_logic([1, 0, 0]))
     assert robot.fc_move(True) == TaskState.FINISHED
     settle(simulator, robot)

@@ -37,6 +37,9 @@ class Follower:
         self.broken = False
         self.braked: list[bool] = []
 
+    def touched(self) -> str:
+        return ""
+
     def step(self, setpoint: JointSetPoint) -> None:
         if self.broken:
             raise FloatingPointError("the arm fell apart")

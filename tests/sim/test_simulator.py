@@ -155,6 +155,32 @@ def test_blending_ends_the_first_motion_as_interrupted(sim: Simulator, robot: Pr
     assert robot.get_noneblock_taskstate(first) == TaskState.INTERRUPT
 
 
+def test_calls_that_block_blend_as_those_that_do_not(connect: Callable[..., Program]) -> None:
+    """The second motion comes in time as long as the machine answers within two seconds."""
+    took: list[float] = []
+    ends: list[list[int]] = []
+    with Simulator(speed=1.0) as sim:
+        robot = connect(sim)
+        robot.bring_up()
+        assert robot.set_blend_ahead(10, 1) == TaskState.FINISHED
+        for radius, block in ((0.03, True), (0.03, False), (0.0, True)):
+            start = Pose.of(robot.get_tcp_pose())
+            began = sim.time
+            codes = [
+                robot.line(list(start.shifted(x=x, z=z)), v=0.03, r=r, block=block)
+                for x, z, r in ((0.1, 0.0, radius), (0.1, 0.03, 0.0))
+            ]
+            sim.wait_until(lambda: not sim.moving, 60.0)
+            took.append(sim.time - began)
+            ends.append(codes if block else [robot.get_noneblock_taskstate(id_) for id_ in codes])
+            sim.speed = math.inf
+            assert robot.line(list(start)) == TaskState.FINISHED
+            sim.speed = 1.0
+    assert ends == [[5, 4], [5, 4], [4, 4]]
+    assert took[0] == pytest.approx(took[1], abs=0.05)
+    assert took[0] < took[2] - 0.1
+
+
 def test_one_connection_waits_while_another_works(
     sim: Simulator, robot: Program, aside: Aside
 ) -> None:

@@ -21,6 +21,7 @@ class Tables(RuleBasedStateMachine):
         self.table = TaskTable()
         self.model: dict[int, TaskState] = {}
         self.news: list[int] = []
+        self.passed: set[int] = set()
 
     @rule(target=going)
     def new(self) -> int:
@@ -35,6 +36,13 @@ class Tables(RuleBasedStateMachine):
         self.table.set(id_, state)
         self.model[id_] = state
 
+    @rule(id_=going)
+    def pass_on(self, id_: int) -> None:
+        self.table.pass_on(id_)
+        if id_ not in self.passed:
+            self.passed.add(id_)
+            self.news.append(id_)
+
     @rule(id_=consumes(going), state=ENDED, again=st.sampled_from(list(TaskState)))
     def end(self, id_: int, state: TaskState, again: TaskState) -> None:
         self.table.set(id_, state, "why")
@@ -45,13 +53,15 @@ class Tables(RuleBasedStateMachine):
 
     @rule()
     def take(self) -> None:
-        assert self.table.take_ended() == self.news
+        assert self.table.take_answered() == self.news
         self.news = []
 
     @invariant()
     def agrees(self) -> None:
         for id_, state in self.model.items():
             assert self.table.state(id_) is state
+            passed = id_ in self.passed
+            assert self.table.answer(id_) is (TaskState.INTERRUPT if passed else state)
         unfinished = {task.id for task in self.table.unfinished()}
         assert unfinished == {id_ for id_, state in self.model.items() if not state.ended}
 

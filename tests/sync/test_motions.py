@@ -140,3 +140,27 @@ def test_what_help_shows(robot: aioduco.sync.Robot) -> None:
         assert "关节运动" in str(movej2.__doc__)
         assert {"joints", "v", "a", "r"} <= set(inspect.signature(movej2).parameters)
     assert repr(robot.motion.movej2) == "<motion movej2>"
+
+
+def test_a_path_blends_and_ends_with_its_block(robot: aioduco.sync.Robot, desk: Desk) -> None:
+    desk.motion_time = 1.0  # long beside what a busy machine takes to send the next
+    legs = [robot.motion.movej2.prepare(HOME, v=1.0, a=1.0, r=r) for r in (0.02, 0.02, 0.0)]
+    with robot.motion.path() as path:
+        for leg in legs:
+            assert not path.add(leg).done
+    assert path.outcomes == (Outcome.BLENDED, Outcome.BLENDED, Outcome.FINISHED)
+    assert path.ahead == 2
+    desk.motion_time = 30.0
+    path = robot.motion.path()
+    tasks: list[aioduco.sync.Task] = []
+
+    def raising() -> None:
+        with path:
+            tasks.append(path.add(legs[0]))
+            assert not tasks[0].done
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        raising()
+    assert tasks[0].outcome is Outcome.STOPPED
+    assert repr(path) == "<MotionPath of 1 motions, 0 ended>"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from typing import TYPE_CHECKING, Literal, get_args
 
 from aioduco.api.motion.curves import Curves
@@ -14,12 +13,13 @@ from aioduco.api.motion.teaching import Teaching
 from aioduco.api.motion.trajectory import follow
 from aioduco.api.motion.velocity import Velocity
 from aioduco.api.section import done
-from aioduco.errors import DucoError, ParameterError, UnknownFunction
+from aioduco.errors import ParameterError, UnknownFunction
 from aioduco.models import ranges
 from aioduco.models.rules import Integer
 from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
 from aioduco.streaming.options import Feeding, checked, per_group
 from aioduco.supervision.command import MotionCommand
+from aioduco.supervision.motion_path import MotionPath
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from aioduco.streaming.joint_trajectory import Feedback, TrajectoryResult
     from aioduco.streaming.options import LaneOptions
     from aioduco.supervision.supervisor import Supervisor
-    from aioduco.supervision.task import Task
 
 __all__ = ["Motion", "Through"]
 
@@ -48,6 +47,9 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         move = await robot.motion.movel(target, v=0.2, a=0.5).start()
         await robot.motion.run(approach, pass_by, retreat)
 
+    A motion with a blend radius `r` blends only into one that the controller has in time: see
+    `run` and `path`.
+
     Motions at a velocity, jogs and hand guiding go on until they are told to end: they are tied
     to a block, which ends them when it is left.
     """
@@ -60,6 +62,9 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
 
     async def set_blend_ahead(self, per: int, num: int = 1) -> None:
         """Set how early the controller reads the next motion, to blend into it (融合预读取).
+
+        It holds for programs of the controller, and for calls that block, which this package does
+        not make: what `run` and `path` send ahead is known to the controller as it comes.
 
         Args:
             per: percent of a motion after which the next is read, 0 to 100; usually 0 or 50.
@@ -80,7 +85,8 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         """Send motions one after another, ahead of the arm, and wait for all of them.
 
         The controller can blend a motion into the next only if it has that one in time. So some
-        are sent ahead; the others follow as the first ones end.
+        are sent ahead; the others follow as the first ones end. `path` does so for motions that
+        are not all known beforehand.
 
         Args:
             motions: in the order in which they are to be carried out.
@@ -100,26 +106,35 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
             if not isinstance(motion, MotionCommand):
                 raise ParameterError(f"motions[{number}]", motion, "a motion")
             motion.hand_over()
-        _AHEAD("ahead", ahead)
-        tasks: deque[Task] = deque()
-        outcomes: list[Outcome] = []
-        try:
+        async with self.path(ahead=ahead) as path:
             for motion in motions:
-                if len(tasks) >= ahead:
-                    outcomes.append(await tasks.popleft())
-                tasks.append(await motion.start())
-            while tasks:
-                outcomes.append(await tasks.popleft())
-        except DucoError:
-            # One was refused, or failed: those that were sent must not go on without it.
-            if tasks:
-                await tasks[0].cancel()
-            raise
-        except BaseException:
-            if tasks:
-                await tasks[0].forsake()
-            raise
-        return tuple(outcomes)
+                await path.add(motion)
+        return path.outcomes
+
+    def path(self, *, ahead: int = 2) -> MotionPath:
+        """Make a path of motions that blend, for a program that sends them one by one.
+
+            async with robot.motion.path() as path:
+                async for corner in corners:
+                    await path.add(robot.motion.movel(corner, v=0.2, a=0.5, r=mm(30)))
+
+        A motion that is awaited alone has no successor until it has ended, so it never blends.
+        Here `add` returns while the arm is still on its way, as the manual's blocking calls
+        do at the beginning of a blend. When the block is left, all motions have ended.
+
+        Args:
+            ahead: how many motions the controller has at most, the running one included, 1 to
+                1000. With 1 nothing blends.
+
+        Returns:
+            The path; nothing is sent before its block.
+
+        Raises:
+            ParameterError: `ahead` is out of range.
+
+        Manual section 1.3.5, blend radius.
+        """
+        return MotionPath(_AHEAD("ahead", ahead), lambda: self._supervisor.stop_coordinator.stops)
 
     async def follow_joint_trajectory(
         self,

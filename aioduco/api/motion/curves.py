@@ -153,8 +153,8 @@ class Curves(Section):
         ends.
 
         Args:
-            poses: 2 to 50 poses of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
-                Shape (n, 6).
+            poses: 1 to 50 poses of the tool in the work object, of which the first may be where
+                the arm is; x, y, z [m], rx, ry, rz [rad]. Shape (n, 6).
             v: highest speed of the tool, 0.01 to 5 [m/s].
             a: highest acceleration of the tool, from 0.01 [m/s²].
             tool: name of the tool; empty for the one in use.
@@ -200,7 +200,7 @@ class Curves(Section):
         ends.
 
         Args:
-            points: 2 to 50 poses of the tool in the work object, each with what is set there.
+            points: 1 to 50 poses of the tool in the work object, each with what is set there.
             v: speed of the tool, 0.00001 to 5 [m/s].
             a: acceleration of the tool, from 0.00001 [m/s²].
             tool: name of the tool; empty for the one in use.

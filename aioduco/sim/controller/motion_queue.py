@@ -98,6 +98,7 @@ class MotionQueue:
         self._waiting_for_rest: list[int] = []
         self._at_rest = True
         self._triggers = Triggers()
+        self._blending: dict[int, None] = {}  # have a blend radius, and are waited for
         self._time = 0.0
         self._follower: TargetFollower | None = None
         self._following: tuple[int, Following] | None = None
@@ -189,15 +190,41 @@ class MotionQueue:
             if id_ not in self._queue:
                 raise PlanError("parameter", "the motion before it failed")
             try:
-                return plan(start)
+                segment = plan(start)
             except PlanError as exc:
                 self._fail(id_, exc)
                 raise
+            if segment.radius > 0.0:
+                self._blending[id_] = None
+            return segment
 
         try:
             self._mover.append(id_, checked)
         except PlanError:
             self._settle()
+
+    def read_ahead(self, part: int, count: int) -> None:
+        """Answer blocking calls as early as programs read on, so that their motions can blend.
+
+        A client that waits for a motion sends the next one only then. So the call for one with a
+        blend radius is answered before its end, whether another motion follows or not.
+
+        Args:
+            part: how much of its way a motion has made by then [%].
+            count: if that is 0: how many motions are known then, the running one included.
+        """
+        if not self._blending or self._phase is not MotionPhase.RUNNING:
+            return
+        if part > 0:
+            running = self._mover.active if self._follower is None else None
+            if running not in self._blending or self.progress < part / 100.0:
+                return
+            passed = [running]
+        else:
+            passed = [id_ for id_ in list(self._queue)[:count] if id_ in self._blending]
+        for id_ in passed:
+            del self._blending[id_]
+            self._tasks.pass_on(id_)
 
     def follow(self, id_: int, following: Following) -> None:
         """Queue a motion whose targets come while it runs; one of its kind is taken over."""
@@ -440,6 +467,7 @@ class MotionQueue:
 
     def _end(self, id_: int, state: TaskState, message: str = "", *, reached: bool = False) -> None:
         del self._queue[id_]
+        self._blending.pop(id_, None)
         if self._triggers:
             self._triggers.end(id_, self._time, self.setpoint, reached=reached)
         self._tasks.set(id_, state, message)

@@ -135,6 +135,7 @@ class Controller:
         self.recorder: Recorder = Recorder()
         self.rules: SignalRules = SignalRules()
         self.read_ahead: tuple[int, int] = (0, 1)
+        self.last_motion: str = ""  # the function of the motion that was taken last
         self.program_lag: float = 0.0
         self.mode: OperationMode = OperationMode.AUTO
         self.halted: bool = False
@@ -256,6 +257,7 @@ class Controller:
         if (skipped := self.force.admit(name)) is not None:
             return skipped
         id_ = self.tasks.new(name)
+        self.last_motion = name
         self._motion.append(id_, plan, triggers)
         self._collect_failures()
         return id_
@@ -267,6 +269,7 @@ class Controller:
         if (skipped := self.force.admit(name)) is not None:
             return skipped
         id_ = self.tasks.new(name)
+        self.last_motion = name
         self._motion.follow(id_, following)
         self._collect_failures()
         return id_
@@ -405,12 +408,18 @@ class Controller:
         """The button is released; the safety stop stays until the power was off."""
         self._safety.emergency_stop = False
 
-    def collide(self, joint: int) -> None:
-        """A joint, 1 to 6, has detected a collision: the arm stands where it is, and yields."""
+    def collide(self, joint: int, touched: str = "") -> None:
+        """A joint, 1 to 6, has detected a collision: the arm stands where it is, and yields.
+
+        Args:
+            joint: which one.
+            touched: what touches what, if that is known: a controller does not know it.
+        """
         if self._power.state is not RobotState.ENABLE:
             return
         self.collisions.axis = joint
-        self.fault(SafetyState.STOP2, f"Joint {joint} 检测到碰撞")
+        known = touched and f" (simulator: {touched})"
+        self.fault(SafetyState.STOP2, f"Joint {joint} 检测到碰撞{known}")
         if not self.force.active:  # it has moved the set-points away from those of the motions
             self._motion.yield_to(self._sensed.q)
 
@@ -465,8 +474,9 @@ class Controller:
             return DriveCommand(JointSetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
         joint = self.collisions.update(sensed.time, sensed.external)
         if joint and self._safety.fault is None:
-            self.collide(joint)
+            self.collide(joint, sensed.touched())
         setpoint = self._motion.tick(sensed.time, sensed.q, sensed.qd, at_rest=self._at_rest)
+        self._motion.read_ahead(*self.read_ahead)
         self.external_axes.positions.update(self._motion.axes)
         setpoint = self.force.tick(setpoint)
         self._collect_failures()

@@ -31,12 +31,15 @@ class ControllerTask:
         name: the function that made it.
         state: where it is; a state that has `ended` is the last.
         message: why it ended so, for people.
+        passed: whether a blocking call was answered before its end, so that the motion that it
+            is to blend into can come.
     """
 
     id: int
     name: str
     state: TaskState
     message: str = ""
+    passed: bool = False
 
 
 class TaskTable:
@@ -92,8 +95,22 @@ class TaskTable:
         """Every task that has not ended, oldest first."""
         return tuple(self._running.values())
 
-    def take_ended(self) -> list[int]:
-        """Ids of the tasks that ended since this was asked last."""
+    def pass_on(self, id_: int) -> None:
+        """Answer a blocking call for a task that has not ended, as interrupted."""
+        task = self._running[id_]
+        if not task.passed:
+            self._running[id_] = replace(task, passed=True)
+            self._news.append(id_)
+
+    def answer(self, id_: int) -> TaskState:
+        """What a blocking call is answered; a state that has not `ended` as long as it waits."""
+        task = self.get(id_)
+        if task is None:
+            return TaskState.IDLE
+        return TaskState.INTERRUPT if task.passed else task.state
+
+    def take_answered(self) -> list[int]:
+        """Ids of the tasks that ended, or were passed on, since this was asked last."""
         if not self._news:
             return []
         news, self._news = self._news, []

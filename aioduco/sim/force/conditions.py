@@ -23,11 +23,11 @@ _EARLY = 1e-9  # for the rounding of a time that is a sum of cycles [s]
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """Six numbers have to be within their ranges, for a while.
+    """Numbers of six have to be within their ranges, for a while.
 
     Attributes:
         middle: of the ranges [m, rad; m/s, rad/s; N, N m].
-        range: how far from the middle, to both sides.
+        range: how far from the middle, to both sides; 0 for a number that does not count.
         absolute: whether it is the numbers that count, or their change since the conditions began.
         duration: how long they must be in their ranges [s].
         timeout: how long after the beginning that may take [s].
@@ -38,6 +38,11 @@ class Condition:
     absolute: bool
     duration: float
     timeout: float
+
+    @property
+    def counts(self) -> bool:
+        """Whether any of the six numbers counts."""
+        return any(width != 0.0 for width in self.range)
 
 
 class Conditions:
@@ -103,7 +108,9 @@ class Conditions:
         if not self._logic or self.verdict is not None:
             return self.verdict
         logic: dict[Quantity, int] = {
-            each: how for each, how in self._logic.items() if each in self._conditions
+            each: how
+            for each, how in self._logic.items()
+            if each in self._conditions and self._conditions[each].counts
         }
         held = {each: self._held(each, time, now(each)) for each in logic}
         late = {each: not held[each] and self._is_late(each, time) for each in logic}
@@ -124,13 +131,15 @@ class Conditions:
         """Whether a condition has held for long enough."""
         condition = self._conditions[quantity]
         turning = quantity == "pos"
-        for i in range(6):
+        for i, width in enumerate(condition.range):
+            if width == 0.0:
+                continue
             value = values[i] - condition.middle[i]
             if not condition.absolute:
                 value -= self._references[quantity][i]
             if turning and i >= 3:
                 value = math.remainder(value, math.tau)
-            if not abs(value) <= condition.range[i]:
+            if not abs(value) <= width:
                 self._since.pop(quantity, None)
                 return False
         since = self._since.setdefault(quantity, time)

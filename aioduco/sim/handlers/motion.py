@@ -14,7 +14,6 @@ from aioduco.sim.handlers.paths import (
     DEFAULT_JOINT_ACCELERATION,
     PathSection,
     blend,
-    near,
 )
 from aioduco.sim.planner.segments import line_move, spiral_move, spline_move
 
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
     Vector = NDArray[np.float64]
 
 _MOST_POINTS = 50
+_SPLINES = ("spline", "spline_op")
 _FINE_SPEED = (1e-5, 5.0, "m/s")
 _FINE_ACCELERATION = (1e-5, math.inf, "m/s²")
 _BY_PARAMETERS, _BY_END = 0, 1
@@ -216,22 +216,24 @@ class MotionHandlers(PathSection):
             centre = base.matrix @ arguments.pose("p1", p1).matrix
             tip = arguments.tool(self._frames, tool).matrix
             target = self._target("p2", p2, tool, wobj)[0] if mode == _BY_END else None
-            near(q_near)
             turns = arguments.number("rev", rev, -1000.0, 1000.0, "turns")
             axial = arguments.number("len", len, -10.0, 10.0, "m") if target is None else 0.0
             end = arguments.number("r", r, 0.0, 10.0, "m") if target is None else 0.0
             pace, manner = self._line_pace(v, a, def_acc), self._manner(wobj)
-            return lambda start: spiral_move(
-                self._arm,
-                start,
-                centre,
-                turns,
-                *pace,
-                axial=axial,
-                radius=end,
-                target=target,
-                tool=tip,
-                **manner,
+            return self._verified(
+                lambda start: spiral_move(
+                    self._arm,
+                    start,
+                    centre,
+                    turns,
+                    *pace,
+                    axial=axial,
+                    radius=end,
+                    target=target,
+                    tool=tip,
+                    **manner,
+                ),
+                q_near,
             )
 
         return self._motion("move_spiral", plan, op, block)
@@ -297,8 +299,9 @@ class MotionHandlers(PathSection):
         tip = arguments.tool(self._frames, tool).matrix
         targets = [self._target("pose_list", p, tool, wobj)[0] for p in poses]
         radius, manner = blend(r), self._manner(wobj)
+        apart = self._runtime.last_motion in _SPLINES
         return lambda start: spline_move(
-            self._arm, start, targets, *pace, radius, tool=tip, **manner
+            self._arm, start, targets, *pace, radius, tool=tip, apart=apart, **manner
         )
 
     # -- lines by an offset from where the motion before ends -------------------------------------
@@ -395,7 +398,7 @@ class MotionHandlers(PathSection):
         return self._motion("wobj_move_2p", plan, op, block)
 
     def set_blend_ahead(self, per: int, num: int) -> int:
-        """How far programs read motions ahead; those that clients send are known as they come."""
+        """How far programs read motions ahead, and when calls that block are answered."""
 
         def command(controller: Controller) -> int:
             if not 0 <= per <= 100:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias, TypedDict
 import numpy as np
 
 from aioduco.errors import Unreachable
+from aioduco.kinematics.forward import singular_values
 from aioduco.models.enums import OperationMode
 from aioduco.sim.controller.triggers import MotionTriggers, motion_triggers
 from aioduco.sim.handlers import arguments
@@ -43,6 +44,10 @@ DEFAULT_JOINT_ACCELERATION = 5.0
 DEFAULT_LINE_ACCELERATION = 2.0
 #: what is forgiven of the speed of a motion that has a target
 TOO_FAST = "speed above its range"
+#: parts of a branch, and how far both have to be from the singularity between its two sides:
+#: nearer to it the sign of a value says little [m; sines]
+_BRANCH = ("shoulder", "elbow", "wrist")
+_MIRRORED = 0.02
 _STEEPEST = 1e3  # stands for an acceleration that only the joints limit [m/s²]
 
 
@@ -177,9 +182,11 @@ class PathSection(HandlerSection):
     ) -> Plan:
         """To a pose of the tool, its tip going straight."""
         target, tip = self._target("p", p, tool, wobj)
-        near(q_near)
         radius, manner = blend(r), self._manner(wobj)
-        return lambda start: line_move(self._arm, start, target, *pace, radius, tool=tip, **manner)
+        return self._verified(
+            lambda start: line_move(self._arm, start, target, *pace, radius, tool=tip, **manner),
+            q_near,
+        )
 
     def _to_arc(
         self,
@@ -195,12 +202,14 @@ class PathSection(HandlerSection):
         """Along an arc through p1 to p2."""
         via, tip = self._target("p1", p1, tool, wobj)
         target, _ = self._target("p2", p2, tool, wobj)
-        near(q_near)
         if mode not in (0, 1, 2):
             raise mismatch(f"mode is {mode}, but must be 0, 1 or 2")
         radius, manner = blend(r), self._manner(wobj)
-        return lambda start: arc_move(
-            self._arm, start, via, target, *pace, radius, mode=mode, tool=tip, **manner
+        return self._verified(
+            lambda start: arc_move(
+                self._arm, start, via, target, *pace, radius, mode=mode, tool=tip, **manner
+            ),
+            q_near,
         )
 
     def _round(
@@ -217,13 +226,38 @@ class PathSection(HandlerSection):
         """Once round the circle through p1 and p2."""
         first, tip = self._target("p1", p1, tool, wobj)
         second, _ = self._target("p2", p2, tool, wobj)
-        near(q_near)
         if mode not in (1, 2):
             raise mismatch(f"mode is {mode}, but must be 1 or 2")
         radius, manner = blend(r), self._manner(wobj)
-        return lambda start: circle_move(
-            self._arm, start, first, second, *pace, radius, mode=mode, tool=tip, **manner
+        return self._verified(
+            lambda start: circle_move(
+                self._arm, start, first, second, *pace, radius, mode=mode, tool=tip, **manner
+            ),
+            q_near,
         )
+
+    def _verified(self, plan: Plan, q_near: Sequence[float]) -> Plan:
+        """A path of the tool that must end in the branch of the joints given, if any are."""
+        reference = near(q_near)
+        if reference is None:
+            return plan
+        wanted = singular_values(self._arm.geometry, reference)
+
+        def verified(start: Vector) -> Segment:
+            segment = plan(start)
+            found = singular_values(self._arm.geometry, segment.q_end)
+            other = (np.sign(wanted) != np.sign(found)) & (
+                np.minimum(np.abs(wanted), np.abs(found)) > _MIRRORED
+            )
+            if other.any():
+                which = ", ".join(np.array(_BRANCH)[other])
+                raise PlanError(
+                    "parameter",
+                    f"q_near is in another branch than the end of the path: {which} mirrored",
+                )
+            return segment
+
+        return verified
 
     def _target(self, name: str, p: Sequence[float], tool: str, wobj: str) -> tuple[Matrix, Matrix]:
         """Pose of the flange in the base frame, and of the tool's tip in the flange's."""

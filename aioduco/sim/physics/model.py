@@ -33,6 +33,7 @@ SERVOS = 5
 
 # MuJoCo's friction gives way a little under load: this is as firm as it gets.
 _FIRM = "0.9999 0.9999 0.001 0.5 2"
+_GAP = 0.01  # between the base and what it stands on, so that a link may come close to it [m]
 # Housings that are inside each other in every configuration, besides those of neighbours.
 _NESTED = (("base", "link1"), ("base", "link2"), ("link4", "link6"))
 _TUBE, _JOINT = "0.9 0.91 0.92 1", "0.16 0.36 0.62 1"  # colours
@@ -42,7 +43,7 @@ def _text(values: Iterable[float]) -> str:
     return " ".join(f"{value:.12g}" for value in values)
 
 
-def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None) -> str:
+def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None, *, pedestal: bool = False) -> str:
     """Give the model as MJCF.
 
     Joints are named joint1 to joint6, their servos likewise. The flange is a site of that name,
@@ -53,6 +54,7 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None) -> str:
         arm: the arm.
         timestep: of the simulation [s].
         mounting: of the base in the world, whose z axis is up; None for on the floor.
+        pedestal: whether it stands on a column, instead of a plate, where it is off the floor.
     """
     root = ET.Element("mujoco", model=arm.name)
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
@@ -79,9 +81,14 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None) -> str:
     ET.SubElement(
         world, "light", pos="1 -1 3", dir="-0.3 0.3 -1", diffuse="0.5 0.5 0.5", directional="true"
     )
-    # The base stands a little above the floor, so that a link may come close to its own height.
     ET.SubElement(
-        world, "geom", name="floor", type="plane", size="3 3 0.1", pos="0 0 -0.01", material="tiles"
+        world,
+        "geom",
+        name="floor",
+        type="plane",
+        size="3 3 0.1",
+        pos=f"0 0 {-_GAP}",
+        material="tiles",
     )
     links = bodies(arm)
     place = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if mounting is None else mounting
@@ -89,7 +96,13 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None) -> str:
         world, "body", name="base", pos=_text(place[:3]),
         quat=_text(quaternion_from_matrix(place.matrix[:3, :3])),
     )  # fmt: skip
-    if any(place):
+    if pedestal:
+        wide, high = 1.5 * links[0].parts[0].radius, 0.5 * (place[2] - _GAP)
+        ET.SubElement(
+            parent, "geom", name="pedestal", type="box", size=_text((wide, wide, high)),
+            pos=_text((0.0, 0.0, -_GAP - high)), rgba="0.6 0.63 0.66 1",
+        )  # fmt: skip
+    elif any(place):
         # Off the floor the base stands on a plate, which arms do not pass through either.
         half = 0.3 * arm.reach
         ET.SubElement(

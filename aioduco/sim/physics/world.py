@@ -41,6 +41,7 @@ class World:
         scene: what stands around it, as `scene.mjcf_of` gives it.
         tool: what it carries, likewise; its mass is known to the servos.
         mounting: of its base in the world; None for on the floor.
+        pedestal: whether it stands on a column there.
 
     Raises:
         SceneError: MuJoCo does not take the scene or the tool.
@@ -55,10 +56,11 @@ class World:
         scene: str | None = None,
         tool: str | None = None,
         mounting: Pose | None = None,
+        pedestal: bool = False,
     ) -> None:
         self.arm = arm
         self.mounting: Pose = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if mounting is None else mounting
-        bare = mjcf(arm, timestep, self.mounting)
+        bare = mjcf(arm, timestep, self.mounting, pedestal=pedestal)
         self.model: Any = compose(bare, scene, tool)
         self.data: Any = mujoco.MjData(self.model)
         # What the servos model: the tool and load that were set, and nothing of the scene.
@@ -87,6 +89,7 @@ class World:
         self._others: Array = data.qvel[6:]
         self._target = self._torque = self._external = np.zeros(6)
         self._flange = self.model.site("flange").id
+        self._root = self.model.body("base").id
         self._turn = self.mounting.matrix[:3, :3]
         self._base = self.mounting.inverse().matrix
         self._braked = False
@@ -223,6 +226,29 @@ class World:
     def wrench(self) -> Array:
         """Force [N] and torque [N m] that the world applies to the flange, in its frame. (6,)"""
         return -self._sensor
+
+    def touched(self) -> str:
+        """Say what of the arm or its tool touches what, such as "link4 touches the floor"."""
+        model, data = self.model, self.data
+        told = set()
+        for i in range(data.ncon):
+            pair = sorted(
+                (int(geom) for geom in data.contact.geom[i]),
+                key=lambda geom: bool(model.body_rootid[model.geom_bodyid[geom]] != self._root),
+            )
+            told.add(f"{self._called(pair[0])} touches {self._called(pair[1])}")
+        return ", ".join(sorted(told))
+
+    def _called(self, geom: int) -> str:
+        """What a thing is called, for people: the name of its body, or its own in the world."""
+        named = self.model.geom(geom).name
+        if named in ("floor", "plate", "pedestal"):
+            return f"the {named}"
+        body = int(self.model.geom_bodyid[geom])
+        name = self.model.body(body).name if body else named
+        if name == "flange" or name.startswith("tool"):
+            return f"the {name.partition('/')[0]}"
+        return name.removeprefix("scene/") or "a thing without a name"
 
     def flange(self) -> Array:
         """Give the pose of the flange in the base frame. Shape (4, 4)."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.kinematics.forward import fkine
+from aioduco.models.rotation import rotvec_from_matrix
 from aioduco.sim.planner.curves import StraightLine, arc_through, spiral, spline
 from aioduco.sim.planner.limits import joint_limits, tool_limits
 from aioduco.sim.planner.path import Path, PlanError
@@ -39,6 +40,7 @@ __all__ = [
 ]
 
 _STILL = 1e-9  # a motion shorter than this stays where it is [rad, m]
+_SAME = 1e-4  # poses that differ by less are one, where a spline begins [m, rad]
 _SLOWEST = 0.02  # share of the speed asked for, below which a path counts as singular
 
 
@@ -331,6 +333,7 @@ def spline_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
+    apart: bool = False,
 ) -> Segment:
     """Move the tool centre point along a smooth curve through poses (manual 1.3.5, spline).
 
@@ -344,13 +347,27 @@ def spline_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: to lay over the path.
         around: leave the path near singularities instead of refusing it.
+        apart: whether the first pose must not be where the motion begins, as behind another
+            spline; else it may be.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     start, frame = _start(arm, q0, tool)
-    curve = spline(start, [target @ frame for target in targets])
+    through = [target @ frame for target in targets]
+    if not apart and through and _same(start, through[0]):
+        del through[0]
+        if not through:
+            _check(v, a, r)
+            return replace(stay(arm, q0), radius=r, v=v, a=a, tool=frame)
+    curve = spline(start, through)
     return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
+
+
+def _same(one: Array, other: Array) -> bool:
+    """Whether two poses are the same, but for the digits in which poses are written down."""
+    turn = rotvec_from_matrix(one[:3, :3].T @ other[:3, :3])
+    return bool(np.linalg.norm(one[:3, 3] - other[:3, 3]) < _SAME and np.linalg.norm(turn) < _SAME)
 
 
 def _start(arm: Arm, q0: Array, tool: Array | None) -> tuple[Array, Array]:
