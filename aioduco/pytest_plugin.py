@@ -88,6 +88,6 @@ async def duco_robot(
     line: Simulator | FaultProxy = duco_simulator
     if "duco_proxy" in request.fixturenames:
         line = request.getfixturevalue("duco_proxy")
-    async with connect(line.host, line.port) as robot:
+    async with connect(line.host, line.port, clock=duco_simulator.clock) as robot:
         await robot.bring_up()
         yield robot
