@@ -55,7 +55,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "compat": BASE | {"_wire"},
     "recording": CLIENT | {"robot", "__init__"},
     "sync": CLIENT | {"robot", "__init__"},
-    "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "testing"},
+    "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "sync", "testing"},
     "cli": CLIENT | {"robot", "__init__", "sim", "recording"},
 }
 
