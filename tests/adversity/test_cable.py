@@ -8,7 +8,6 @@ import anyio
 import pytest
 
 import aioduco
-from aioduco import HeartbeatState
 from aioduco.errors import HeartbeatLost, StopUnconfirmed, TaskError, TaskStopped, TaskUnknown
 from aioduco.models.enums import Outcome
 from aioduco.testing import Ending, FaultProxy, eventually_async, no_leaks
@@ -174,7 +173,5 @@ async def test_the_error_comes_as_soon_as_the_controller_has_stopped_the_arm(
         finally:
             proxy.clear()
         assert isinstance(caught.value.__cause__, HeartbeatLost)
-        await eventually_async(
-            lambda: robot.heartbeat and robot.heartbeat.state is HeartbeatState.BEATING, 60.0
-        )
+        await robot.rearm_heartbeat(timeout=60.0)
         assert await robot.motion.movej2(RIGHT, v=2.0, a=8.0) is Outcome.FINISHED
