@@ -10,8 +10,13 @@
             await my_program.home(duco_robot)
         assert len(duco_proxy.calls("movej2")) == 1
 
-Unless a test asks for one, neither MuJoCo nor Thrift is loaded for them. The fixture
-`duco_robot` is a coroutine: it needs pytest-asyncio, in any mode, or anyio's own plugin.
+    def test_a_program_that_waits(duco_sync_robot, duco_simulator):
+        my_plain_program.home(duco_sync_robot)
+        assert not duco_simulator.moving
+
+The robots' times go by the simulator's clock. Unless a test asks for one, neither MuJoCo nor
+Thrift is loaded for them. The fixture `duco_robot` is a coroutine: it needs pytest-asyncio, in any
+mode, or anyio's own plugin.
 """
 
 from __future__ import annotations
@@ -26,9 +31,16 @@ if TYPE_CHECKING:
 
     from aioduco.robot import Robot
     from aioduco.sim import Simulator
+    from aioduco.sync import Robot as SyncRobot
     from aioduco.testing import FaultProxy
 
-__all__ = ["duco_proxy", "duco_robot", "duco_simulator", "duco_simulator_options"]
+__all__ = [
+    "duco_proxy",
+    "duco_robot",
+    "duco_simulator",
+    "duco_simulator_options",
+    "duco_sync_robot",
+]
 
 
 def _async_fixture() -> Callable[[Any], Any]:
@@ -74,6 +86,14 @@ def duco_proxy(duco_simulator: Simulator) -> Iterator[FaultProxy]:
         yield proxy
 
 
+def _line(request: pytest.FixtureRequest, simulator: Simulator) -> Simulator | FaultProxy:
+    """What is connected to: the simulated controller, or the proxy if the test has one."""
+    if "duco_proxy" in request.fixturenames:
+        proxy: FaultProxy = request.getfixturevalue("duco_proxy")
+        return proxy
+    return simulator
+
+
 @_async_fixture()
 async def duco_robot(
     request: pytest.FixtureRequest, duco_simulator: Simulator
@@ -85,9 +105,20 @@ async def duco_robot(
     """
     from aioduco import connect  # noqa: PLC0415 - not for who has no need of it
 
-    line: Simulator | FaultProxy = duco_simulator
-    if "duco_proxy" in request.fixturenames:
-        line = request.getfixturevalue("duco_proxy")
-    async with connect(line.host, line.port) as robot:
+    line = _line(request, duco_simulator)
+    async with connect(line.host, line.port, clock=duco_simulator.clock) as robot:
         await robot.bring_up()
+        yield robot
+
+
+@pytest.fixture
+def duco_sync_robot(
+    request: pytest.FixtureRequest, duco_simulator: Simulator
+) -> Iterator[SyncRobot]:
+    """The same for programs that wait: a robot of `aioduco.sync`, ready to move."""
+    from aioduco.sync import connect  # noqa: PLC0415 - not for who has no need of it
+
+    line = _line(request, duco_simulator)
+    with connect(line.host, line.port, clock=duco_simulator.clock) as robot:
+        robot.bring_up()
         yield robot

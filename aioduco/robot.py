@@ -7,6 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from aioduco._wire.host import HOST_RULE, is_host
+from aioduco.controller_clock import WallClock
 from aioduco.errors import ParameterError
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.supervision.settings import RobotSettings
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from aioduco.api.system import System
     from aioduco.api.track import Track
     from aioduco.api.version import Version
+    from aioduco.controller_clock import Clock
     from aioduco.models.state import RobotStates
     from aioduco.streaming.servo import Servo
     from aioduco.streaming.speed import Speed
@@ -107,6 +109,7 @@ def connect(
     state_rate: float = 50.0,
     lag_limit: float | None = 0.25,
     trace: Trace | None = None,
+    clock: Clock | None = None,
 ) -> Robot:
     """Name a robot; `async with` connects to it, and leaves it standing.
 
@@ -141,6 +144,10 @@ def connect(
         lag_limit: seconds for which the event loop may be blocked without a warning that says
             where; None for no warnings.
         trace: a hook that sees each call and each connection, see `aioduco.trace`.
+        clock: the controller's time, by which times of the arm are measured: how long a jog
+            lasts, deadlines of motions, how long they have run. None for the time of this
+            computer, which is right for every real arm; a simulated one that goes faster has its
+            own, `Simulator.clock`. Time-outs, heartbeat and stops go by this computer's.
 
     Returns:
         The robot, not connected yet.
@@ -168,6 +175,7 @@ def connect(
             state_rate=state_rate,
             lag_limit=lag_limit,
             trace=trace,
+            clock=WallClock() if clock is None else clock,
         ),
     )
 

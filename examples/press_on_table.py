@@ -41,7 +41,7 @@ async def main(host: str, port: int) -> None:
             await robot.motion.movel(here.shifted(x=mm(50)), v=0.03, a=0.2)
             print(f"moved by 50 mm: {(await force.fc_get_ft())[2]:.0f} N")
         finally:
-            with anyio.CancelScope(shield=True):  # it outlives the program otherwise
+            with anyio.CancelScope(shield=True):  # the next motion would give way otherwise
                 await force.fc_stop()
         await robot.motion.movel(here.shifted(x=mm(50), z=mm(30)), v=0.1, a=0.5)
         print(f"let go: {abs((await force.fc_get_ft())[2]):.0f} N")

@@ -14,13 +14,23 @@ import pytest
 ROOT = Path(__file__).parents[1] / "aioduco"
 
 #: the wire's types, generated and without a line of Thrift, count as a part of their own
-BASE = {"_spawn", "_version", "errors", "reporting", "rpc", "scheduling", "trace"}
+BASE = {
+    "_spawn",
+    "_version",
+    "controller_clock",
+    "errors",
+    "reporting",
+    "rpc",
+    "scheduling",
+    "trace",
+}
 CLIENT = BASE | {"models", "kinematics", "_wire", "supervision", "api", "streaming"}
 
 #: by part, the parts that it may import; itself always
 MAY_IMPORT: dict[str, set[str]] = {
     "_spawn": set(),
     "_version": set(),
+    "controller_clock": set(),
     "errors": set(),
     "rpc": set(),
     "scheduling": set(),
@@ -45,7 +55,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "compat": BASE | {"_wire"},
     "recording": CLIENT | {"robot", "__init__"},
     "sync": CLIENT | {"robot", "__init__"},
-    "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "testing"},
+    "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "sync", "testing"},
     "cli": CLIENT | {"robot", "__init__", "sim", "recording"},
 }
 

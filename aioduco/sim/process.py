@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 import anyio
 import anyio.to_thread
 
+from aioduco.controller_clock import ScaledClock
+
 if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
@@ -51,6 +53,15 @@ class SimulatorProcess:
     def pid(self) -> int:
         """Id of the process."""
         return self.process.pid
+
+    @property
+    def clock(self) -> ScaledClock:
+        """Its time for `aioduco.connect(clock=...)`, told from its speed; it cannot be held.
+
+        Raises:
+            ValueError: It goes as fast as possible: how fast that is, nobody here knows.
+        """
+        return ScaledClock(float(self._options.get("speed", 1.0)))
 
     def start(self) -> Self:
         """Start the process and wait until it listens.

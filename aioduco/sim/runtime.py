@@ -44,11 +44,15 @@ _log = logging.getLogger(__name__)
 _STRIDE = 0.02
 #: temperatures go on in steps of this [s]
 _WARMING = 0.1
+#: real time for which a client may hold simulated time [s]: it may have been cut off meanwhile
+_HOLD = 2.0
 #: simulated time of standing after which the physics need no further steps [s]
 _SETTLING = 0.3
 
 
 _NO_PUSH: tuple[float, ...] = (0.0,) * 6
+#: cycles that no idle time comes to
+_MANY = 1_000_000
 _STRONG: tuple[float, ...] = (math.inf,) * 6
 
 
@@ -84,6 +88,31 @@ class SimulationSnapshot(NamedTuple):
     positions: Vector
     joint_temperature: Vector
     board_temperature: Vector
+
+
+class SimulatedClock:
+    """Simulated time as `aioduco.controller_clock.Clock`: it can be held.
+
+    Args:
+        runtime: whose time it is.
+    """
+
+    def __init__(self, runtime: SimulationRuntime) -> None:
+        self._runtime = runtime
+
+    def __repr__(self) -> str:
+        return f"<SimulatedClock at {self.now():.3f} s>"
+
+    def now(self) -> float:
+        """Simulated time [s]; that of the end, once the simulation has ended."""
+        return self._runtime.now()
+
+    def hold(self, at: float) -> Callable[[], None]:
+        """Have simulated time stand at `at` [s], or now, until what is returned is called.
+
+        It goes on after two seconds of real time in any case.
+        """
+        return self._runtime.hold(at)
 
 
 class SimulationRuntime:
@@ -123,6 +152,8 @@ class SimulationRuntime:
         self._wake = threading.Event()
         self._news = threading.Condition()
         self._watchers = 0
+        self._holds: dict[object, float] = {}
+        self._holding = threading.Condition()
         self._waiters: dict[int, list[threading.Event]] = {}
         self._closing = False
         self._failure: BaseException | None = None
@@ -214,8 +245,11 @@ class SimulationRuntime:
         self._wake.set()
 
     def task_state(self, id_: int) -> TaskState:
-        """State of a task."""
-        return self._controller.tasks.state(id_)
+        """State of a task, as of a cycle that the snapshot shows: its end is no news of another."""
+        if self._within:
+            return self._controller.tasks.state(id_)
+        with self._lock:
+            return self._controller.tasks.state(id_)
 
     def wait(self, id_: int) -> TaskState:
         """Wait until a task has ended, and give the state that it ended in.
@@ -279,6 +313,26 @@ class SimulationRuntime:
         self._push = tuple(wrench)
         self._wake.set()
 
+    def now(self) -> float:
+        """Simulated time [s]; that of the end, once the simulation has ended or failed."""
+        return self._snapshot.time
+
+    def hold(self, at: float) -> Callable[[], None]:
+        """Have simulated time stand at `at` [s], or now, until what is returned is called.
+
+        It goes on after two seconds of real time in any case.
+        """
+        key = object()
+
+        def let_go() -> None:
+            with self._holding:
+                self._holds.pop(key, None)
+                self._holding.notify_all()
+
+        with self._holding:
+            self._holds[key] = at
+        return let_go
+
     def load(self, mass: float, centre: Sequence[float]) -> None:
         """Tell the drives about a load [kg, m], and mount it unless `carry` has mounted another."""
         self._load = (mass, tuple(centre))
@@ -312,6 +366,8 @@ class SimulationRuntime:
                 event.set()
         with self._news:
             self._news.notify_all()
+        with self._holding:
+            self._holding.notify_all()
         self._wake.set()
 
     def close(self) -> None:
@@ -334,12 +390,14 @@ class SimulationRuntime:
         idle, late, begun = False, 0.0, 0.0
         self._pace.begin(time.perf_counter())
         while not self._closing:
+            self._stand_still(idle=idle)
             now = time.perf_counter()
             self._pace.change(self._speed, now, idle=idle)
             if idle:
                 if self._wake.wait(_STRIDE):
                     self._wake.clear()
-                cycles = self._pace.due(time.perf_counter())
+                self._stand_still(idle=idle)
+                cycles = min(self._pace.due(time.perf_counter()), self._allowed())
             else:
                 cycles = 1
                 delay = self._pace.delay(now)
@@ -371,6 +429,23 @@ class SimulationRuntime:
             if idle != self._is_idle(cycles):
                 idle = not idle
                 self._pace.begin(time.perf_counter(), idle=idle)
+
+    def _allowed(self) -> int:
+        """How many cycles may run until simulated time is to stand."""
+        until = min(tuple(self._holds.values()), default=math.inf)
+        left = (until - self._count * self.cycle) / self.cycle
+        return math.ceil(min(max(left, 0.0), _MANY))
+
+    def _stand_still(self, *, idle: bool) -> None:
+        """Wait for as long as a client holds simulated time."""
+        if not self._holds or self._allowed():
+            return
+        with self._holding:
+            if not self._holding.wait_for(lambda: self._closing or self._allowed() > 0, _HOLD):
+                at = self._count * self.cycle
+                self._holds = {key: end for key, end in self._holds.items() if end > at}
+                _log.warning("simulated time was held for %g s, and goes on", _HOLD)
+        self._pace.begin(time.perf_counter(), idle=idle)  # nothing is to be caught up with
 
     def _tick(self) -> None:
         plant = self._plant

@@ -28,7 +28,7 @@ from aioduco.sim.handlers.base import HandlerContext
 from aioduco.sim.handlers.single_precision import SinglePrecisionHandlers
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
-from aioduco.sim.runtime import SimulationRuntime
+from aioduco.sim.runtime import SimulatedClock, SimulationRuntime
 from aioduco.sim.scene import gravity, mjcf_of, mounting_of
 from aioduco.sim.server import Server
 from aioduco.sim.server.status_server import StatusServer, frame_of
@@ -345,6 +345,17 @@ class Simulator:
         return self._running().snapshot.time
 
     @property
+    def clock(self) -> SimulatedClock:
+        """Simulated time as a clock for `aioduco.connect(clock=...)`, in this process.
+
+            async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
+
+        It can be held: simulated time stands for the moment in which the program ends a motion
+        that is due.
+        """
+        return SimulatedClock(self._running())
+
+    @property
     def speed(self) -> float:
         """Simulated seconds in a real one; may be set while it runs."""
         return self._speed
@@ -362,8 +373,12 @@ class Simulator:
 
     @property
     def moving(self) -> bool:
-        """Whether the arm moves."""
-        return not self.view.standing
+        """Whether the arm moves, as the controller tells it (`robotmoving`).
+
+        It does not once a motion has finished: what is left of it then, a joint that swings out
+        by some hundredths of a milliradian, counts no more. `view.standing` tells of that.
+        """
+        return self.view.moving
 
     @property
     def view(self) -> ControllerState:

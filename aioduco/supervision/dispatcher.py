@@ -11,6 +11,7 @@ Guarantees:
 
 from __future__ import annotations
 
+import contextlib
 import time
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,7 @@ from aioduco.errors import (
     Refused,
     RobotStateError,
     StopUnconfirmed,
+    TaskStopped,
 )
 from aioduco.supervision.command import Command
 from aioduco.supervision.concurrency import every, run_to_completion
@@ -32,6 +34,7 @@ from aioduco.supervision.task_state import TaskLifecycle
 from aioduco.supervision.unanswered import PendingCommand
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
     from typing import Any
 
     from aioduco._wire.lane import WireLane
@@ -75,6 +78,7 @@ class Dispatcher:
         self._background = background
         self._heartbeat = heartbeat
         self._settings = settings
+        self._clock = settings.clock
         self._order = anyio.Lock()
         self._last: Task | None = None
         self.closed = ""
@@ -108,6 +112,7 @@ class Dispatcher:
             HeartbeatLost: the heartbeat does not beat.
         """
         async with self._order:
+            await self._coordinator.follower.lost_stopped()
             self._admit(Command(name, ()))
             coordinator = self._coordinator
             tasks = [task for task in coordinator.follower.tasks if task.motion]
@@ -143,17 +148,45 @@ class Dispatcher:
         # Locked until it is certain what became of the command: while one that went astray is being
         # stopped, no other motion is sent, and the robot is not closed.
         async with self._order:
-            self._admit(command)
+            await self._coordinator.follower.lost_stopped()
             stops = self._coordinator.stops
-            before = self._last if command.motion else None
-            if before is not None:
-                before.life.successor_sent()
-            mode = (
-                command.continuous.ending
-                if command.continuous is not None and command.continuous.mode
-                else None
-            )
-            was_on = mode is not None and self._coordinator.modes.enter(mode, (False,))
+            errors = await self._coordinator.follower.error_list()
+            self._admit(command)
+            if command.motion and self._coordinator.stops != stops:
+                raise TaskStopped(command.name, None, "was not sent, since the arm was stopped")
+            return await self._launch(command, stops, errors, deadline, on_cancel)
+
+    @contextlib.contextmanager
+    def _held(self, command: Command) -> Iterator[None]:
+        """The clock held until it is known when a motion began that this program is to end."""
+        motion = command.continuous
+        if motion is None or not motion.timed_here or motion.time is None:
+            yield
+            return
+        let_go = self._clock.hold(self._clock.now())
+        try:
+            yield
+        finally:
+            let_go()
+
+    async def _launch(
+        self,
+        command: Command,
+        stops: int,
+        errors: Sequence[str],
+        deadline: float | None,
+        on_cancel: OnCancel | None,
+    ) -> Task:
+        before = self._last if command.motion else None
+        if before is not None:
+            before.life.successor_sent()
+        mode = (
+            command.continuous.ending
+            if command.continuous is not None and command.continuous.mode
+            else None
+        )
+        was_on = mode is not None and self._coordinator.modes.enter(mode, (False,))
+        with self._held(command):
             try:
                 pending, cancelled = await self._sent(command)
             except StopUnconfirmed:
@@ -169,13 +202,15 @@ class Dispatcher:
                 if before is not None:
                     before.life.successor_refused()
                 raise cancelled or error
-            task = self._accept(command, pending.answer, pending.at, stops, deadline, on_cancel)
-            if command.motion and self._coordinator.stops != stops:
-                # Somebody asked for a stop in the meantime, and it may have been served first.
-                _, again = await run_to_completion(self._coordinator.halt)
-                cancelled = cancelled or again
-            await self._hand_over(task, cancelled)
-            return task
+            task = self._accept(
+                command, pending.answer, pending.at, stops, errors, deadline, on_cancel
+            )
+        if command.motion and self._coordinator.stops != stops:
+            # Somebody asked for a stop in the meantime, and it may have been served first.
+            _, again = await run_to_completion(self._coordinator.halt)
+            cancelled = cancelled or again
+        await self._hand_over(task, cancelled)
+        return task
 
     async def _sent(self, command: Command) -> tuple[PendingCommand, BaseException | None]:
         """Send a command and wait until it is known what became of it."""
@@ -203,6 +238,7 @@ class Dispatcher:
         Returns:
             The answer.
         """
+        await self._coordinator.follower.lost_stopped()
         self._admit(command)
         pending, cancelled = await self._coordinator.answered(
             lane, command.name, command.args, timeout, followed=False
@@ -215,7 +251,9 @@ class Dispatcher:
 
     def adopt(self, command: Command, task_id: int) -> Task:
         """Follow a task that the controller started for a call that is no task by the manual."""
-        return self._accept(command, task_id, time.monotonic(), self._coordinator.stops, None, None)
+        return self._accept(
+            command, task_id, time.monotonic(), self._coordinator.stops, (), None, None
+        )
 
     async def _hand_over(self, task: Task, cancelled: BaseException | None) -> None:
         """Give the task to the caller, unless the caller was cancelled meanwhile."""
@@ -258,6 +296,7 @@ class Dispatcher:
         task_id: int,
         accepted_at: float,
         stops: int,
+        errors: Sequence[str],
         deadline: float | None,
         on_cancel: OnCancel | None,
     ) -> Task:
@@ -265,6 +304,7 @@ class Dispatcher:
             on_cancel = "detach"
         elif command.continuous is not None and (on_cancel or self._settings.on_cancel) == "pause":
             on_cancel = "stop"  # what was paused would go on, with nobody to end it
+        since = self._clock.now()
         if deadline is None and command.continuous is not None:
             deadline = command.continuous.limit
         task = Task(
@@ -272,14 +312,19 @@ class Dispatcher:
             command.name,
             task_id,
             TaskLifecycle(blends=command.blends, continuous=command.continuous),
+            clock=self._clock,
             accepted_at=accepted_at,
+            since=since,
             stops_before=stops,
             motion=command.motion,
             on_cancel=on_cancel or self._settings.on_cancel,
-            deadline=None if deadline is None else accepted_at + deadline,
+            deadline=None if deadline is None else since + deadline,
             continuous=command.continuous,
             eta=command.eta,
+            errors_before=errors,
         )
+        if command.continuous and command.continuous.timed_here and command.continuous.time:
+            task.hold_at_end()
         self.accepted += 1
         if command.motion:
             if self._last is not None:

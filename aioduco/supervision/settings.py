@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
+from aioduco.controller_clock import Clock, WallClock
 from aioduco.errors import ParameterError
 from aioduco.models.ranges import TIMEOUT
 from aioduco.models.rules import Integer, Number
@@ -85,6 +86,7 @@ class RobotSettings:
     state_rate: float = 50.0
     lag_limit: float | None = 0.25
     trace: Trace | None = None
+    clock: Clock = field(default_factory=WallClock)
 
     def __post_init__(self) -> None:
         for name in (
@@ -106,6 +108,8 @@ class RobotSettings:
             raise ParameterError("exit_ladder", self.exit_ladder, "an ExitLadder, or None")
         if self.guard is not None and self.guard not in get_args(GuardKind):
             raise ParameterError("guard", self.guard, '"process", or None for no guard')
+        if not isinstance(self.clock, Clock):
+            raise ParameterError("clock", self.clock, "a Clock, such as Simulator.clock, or None")
         if self.on_cancel not in get_args(OnCancel):
             raise ParameterError("on_cancel", self.on_cancel, '"stop", "pause" or "detach"')
 

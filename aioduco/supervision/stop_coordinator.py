@@ -22,13 +22,14 @@ from aioduco._wire.unanswered import UnansweredMotion
 from aioduco.errors import (
     ControllerError,
     DucoError,
+    HeartbeatLost,
     OutcomeUnknown,
     Refused,
     StopUnconfirmed,
     UnknownFunction,
 )
 from aioduco.reporting import BackgroundLogger, reporter
-from aioduco.supervision.concurrency import run_to_completion
+from aioduco.supervision.concurrency import every, run_to_completion
 from aioduco.supervision.motion_sources import Modes, Streams
 from aioduco.supervision.task_follower import END_LIMIT, TaskFollower
 from aioduco.supervision.unanswered import PendingCommand, PendingCommands, stop_until_certain
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 
     from aioduco._wire.lane import WireLane
     from aioduco.supervision.concurrency import BackgroundTasks
+    from aioduco.supervision.heartbeat import HeartbeatLike
     from aioduco.supervision.motion_sources import Claim
     from aioduco.supervision.settings import RobotSettings
     from aioduco.supervision.stop_channel import StopChannel
@@ -52,6 +54,10 @@ _log = BackgroundLogger(__name__)
 _PAUSE_LIMIT = 10.0
 #: seconds for the controller to say where the arm is
 _ASK_LIMIT = 0.5
+#: seconds between two looks at whether the controller has stopped the arm by itself
+_LAPSED_EVERY = 0.05
+#: seconds in which an arm that its controller stops has come to rest
+_BRAKED = 1.0
 #: seconds for the lane of a stream to fall silent: an answer that it waits for, and more
 _SILENCE = 2.0
 #: the same in a thread that cannot go on meanwhile
@@ -67,6 +73,7 @@ class StopCoordinator:
         background: runs what no caller waits for.
         settings: times and limits.
         claim: made before anything is sent that may move the arm.
+        heartbeat: without it the controller stops the arm by itself; None if there is none.
 
     Attributes:
         follower: follows the tasks.
@@ -85,12 +92,14 @@ class StopCoordinator:
         background: BackgroundTasks,
         settings: RobotSettings,
         claim: Claim,
+        heartbeat: HeartbeatLike | None,
     ) -> None:
         self._channel = channel
+        self._heartbeat = heartbeat
         self._poll = poll
         self._settings = settings
         self.claim = claim
-        self.follower: TaskFollower = TaskFollower(poll, self, background)
+        self.follower: TaskFollower = TaskFollower(poll, self, background, settings.clock)
         self.unfollowed_motion: bool = False
         self.modes: Modes = Modes(channel)
         self.pending: PendingCommands = PendingCommands(background, settings.unanswered_timeout)
@@ -394,6 +403,7 @@ class StopCoordinator:
 
     async def resume(self) -> None:
         """Resume all paused tasks."""
+        await self.follower.lost_stopped()
         self.claim.make("resume")
         stops = self.stops
         answer = await self._resumed()
@@ -414,9 +424,32 @@ class StopCoordinator:
         """
         await self._channel.standstill(self._settings.standstill_timeout)
 
+    async def lapsed(self) -> HeartbeatLost:
+        """Wait until the controller has stopped the arm by itself, for want of the heartbeat.
+
+        Without a heartbeat, or while one is answered, that is never.
+
+        Returns:
+            The error that says so.
+        """
+        since: float | None = None
+        async for due in every(_LAPSED_EVERY):
+            if self._heartbeat is None or not self._heartbeat.lapsed:
+                since = None
+            elif since is None:
+                since = due
+            elif due - since >= _BRAKED:
+                break
+        return HeartbeatLost(
+            "no heartbeat reaches the controller: it has stopped the arm by itself. No stop of "
+            "this program was answered yet; it is tried on, and motions wait for that"
+        )
+
     async def _controlled(self, name: str) -> None:
         stops = self.stops
         answer = await self._channel.send(name)
+        for task in self.follower.tasks:
+            task.let_go()  # it was told, or is stopped: the arm's time goes on
         await self.follower.complete(name, answer, _PAUSE_LIMIT, stops)
 
     async def _resumed(self) -> int:

@@ -163,7 +163,12 @@ class Supervisor:
             if settings.heartbeat is not None:
                 self.heartbeat = GuardedHeartbeat(self.guard)
         self.stop_coordinator: StopCoordinator = StopCoordinator(
-            self.stop_channel, self.poll, self._background, settings, Claim(self._life.say)
+            self.stop_channel,
+            self.poll,
+            self._background,
+            settings,
+            Claim(self._life.say),
+            self.heartbeat,
         )
         self.dispatcher: Dispatcher = Dispatcher(
             self._motion_lane, self.stop_coordinator, self._background, self.heartbeat, settings

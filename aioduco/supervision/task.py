@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import anyio
@@ -18,10 +17,12 @@ from aioduco.errors import (
     TaskUnknown,
 )
 from aioduco.models.enums import Outcome, TaskState
+from aioduco.supervision.task_state import added_entries
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Generator, Sequence
+    from collections.abc import AsyncIterator, Callable, Generator, Sequence
 
+    from aioduco.controller_clock import Clock
     from aioduco.supervision.task_state import ContinuousMotion, JointEta, TaskLifecycle
 
 __all__ = ["OnCancel", "Task", "TaskControl", "task_error"]
@@ -78,7 +79,9 @@ class Task:
         accepted_at: when the controller's acceptance was received [s of `time.monotonic`].
         started_at: when it was first seen other than idle; None before.
         ended_at: when its end was noticed; None before.
-        deadline: when the arm is stopped if it has not ended; None for never.
+        since: when it was accepted, by the robot's clock [s]: the controller's time, which is that
+            of `accepted_at` on a real arm.
+        deadline: when the arm is stopped if it has not ended, by the robot's clock; None for never.
     """
 
     def __init__(
@@ -88,13 +91,16 @@ class Task:
         task_id: int,
         life: TaskLifecycle,
         *,
+        clock: Clock,
         accepted_at: float,
+        since: float,
         stops_before: int,
         motion: bool,
         on_cancel: OnCancel,
         deadline: float | None = None,
         continuous: ContinuousMotion | None = None,
         eta: JointEta | None = None,
+        errors_before: Sequence[str] = (),
     ) -> None:
         self._control = control
         self.life = life
@@ -102,7 +108,10 @@ class Task:
         self.name = name
         self.motion = motion
         self.on_cancel: OnCancel = on_cancel
+        self._clock = clock
         self.accepted_at = accepted_at
+        self.since = since
+        self._began, self._over = since, since
         self.started_at: float | None = None
         self.ended_at: float | None = None
         self.deadline = deadline
@@ -110,14 +119,17 @@ class Task:
         self.stops_before = stops_before
         #: how it comes to its end, if it goes on until something ends it
         self.continuous = continuous
-        #: since when the arm was seen to stand while it should go on; None if it moves
+        #: since when the arm was seen to stand while it should go on, by the clock; None if it
+        #: moves
         self.stood_since: float | None = None
         #: where it leads, if that is known in joint angles
         self.eta = eta
+        self._errors_before = tuple(errors_before)
         #: whether it has been looked where it begins
         self.placed = False
-        #: when its end is expected [s of `time.monotonic`]; None if unknown
+        #: when its end is expected, by the clock; None if unknown
         self.expected_end: float | None = None
+        self._let_go: Callable[[], None] | None = None
         self._start: Sequence[float] | None = None
         #: why it was lost sight of, or not stopped in time
         self.fault: BaseException | None = None
@@ -149,26 +161,29 @@ class Task:
 
     @property
     def errors(self) -> tuple[str, ...]:
-        """The controller's error list at the end of a task that failed."""
+        """What a task that failed added to the controller's error list since its acceptance."""
         return self._errors
 
     @property
     def duration(self) -> float:
-        """Seconds from its start (its acceptance, until it is seen to start) to its end, or now."""
-        begin = self.accepted_at if self.started_at is None else self.started_at
-        return (time.monotonic() if self.ended_at is None else self.ended_at) - begin
+        """Seconds from its start (its acceptance, until it is seen to start) to its end, or now.
+
+        They are the controller's, by the robot's clock.
+        """
+        return (self._clock.now() if self.ended_at is None else self._over) - self._began
 
     @property
     def remaining(self) -> float | None:
         """Seconds until its end is expected, 0 once that time has passed; None if it is unknown.
 
         It is known of `movej2` with an acceleration, if the arm stood when it was accepted. It
-        holds for the speed slider at 100 %, and takes no account of pauses.
+        holds for the speed slider at 100 %, and takes no account of pauses. It is the controller's
+        time, by the robot's clock.
         """
         if self.done:
             return 0.0
         end = self.expected_end
-        return None if end is None else max(0.0, end - time.monotonic())
+        return None if end is None else max(0.0, end - self._clock.now())
 
     async def progress(self) -> float | None:
         """Ask where the arm is, and tell which part of the way it has gone.
@@ -314,7 +329,26 @@ class Task:
         assert self.eta is not None
         self._start = tuple(joints)
         seconds = self.eta.seconds(joints)
-        self.expected_end = None if seconds is None else self.accepted_at + seconds
+        self.expected_end = None if seconds is None else self.since + seconds
+
+    @property
+    def in_time(self) -> bool:
+        """Whether the time of a motion that goes on is over."""
+        if self.continuous is None or self.continuous.time is None:
+            return False
+        return self._clock.now() >= self.since + self.continuous.time
+
+    def hold_at_end(self) -> None:
+        """Hold the clock at the end of the motion's time, until it was told to end."""
+        assert self.continuous is not None
+        assert self.continuous.time is not None
+        self._let_go = self._clock.hold(self.since + self.continuous.time)
+
+    def let_go(self) -> None:
+        """Hold the clock no more."""
+        if self._let_go is not None:
+            self._let_go()
+            self._let_go = None
 
     def observed(self, state: TaskState, now: float) -> None:
         """The controller reported a state."""
@@ -322,13 +356,14 @@ class Task:
             self._states.append(self.life.state)
             self._wake()
         if self.started_at is None and self.life.started:
-            self.started_at = now
+            self.started_at, self._began = now, self._clock.now()
 
     def settle(self, errors: Sequence[str], now: float) -> None:
         """The task has ended for good: wake whoever waits."""
         if not self.done:
-            self._errors = tuple(errors)
-            self.ended_at = now
+            self._errors = added_entries(self._errors_before, errors)
+            self.ended_at, self._over = now, self._clock.now()
+            self.let_go()
             self._ended.set()
             self._wake()
 

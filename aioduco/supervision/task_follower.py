@@ -14,7 +14,9 @@ Guarantees:
 - Each live task is asked about in its turn, at the rate that `interval` says.
 - A task that could not be asked about for `LOST_AFTER` seconds ends with an unknown outcome.
   Nothing is assumed of it.
-- A motion that nobody can follow any more, or that is overdue, is stopped.
+- A motion that nobody can follow any more, or that is overdue, is stopped. Its await ends when the
+  arm stands, or no stop was accepted in time, or the controller must have stopped the arm by
+  itself since no heartbeat reaches it.
 - Whatever happens to the follower, every task ends: no await of one is left behind.
 """
 
@@ -27,7 +29,13 @@ from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 import anyio
 
-from aioduco.errors import ControllerError, DucoError, StopUnconfirmed, TaskUnknown
+from aioduco.errors import (
+    ControllerError,
+    DucoError,
+    HeartbeatLost,
+    StopUnconfirmed,
+    TaskUnknown,
+)
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.reporting import BackgroundLogger
 from aioduco.supervision.task import Task, TaskControl
@@ -37,6 +45,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from aioduco._wire.lane import WireLane
+    from aioduco.controller_clock import Clock
     from aioduco.supervision.concurrency import BackgroundTasks
 
 _log = BackgroundLogger(__name__)
@@ -139,6 +148,10 @@ class ArmStopper(TaskControl, Protocol):
         """See the arm stand, without a stop."""
         ...
 
+    async def lapsed(self) -> HeartbeatLost:
+        """Wait until the controller has stopped the arm by itself, for want of the heartbeat."""
+        ...
+
 
 class TaskFollower:
     """Follows tasks to their ends.
@@ -147,19 +160,26 @@ class TaskFollower:
         lane: where to ask.
         arm: stops the arm.
         background: runs what no caller waits for.
+        clock: the controller's time.
 
     Attributes:
         polls: questions that were asked.
     """
 
-    def __init__(self, lane: WireLane, arm: ArmStopper, background: BackgroundTasks) -> None:
+    def __init__(
+        self, lane: WireLane, arm: ArmStopper, background: BackgroundTasks, clock: Clock
+    ) -> None:
         self._lane = lane
+        self._clock = clock
         self._arm = arm
         self._background = background
         self._schedule: PollSchedule[Task] = PollSchedule()
         self._wake = anyio.Event()
         self._seen: dict[Task, float] = {}
         self._closed = False
+        self._error_list: tuple[str, ...] = ()
+        self._stopping: set[Task] = set()
+        self._stopped = anyio.Event()
         self.polls: int = 0
 
     @property
@@ -183,6 +203,19 @@ class TaskFollower:
         wake, self._wake = self._wake, anyio.Event()
         wake.set()
 
+    async def error_list(self) -> tuple[str, ...]:
+        """The controller's error list before a command is sent: what it has then is not its own.
+
+        It is asked for while nothing runs; behind tasks that run, it is that of their beginning.
+        """
+        if not self._seen:
+            try:
+                self._error_list = tuple(await self._lane.call("get_last_error", (), ASK_LIMIT))
+            except DucoError:
+                # It only explains: a controller that does not tell it moves its arm all the same.
+                self._error_list = ()
+        return self._error_list
+
     async def complete(
         self, name: str, task_id: int, timeout: float, stops: int | None = None
     ) -> Outcome:
@@ -192,7 +225,9 @@ class TaskFollower:
             name,
             task_id,
             TaskLifecycle(),
+            clock=self._clock,
             accepted_at=time.monotonic(),
+            since=self._clock.now(),
             stops_before=self._arm.stops if stops is None else stops,
             motion=False,
             on_cancel="detach",
@@ -265,24 +300,26 @@ class TaskFollower:
         if task.life.ended:
             await self._end(task)
             return
-        if task.deadline is not None and now > task.deadline and not task.overdue:
+        arm_time = self._clock.now()
+        if task.deadline is not None and arm_time > task.deadline and not task.overdue:
             task.overdue = True
             if task.motion:
                 self._background.start(self._stop_overdue(task), "aioduco stop of an overdue task")
         elif (
             task.continuous
             and task.continuous.timed_here
-            and self._in_time(task)
+            and task.in_time
             and not task.life.end_seen
         ):
             task.life.end_sent()
             self._background.start(self._end_due(task), "aioduco end of a motion")
-        remaining = None if task.expected_end is None else task.expected_end - now
+        remaining = None if task.expected_end is None else task.expected_end - arm_time
         every = interval(now - task.accepted_at, remaining) if answered else SLOW
         self._schedule.asked(task, now, every)
 
     def _note_stop(self, task: Task) -> None:
         if self._arm.stops != task.stops_before:
+            task.let_go()
             task.life.stop_sent()
 
     async def _ask_whether_it_stands(self, task: Task) -> bool:
@@ -292,23 +329,16 @@ class TaskFollower:
             moving: bool = await self._lane.call("robotmoving", (), ASK_LIMIT)
         except DucoError:
             return False
-        self._seen[task] = now = time.monotonic()
+        self._seen[task] = time.monotonic()
+        now = self._clock.now()
         self._note_stop(task)
         if moving:
             task.stood_since = None
         elif task.stood_since is None:
             task.stood_since = now
-        else:
-            in_time = self._in_time(task)
-            if in_time or now - task.stood_since >= STOOD:
-                task.life.stood(in_time=in_time)
+        elif task.in_time or now - task.stood_since >= STOOD:
+            task.life.stood()
         return True
-
-    def _in_time(self, task: Task) -> bool:
-        """Whether the time of a motion that goes on is over."""
-        if task.continuous is None or task.continuous.time is None:
-            return False
-        return time.monotonic() - task.accepted_at >= task.continuous.time
 
     async def _expect(self, task: Task) -> None:
         """Find out, once and right after acceptance, when it will end."""
@@ -376,7 +406,16 @@ class TaskFollower:
         It is stopped, and `mark_ended` is called when the arm stands, or is not known to.
         """
         self._arm.unfollowed_motion = True
-        self._background.start(self._see_stopped(task), "aioduco stop of a lost task", mark_ended)
+        self._stopping.add(task)
+
+        def over() -> None:
+            self._stopping.discard(task)
+            stopped, self._stopped = self._stopped, anyio.Event()
+            stopped.set()
+            mark_ended()
+
+        self._background.start(self._see_stopped(task), "aioduco stop of a lost task", over)
+        self._background.start(self._see_lapsed(task, mark_ended), "aioduco lost heartbeat")
 
     async def _see_standing(self, task: Task) -> None:
         try:
@@ -389,8 +428,34 @@ class TaskFollower:
         try:
             await self._arm.halt()
         except StopUnconfirmed as exc:
-            task.fault = exc
+            if not task.done:
+                task.fault = exc
             _log.critical("%r was lost sight of: %s", task, exc)
+
+    async def _see_lapsed(self, task: Task, mark_ended: Callable[[], None]) -> None:
+        """End a lost task as soon as the controller has stopped the arm by itself.
+
+        The stop is tried on: what is sent next waits for it (`lost_stopped`).
+        """
+        async with anyio.create_task_group() as group:
+
+            async def lapse() -> None:
+                fault = await self._arm.lapsed()
+                if not task.done:
+                    task.fault = fault
+                    mark_ended()
+
+            group.start_soon(lapse)
+            await task.wait()
+            group.cancel_scope.cancel()
+
+    async def lost_stopped(self) -> None:
+        """Wait until no stop is tried any more because of a motion that was lost sight of.
+
+        It would end the motion that is sent next.
+        """
+        while self._stopping:
+            await self._stopped.wait()
 
     async def _end_due(self, task: Task) -> None:
         assert task.continuous is not None

@@ -11,8 +11,8 @@ Rules:
 - While the next motion is on its way to the controller, state 5 is not judged: whether that
   motion was accepted decides.
 - The end of the task of a motion that goes on (`ContinuousMotion`) is not the end of the motion.
-  It has finished when it was told to end, or when the arm stands and its time is over; it was
-  interrupted if the arm stands before that, and blended if another motion took over.
+  It has finished when it was told to end, or when the arm stands, and blended if another motion
+  took over. That the controller called it finished is never overruled by the time that it took.
 - A state that the manual does not list, or a task that ran and is idle again (the controller
   was restarted), has no known outcome.
 """
@@ -20,6 +20,7 @@ Rules:
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass
 from enum import Enum, auto
 from typing import TYPE_CHECKING
@@ -29,7 +30,15 @@ from aioduco.models.enums import Outcome, TaskState
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["BRAKING", "STOOD", "ContinuousMotion", "JointEta", "Successor", "TaskLifecycle"]
+__all__ = [
+    "BRAKING",
+    "STOOD",
+    "ContinuousMotion",
+    "JointEta",
+    "Successor",
+    "TaskLifecycle",
+    "added_entries",
+]
 
 #: seconds after its time for which a motion may still slow down before it is stopped
 BRAKING = 2.0
@@ -124,6 +133,26 @@ _OUTCOMES = {
     TaskState.ILLEGAL: Outcome.ILLEGAL,
     TaskState.PARAMETER_MISMATCH: Outcome.PARAMETER_MISMATCH,
 }
+
+
+def added_entries(before: Sequence[str], after: Sequence[str]) -> tuple[str, ...]:
+    """What was added to the controller's error list, of which the oldest entries may be gone.
+
+    Args:
+        before: the list at first.
+        after: the list later.
+    """
+    for kept in range(min(len(before), len(after)), 0, -1):
+        if tuple(before[-kept:]) == tuple(after[:kept]):
+            return tuple(after[kept:])
+    left = Counter(before)  # in an order of its own, then: each entry that was there counts once
+    added = []
+    for entry in after:
+        if left[entry]:
+            left[entry] -= 1
+        else:
+            added.append(entry)
+    return tuple(added)
 
 
 class Successor(Enum):
@@ -244,18 +273,14 @@ class TaskLifecycle:
             self.end_seen = True
             self._judge()
 
-    def stood(self, *, in_time: bool) -> None:
-        """The arm stands, and has stood for a while.
-
-        Args:
-            in_time: whether the motion's time is over.
-        """
+    def stood(self) -> None:
+        """The arm stands, and has stood for a while, or the motion's time is over."""
         if (
             self.goes_on
             and not self.ended
             and not (self._continuous and self._continuous.until_told)
         ):
-            self.outcome = Outcome.FINISHED if in_time else Outcome.INTERRUPTED
+            self.outcome = Outcome.FINISHED
 
     def lose(self) -> None:
         """The task was lost sight of."""

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
+    from aioduco.controller_clock import Clock
     from aioduco.supervision.heartbeat import HeartbeatStatistics
     from aioduco.supervision.settings import ExitLadder, GuardKind
     from aioduco.supervision.supervisor import SupervisorStatistics
@@ -43,6 +44,7 @@ def connect(
     state_rate: float = 50.0,
     lag_limit: float | None = 0.25,
     trace: Trace | None = None,
+    clock: Clock | None = None,
     hold_limit: float | None = 1.0,
     program_limit: float | None = None,
 ) -> Robot:
@@ -83,6 +85,8 @@ def connect(
             says where; None for no warnings.
         trace: a hook that sees each call and each connection, see `aioduco.trace`; it is called
             on the robot's threads.
+        clock: the controller's time, by which times of the arm are measured; None for the time of
+            this computer, which is right for every real arm. It is read on the robot's thread.
         hold_limit: seconds without a call on the robot by the thread that started it after which
             a motion without an end of its own (a jog, a velocity, with `time=None`) is stopped;
             None for no limit. A call that is under way counts, and so does `Robot.sleep`.
@@ -117,6 +121,7 @@ def connect(
         state_rate=state_rate,
         lag_limit=lag_limit,
         trace=trace,
+        clock=clock,
     )
     return Robot(Runner(robot, hold_limit, program_limit))
 

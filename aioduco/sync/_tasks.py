@@ -105,7 +105,7 @@ class Task:
 
     @property
     def errors(self) -> tuple[str, ...]:
-        """The controller's error list at the end of a task that failed."""
+        """What a task that failed added to the controller's error list since its acceptance."""
         return self._task.errors
 
     @property

@@ -8,7 +8,7 @@ import anyio
 import pytest
 
 import aioduco
-from aioduco.errors import HeartbeatLost, StopUnconfirmed, TaskError, TaskStopped
+from aioduco.errors import HeartbeatLost, StopUnconfirmed, TaskError, TaskStopped, TaskUnknown
 from aioduco.models.enums import Outcome
 from aioduco.testing import Ending, FaultProxy, eventually_async, no_leaks
 
@@ -144,3 +144,31 @@ async def test_for_longer_than_the_heartbeat(
         await robot.bring_up()
         assert await robot.motion.movej2(RIGHT, v=2.0, a=8.0) is Outcome.FINISHED
     await see_it_stand(sim, "the program")
+
+
+@pytest.mark.parametrize("pull", [freeze, cut])
+@BOTH
+async def test_the_error_comes_as_soon_as_the_controller_has_stopped_the_arm(
+    sim: Simulator,
+    proxy: FaultProxy,
+    pull: Callable[[FaultProxy], None],
+    guard: GuardKind | None,
+) -> None:
+    """Not only when no stop was accepted in its time; what is sent next waits for the stop."""
+    async with aioduco.connect(
+        proxy.host, proxy.port, heartbeat=HEARTBEAT, stop_timeout=100.0, guard=guard
+    ) as robot:
+        await robot.bring_up()
+        task = await robot.motion.movej2(LEFT, v=0.2, a=4.0).start()
+        await eventually_async(lambda: sim.moving)
+        pull(proxy)
+        try:
+            with pytest.raises(TaskUnknown) as caught:
+                await task
+            # On a machine that is late, so is the simulated controller.
+            await eventually_async(lambda: idle(sim) and not sim.moving, 30.0)
+        finally:
+            proxy.clear()
+        assert isinstance(caught.value.__cause__, HeartbeatLost)
+        await robot.rearm_heartbeat(timeout=60.0)
+        assert await robot.motion.movej2(RIGHT, v=2.0, a=8.0) is Outcome.FINISHED

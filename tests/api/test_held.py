@@ -144,14 +144,14 @@ async def test_a_stop_ends_it_as_stopped(robot: aioduco.Robot, desk: Desk, name:
         await task.end()
 
 
-async def test_an_arm_that_stands_before_its_time_was_interrupted(
+async def test_an_arm_that_stands_before_its_time_ended_as_the_controller_says(
     robot: aioduco.Robot, desk: Desk, early: bool
 ) -> None:
     task = await robot.motion.speedl(DOWN, a=1.0, time=30.0).start()
     await eventually_async(desk.moving)
     desk.halted()  # it met an obstacle, say
-    with pytest.raises(aioduco.TaskInterrupted, match="before its end"):
-        await task
+    # No time of ours makes anything else of it: the controller's may go faster.
+    assert await task is Outcome.FINISHED
 
 
 async def test_an_ending_that_is_refused_becomes_a_stop(robot: aioduco.Robot, desk: Desk) -> None:

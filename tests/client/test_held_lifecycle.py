@@ -34,24 +34,22 @@ def test_the_end_of_the_task_is_not_the_end_of_the_motion() -> None:
     assert not motion.observe(TaskState.IDLE)  # nothing more is to be learned from the task
 
 
-@pytest.mark.parametrize(
-    ("in_time", "outcome"), [(True, Outcome.FINISHED), (False, Outcome.INTERRUPTED)]
-)
-def test_it_ends_when_the_arm_stands(in_time: bool, outcome: Outcome) -> None:
+def test_it_ends_when_the_arm_stands() -> None:
+    """Whenever that is: what the controller calls finished is not interrupted by our clock."""
     motion = going()
-    motion.stood(in_time=in_time)
-    assert motion.outcome is outcome
+    motion.stood()
+    assert motion.outcome is Outcome.FINISHED
 
 
 def test_an_arm_that_stands_while_the_task_runs_means_nothing() -> None:
     motion = life()
-    motion.stood(in_time=True)
+    motion.stood()
     assert not motion.ended
 
 
 def test_hand_guiding_goes_on_though_the_arm_stands() -> None:
     motion = going(GUIDING)
-    motion.stood(in_time=True)
+    motion.stood()
     assert not motion.ended
     motion.end_sent()
     assert motion.outcome is Outcome.FINISHED
@@ -121,8 +119,7 @@ EVENTS = {
     "interrupted": lambda one: one.observe(TaskState.INTERRUPT),
     "stopped": lambda one: one.observe(TaskState.STOPPED),
     "idle": lambda one: one.observe(TaskState.IDLE),
-    "stood": lambda one: one.stood(in_time=False),
-    "over": lambda one: one.stood(in_time=True),
+    "stood": TaskLifecycle.stood,
     "sent": TaskLifecycle.successor_sent,
     "accepted": TaskLifecycle.successor_accepted,
     "refused": TaskLifecycle.successor_refused,
@@ -130,7 +127,7 @@ EVENTS = {
 
 
 @given(events=st.lists(st.sampled_from(sorted(EVENTS))), held=st.sampled_from([MOTION, GUIDING]))
-def test_it_has_not_finished_unless_it_was_told_to_or_its_time_is_over(
+def test_it_has_not_finished_unless_it_was_told_to_or_the_arm_stands(
     events: list[str], held: ContinuousMotion
 ) -> None:
     """Whatever is seen: "finished" is never said of an arm that may still move by itself."""
@@ -138,6 +135,6 @@ def test_it_has_not_finished_unless_it_was_told_to_or_its_time_is_over(
     for event in events:
         EVENTS[event](motion)
     if motion.outcome is Outcome.FINISHED:
-        assert "over" in events
         assert "finished" in events
+        assert "stood" in events
         assert not held.until_told

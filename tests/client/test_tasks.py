@@ -6,10 +6,12 @@ import gc
 import warnings
 from typing import TYPE_CHECKING
 
+import anyio
 import pytest
 
 import aioduco
 from aioduco import Outcome, TaskState
+from aioduco.supervision.task_state import added_entries
 from aioduco.testing import eventually_async
 from client.bench import HOME, POSE
 
@@ -44,7 +46,8 @@ async def test_a_task_tells_its_states_and_times(robot: aioduco.Robot, bench: Be
     assert task.started_at is not None
     assert task.ended_at is not None
     assert task.accepted_at <= task.started_at < task.ended_at
-    assert task.duration == task.ended_at - task.started_at
+    assert task.duration == pytest.approx(task.ended_at - task.started_at, abs=30.0)
+    assert task.duration > 0.0
     assert repr(task) == f"<Task {task.id} movel FINISHED finished>"
     # Once done, it can be awaited again, and its states are all there.
     assert await task is Outcome.FINISHED
@@ -70,13 +73,18 @@ async def test_each_bad_end_is_a_typed_error(
     words: str,
 ) -> None:
     bench.ends = end
-    bench.motion_time = 0.02
-    bench.errors = ["Joint 4 检测到碰撞"]
+    bench.motion_time = 30.0
+    bench.errors = ["of an earlier motion"]
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    await eventually_async(lambda: task.state is TaskState.RUNNING)
+    bench.errors.append("Joint 4 检测到碰撞")
+    bench.arrive()
     with pytest.raises(error, match=words) as caught:
-        await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        await task
     assert type(caught.value) is error
     assert caught.value.name == "movej2"
     assert caught.value.task_id in bench.tasks
+    assert "earlier" not in str(caught.value)
 
 
 async def test_a_motion_that_the_controller_refuses(robot: aioduco.Robot, bench: Bench) -> None:
@@ -205,3 +213,63 @@ async def test_a_motion_that_is_lost_sight_of_raises_when_the_arm_stands(
         await task
     assert bench.received("stop")
     assert not bench.moving()
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "added"),
+    [
+        ((), ("a",), ("a",)),
+        (("a",), ("a", "b"), ("b",)),
+        (("a",), ("a", "a"), ("a",)),
+        (("a", "b", "c"), ("b", "c", "b"), ("b",)),  # a full list drops its oldest entry
+        (("a", "b"), (), ()),
+        (("a", "b"), ("c", "a"), ("c",)),  # one that is sorted otherwise
+        (("a", "b"), ("c", "d"), ("c", "d")),
+    ],
+)
+def test_what_was_added_to_the_error_list(
+    before: tuple[str, ...], after: tuple[str, ...], added: tuple[str, ...]
+) -> None:
+    assert added_entries(before, after) == added
+
+
+async def test_an_error_carries_what_is_new(duco_robot: aioduco.Robot) -> None:
+    """Neither earlier entries of the list nor those of other calls are repeated."""
+    far = [3.0, 0.0, 0.5, 3.1, 0.0, -1.5]
+    messages = []
+    for _ in range(3):
+        with pytest.raises(aioduco.TaskError) as caught:
+            await duco_robot.motion.movel(far, v=0.1, a=0.1)
+        assert len(caught.value.errors) == 1
+        messages.append(str(caught.value).partition("; the controller")[2])
+        await duco_robot.recover()  # the list stays: this wire has nothing that clears it
+    assert len(set(messages)) == 1
+    assert len(await duco_robot.state.get_last_error()) >= 3
+
+
+async def test_a_motion_is_sent_though_the_error_list_is_not_told(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    bench.answer("get_last_error", 42)  # no list
+    assert await robot.motion.movej2(HOME, v=1.0, a=1.0) is Outcome.FINISHED
+
+
+async def test_a_stop_before_it_is_sent_keeps_it_from_being_sent(
+    robot: aioduco.Robot, bench: Bench
+) -> None:
+    gate = bench.hold("get_last_error", [])
+    errors: list[BaseException] = []
+
+    async def program() -> None:
+        try:
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        except aioduco.TaskStopped as exc:
+            errors.append(exc)
+
+    async with anyio.create_task_group() as group:
+        group.start_soon(program)
+        await eventually_async(lambda: bench.received("get_last_error"))
+        await robot.stop()
+        gate.set()
+    assert not bench.received("movej2")
+    assert "was not sent" in str(errors[0])

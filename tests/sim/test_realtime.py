@@ -146,7 +146,7 @@ def test_the_manuals_example_starved(sim: Simulator, slow: Program) -> None:
     last = sim.time
     sim.wait_until(lambda: sim.view.safety != SafetyState.RUN)
     assert sim.time - last > 0.04
-    sim.wait_until(lambda: not sim.moving)
+    sim.wait_until(lambda: sim.view.standing)
     # STOP2: it stands, with power; and no point that comes now moves it.
     assert slow.get_robot_state() == [6, 0, 7, 1]
     assert "no data for 0.04 s" in slow.get_last_error()[-1]
@@ -160,7 +160,7 @@ def test_a_starved_queue_stops_the_arm(sim: Simulator, robot: Program) -> None:
     robot.realtime_data_enqueue([velocity(ROWS[0])] * 5 + [velocity(ROWS[-1])] * 500, True)
     assert robot.start_realtime_mode(1, 100.0, 0.04) == TaskState.FINISHED
     sim.wait_until(lambda: robot.get_robot_state()[2] != 5)
-    sim.wait_until(lambda: not sim.moving)
+    sim.wait_until(lambda: sim.view.standing)
     # STOP2: the power is on, and the way out is power off, power on, enable
     assert robot.get_robot_state() == [6, 0, 7, 1]
     assert "no data for 0.04 s" in robot.get_last_error()[-1]

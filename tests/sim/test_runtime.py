@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from aioduco.sim import runtime as module
 from aioduco.sim.refusal import Refusal
-from aioduco.sim.runtime import SimulationRuntime
+from aioduco.sim.runtime import SimulatedClock, SimulationRuntime
+from aioduco.testing import eventually
 
 from .fakes import HOME, FakeMover, controller_of, leg
 
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from aioduco.models.enums import TaskState
     from aioduco.sim.planner.path import JointSetPoint
 
     Vector = NDArray[np.float64]
@@ -211,3 +214,51 @@ def test_statistics_of_a_loop_in_real_time(arm: Follower) -> None:
     assert found.cycles > 500
     assert 0.0 <= found.work_p50 <= found.work_p99 <= found.work_max
     assert found.late_p50 <= found.late_p99 <= found.late_max
+
+
+def test_time_can_be_held(
+    runtime: SimulationRuntime, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """At a time, or now; it goes on when it is let go, or after a while."""
+    monkeypatch.setattr(module, "_HOLD", 60.0)
+    clock = SimulatedClock(runtime)
+    at = clock.now() + 0.5
+    let_go = clock.hold(at)
+    eventually(lambda: clock.now() >= at, 30.0)
+    assert clock.now() < at + 2.5 * runtime.cycle
+    held = clock.now()
+    with runtime.command() as controller:
+        controller.set_speed(50)
+    assert runtime.snapshot.view.speed == 50  # commands are taken meanwhile
+    enabling = threading.Thread(target=enable, args=(runtime,))
+    enabling.start()
+    assert clock.now() == held
+    let_go()
+    let_go()
+    enabling.join(30.0)
+    assert clock.now() > held
+    monkeypatch.setattr(module, "_HOLD", 0.01)
+    let_go = clock.hold(-math.inf)
+    at = clock.now() + 0.1
+    eventually(lambda: clock.now() > at, 30.0)
+    assert "simulated time was held for 0.01 s, and goes on" in caplog.text
+    let_go()
+
+
+def test_a_task_has_ended_only_when_its_snapshot_is_there(
+    runtime: SimulationRuntime, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Who asks for a task in the midst of a cycle is answered as of its end: the lock is taken."""
+    with runtime.command() as controller:
+        id_ = controller.change_power("power_on")
+    tasks, locked = runtime._controller.tasks, []
+    state = tasks.state
+
+    def noted(id_: int) -> TaskState:
+        locked.append(runtime._lock.locked())
+        return state(id_)
+
+    monkeypatch.setattr(tasks, "state", noted)
+    runtime.task_state(id_)
+    assert all(locked)
+    assert locked

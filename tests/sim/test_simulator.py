@@ -393,7 +393,7 @@ def test_a_collision_is_told_and_reset(sim: Simulator, robot: Program) -> None:
     robot.to(2.0, *READY[1:], v=1.0, block=False)
     sim.wait_until(lambda: sim.joints[0] > 0.05)
     sim.collide(4)
-    sim.wait_until(lambda: not sim.moving)
+    sim.wait_until(lambda: sim.view.standing)
     status = robot.getRobotStatus()
     assert (status.collision, status.collisionAxis) == (True, 4)
     assert robot.get_last_error() == ["Joint 4 检测到碰撞"]

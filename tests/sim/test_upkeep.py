@@ -80,7 +80,7 @@ def test_a_switch_at_the_cabinet_decides_the_mode(sim: Simulator, robot: Program
     robot.to(1.0, *READY[1:], v=0.2, block=False)
     sim.wait_until(lambda: sim.moving)
     sim.switch_mode(OperationMode.REMOTE)
-    sim.wait_until(lambda: not sim.moving)
+    sim.wait_until(lambda: sim.view.standing)
     assert robot.get_robot_state() == [6, 3, 5, 2]
     robot.stop(True)
     sim.cabinet.mode_switch = True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -13,10 +14,9 @@ from aioduco.models.enums import Outcome, RobotState
 from aioduco.testing import Cut, FaultProxy, Place
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from aioduco import Robot
     from aioduco.sim import Simulator
+    from aioduco.sync import Robot as SyncRobot
 
 HOME = [0.2, 0.1, 1.4, 0.0, -1.5, 0.0]
 
@@ -33,6 +33,15 @@ async def test_a_robot_behind_a_proxy(duco_robot: Robot, duco_proxy: FaultProxy)
     with pytest.raises(OutcomeUnknown):
         await duco_robot.motion.movej2(HOME, v=1.0, a=2.0)
     assert len(duco_proxy.calls("movej2")) == 1
+
+
+def test_a_robot_for_programs_that_wait(
+    duco_sync_robot: SyncRobot, duco_proxy: FaultProxy, duco_simulator: Simulator
+) -> None:
+    assert duco_sync_robot.port == duco_proxy.port
+    duco_sync_robot.motion.movej2(HOME, v=1.0, a=2.0)
+    assert not duco_simulator.moving
+    assert duco_simulator.joints.array == pytest.approx(HOME, abs=1e-3)
 
 
 class TestAnotherArm:
@@ -85,6 +94,24 @@ def test_outside_of_this_project(tmp_path: Path, options: list[str], mark: str) 
         capture_output=True,
         text=True,
         timeout=60,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "2 passed" in done.stdout
+
+
+def test_the_quick_start_as_it_is_printed(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "quickstart.md").read_text(encoding="utf-8")
+    (block,) = [
+        one.partition("```")[0] for one in page.split("```python\n") if "duco_simulator" in one
+    ]
+    (tmp_path / "test_arm.py").write_text(block)
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_arm.py"],
+        check=False,
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=100,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "2 passed" in done.stdout

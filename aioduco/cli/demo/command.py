@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.cli.demo.session import Found
+    from aioduco.controller_clock import Clock
     from aioduco.kinematics import Arm
 
 __all__ = ["demo"]
@@ -66,7 +67,7 @@ def demo(
 
         with Simulator.spawn(model=model, speed=speed, joints=LEFT) as sim:
             report = Report(model, f"{sim.host}:{sim.port}", simulated=True, speed=speed)
-            ended_by = _perform(sim.host, sim.port, plan, report, console)
+            ended_by = _perform(sim.host, sim.port, plan, report, console, sim.clock)
 
     console.print(view.summary(report))
     if report.error:
@@ -82,12 +83,17 @@ def demo(
 
 
 def _perform(
-    host: str, port: int, plan: Plan, report: Report, console: Console
+    host: str,
+    port: int,
+    plan: Plan,
+    report: Report,
+    console: Console,
+    clock: Clock | None = None,
 ) -> signal.Signals | None:
     shown = view.view_for(console)
     shown.open(report)
     try:
-        robot = aioduco.connect(host, port, state_rate=session.SAMPLES)
+        robot = aioduco.connect(host, port, state_rate=session.SAMPLES, clock=clock)
         return anyio.run(session.perform, robot, plan, report, shown)
     finally:
         shown.close()

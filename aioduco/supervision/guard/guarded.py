@@ -20,7 +20,7 @@ from aioduco.errors import ConnectError, DucoError, GuardLost
 from aioduco.supervision.concurrency import DaemonThread, run_to_completion
 from aioduco.supervision.guard.client import Answer, GuardLink, GuardListener, shared
 from aioduco.supervision.guard.messages import Alive, Beat, Rearm, Release, Stop, Watch
-from aioduco.supervision.heartbeat import HeartbeatState, HeartbeatStatistics
+from aioduco.supervision.heartbeat import CERTAIN, HeartbeatState, HeartbeatStatistics
 from aioduco.supervision.loop_watchdog import SignOfLife
 from aioduco.supervision.stop_channel import StopChannel
 
@@ -57,6 +57,7 @@ class GuardClient:
         self._robot = 0
         self._beat: Beat | None = None
         self._heard_at = 0.0
+        self._beats_lost_at: float | None = None
         self._losses = 0
         self._lost: Callable[[], None] = _ignore
 
@@ -83,6 +84,14 @@ class GuardClient:
         """Whether nothing was heard of the heartbeat for a heartbeat time: the guard hangs."""
         limit = self._settings.heartbeat
         return limit is not None and time.monotonic() - self._heard_at > limit
+
+    @property
+    def lapsed(self) -> bool:
+        """Whether the guard's beats were lost so long ago that the controller stopped the arm."""
+        seconds = self._settings.heartbeat
+        if seconds is None or self._beats_lost_at is None:
+            return False
+        return time.monotonic() - self._beats_lost_at > CERTAIN * seconds
 
     @property
     def losses(self) -> int:
@@ -204,6 +213,10 @@ class GuardClient:
 
     def _heard(self, beat: Beat) -> None:
         self._heard_at = time.monotonic()
+        if beat.heartbeat_state is not HeartbeatState.LOST:
+            self._beats_lost_at = None
+        elif self._beats_lost_at is None:
+            self._beats_lost_at = self._heard_at
         self._beat = beat
 
     def _gone(self) -> None:
@@ -302,6 +315,14 @@ class GuardedHeartbeat:
     def heard(self) -> bool:
         """Whether a beat was answered, and no later one was lost."""
         return self.state is HeartbeatState.BEATING
+
+    @property
+    def lapsed(self) -> bool:
+        """Whether no beat was given for so long that the controller has stopped the arm by itself.
+
+        A guard that says nothing any more may still beat, so nothing is known of it.
+        """
+        return self._client.alive and not self._client.silent and self._client.lapsed
 
     @property
     def error(self) -> DucoError | None:
