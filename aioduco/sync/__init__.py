@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from aioduco.sync._feeds import Events, Feed, Subscription
 from aioduco.sync._robot import Robot, connect
+from aioduco.sync._streams import OffsetStream, Stream, TrackStream
 from aioduco.sync._tasks import MotionCommand, MotionFunction, Task
 
 __all__ = [
@@ -21,8 +22,11 @@ __all__ = [
     "Feed",
     "MotionCommand",
     "MotionFunction",
+    "OffsetStream",
     "Robot",
+    "Stream",
     "Subscription",
     "Task",
+    "TrackStream",
     "connect",
 ]
