@@ -105,10 +105,10 @@ def offsets(_robot: Robot, stream: Stream) -> None:
         stream.send([WAY / 30, 0, 0, 0, 0, 0])
 
 
-def speeds(_robot: Robot, stream: Stream) -> None:
-    for tick in stream.ticks(50):
+def speeds(robot: Robot, stream: Stream) -> None:
+    for _ in stream.ticks(50):
         stream.send([0.1, 0, 0, 0, 0, 0])
-        if tick.time > 0.3:
+        if not np.allclose(robot.state.get_actual_joints_position(), START, atol=WAY / 3):
             break
 
 
@@ -148,7 +148,7 @@ def test_each_leads_the_arm_and_leaves_it_standing(robot: Robot, sim: Simulator,
     figures = stream.statistics()
     assert (figures.reason.name, stream.state) == ("CLOSED", StreamState.ENDED)
     assert (stream.commanded is None) is (kind == "track.stream")  # its pace is the arm's own
-    assert stream.taken > 10
+    assert stream.taken > 0
     assert stream.quiet
     assert "CLOSED" in repr(stream)
     with pytest.raises(StreamClosed):
@@ -194,8 +194,8 @@ def test_only_one_is_open_and_no_motion_goes_on_meanwhile(robot: Robot) -> None:
 
 def test_an_error_in_the_block_brings_the_arm_to_rest_at_once(robot: Robot) -> None:
     stream = robot.servo.joints(v=1.0, a=8.0, **PATIENT)
-    with pytest.raises(KeyError):
-        fed(stream, lambda: stream.send(START), lambda: {}["nothing"])
+    with pytest.raises(ValueError, match="not in list"):
+        fed(stream, lambda: stream.send(START), lambda: list[int]().remove(1))
     assert stream.reason.name == "ABORTED"
     assert not robot.state.robotmoving()
 
