@@ -289,6 +289,24 @@ class Robot:
         """
         await self._supervisor.aclose()
 
+    if not TYPE_CHECKING:  # for a type checker they are not there, as they are of no use
+
+        def __enter__(self) -> None:
+            raise TypeError(
+                "this robot is for programs that await: write `async with aioduco.connect(…) as "
+                "robot`, or `with aioduco.sync.connect(…) as robot` in a program that does not. "
+                "Nothing was sent"
+            )
+
+        def __exit__(self, *_: object) -> None:
+            """Python asks for it before it enters."""
+
+        def __await__(self) -> None:
+            raise TypeError(
+                "a robot is not awaited: write `async with aioduco.connect(…) as robot`, or "
+                "`robot = aioduco.connect(…)` and `await robot.open()`. Nothing was sent"
+            )
+
     async def __aenter__(self) -> Self:
         await self.open()
         return self

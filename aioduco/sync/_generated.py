@@ -234,6 +234,8 @@ class Motion(_Section):
             TaskError: one did not succeed. Those after it were stopped, or not sent.
             ParameterError: something in `motions` is no motion, or `ahead` is out of range;
                 nothing was sent.
+            MotionCarriedOut: something in `motions` is how a motion ended, since it was carried
+                out, not made: the arm has moved.
 
         If this is interrupted, the arm is stopped.
         """
@@ -397,6 +399,9 @@ class Motion(_Section):
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
 
+        Warns:
+            UnitWarning: `v` reads like rad/s: it has a point, and is no more than 3.93.
+
         Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
         """
         return self._section.movej(joints, v, a, r=r, op=op, def_acc=def_acc)
@@ -436,6 +441,9 @@ class Motion(_Section):
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
+
+        Warns:
+            UnitWarning: `v` reads like rad/s: it has a point, and is no more than 3.93.
 
         Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
         """

@@ -176,6 +176,17 @@ class Robot(Sections):
         """
         self._runner.close()
 
+    if not TYPE_CHECKING:  # for a type checker they are not there, as they are of no use
+
+        async def __aenter__(self) -> None:
+            raise TypeError(
+                "this robot is for programs that do not await: write `with aioduco.sync.connect(…) "
+                "as robot`, or `async with aioduco.connect(…) as robot`. Nothing was sent"
+            )
+
+        async def __aexit__(self, *_: object) -> None:
+            """Python asks for it before it enters."""
+
     def __enter__(self) -> Self:
         self.open()
         return self
