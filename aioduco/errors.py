@@ -27,6 +27,7 @@ __all__ = [
     "ModbusRefused",
     "ModbusTimeout",
     "MotionCarriedOut",
+    "NamedElsewhere",
     "NotAController",
     "NotSent",
     "OutcomeUnknown",
@@ -101,6 +102,23 @@ class MotionCarriedOut(DucoError, TypeError):
             f"{parameter} is {outcome!r}, how a motion ended: it was carried out before this call, "
             f"and the arm has moved. {meant}. Nothing further was sent"
         )
+
+
+class NamedElsewhere(DucoError, AttributeError):
+    """A function of the manual was asked of an object that does not have it; nothing was sent.
+
+    Attributes:
+        function: what was asked for.
+        meant: where it is.
+    """
+
+    def __init__(self, function: str, meant: str) -> None:
+        self.function = function
+        self.meant = meant
+        super().__init__(f"{function} is {meant}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.function, self.meant)
 
 
 class ConnectError(DucoError, ConnectionError):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from aioduco._wire.host import HOST_RULE, is_host
 from aioduco.errors import ParameterError
+from aioduco.models.names import ManualNames
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.supervision.settings import RobotSettings
 
@@ -172,7 +173,7 @@ def connect(
     )
 
 
-class Robot:
+class Robot(ManualNames):
     """A robot arm and its controller. Made by `connect`, used in `async with`.
 
     Entering connects, asks the controller one question and starts the heartbeat. Leaving goes

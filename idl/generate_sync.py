@@ -83,13 +83,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from aioduco.models.names import ManualNames
 from aioduco.sync._tasks import awaitables, moves
 
 if TYPE_CHECKING:
 {imports}
 
 
-class _Section:
+class _Section(ManualNames):
     """A section of the manual: functions of one robot."""
 
     __slots__ = ("_runner", "_section")
@@ -177,7 +178,10 @@ class Generator:
         self.imports: dict[str, str] = {}
         self.sources: dict[str, Source] = {}
         #: imports of what is evaluated
-        self.run_time: set[str] = {"from aioduco.sync._tasks import awaitables, moves"}
+        self.run_time: set[str] = {
+            "from aioduco.models.names import ManualNames",
+            "from aioduco.sync._tasks import awaitables, moves",
+        }
 
     def source(self, module: str) -> Source:
         return self.sources.setdefault(module, Source(module))
@@ -325,7 +329,13 @@ class Generator:
         """The lines of the class that holds the sections."""
         doc = inspect.getdoc(Robot) or ""
         said = dict(re.findall(r"^    (\w+): (.+)$", doc, re.MULTILINE))
-        lines = ["", "", "class Sections:", '    """The sections of a robot, and what it does.', ""]
+        lines = [
+            "",
+            "",
+            "class Sections(ManualNames):",
+            '    """The sections of a robot, and what it does.',
+            "",
+        ]
         lines += ["    Attributes:"]
         lines += [f"        {name}: {said[name]}" for name in sections]
         lines += ['    """', ""]
@@ -362,6 +372,7 @@ class Generator:
         lines += self.robot(shown_as)
         text = "\n".join(lines)
         header = HEADER.replace(
+            "from aioduco.models.names import ManualNames\n"
             "from aioduco.sync._tasks import awaitables, moves",
             "\n".join(_grouped(self.run_time, indent="")),
             1,

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from aioduco.models.jog import JogDirections
+from aioduco.models.names import ManualNames
 from aioduco.sync._streams import OffsetStream, Stream, TrackStream
 from aioduco.sync._tasks import awaitables, moves
 
@@ -66,7 +67,7 @@ if TYPE_CHECKING:
     from typing import Literal, Unpack
 
 
-class _Section:
+class _Section(ManualNames):
     """A section of the manual: functions of one robot."""
 
     __slots__ = ("_runner", "_section")
@@ -4640,7 +4641,7 @@ class Version(_Section):
         return self._runner.call(self._section.get_robot_type())
 
 
-class Sections:
+class Sections(ManualNames):
     """The sections of a robot, and what it does.
 
     Attributes:
