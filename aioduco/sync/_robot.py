@@ -156,7 +156,8 @@ class Robot(Sections):
     def open(self) -> None:
         """Connect, see that a controller answers, and start the heartbeat.
 
-        For notebooks; programs use `with`, which closes whatever happens.
+        For notebooks and prompts: between two cells, and while one computes, the heartbeat goes
+        on. Programs use `with`, which closes whatever happens.
 
         Raises:
             ConnectError: the host is unknown, the port is closed, or nothing answers.
