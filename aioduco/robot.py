@@ -269,7 +269,8 @@ class Robot(ManualNames):
         For fixtures, and for applications that call `aclose` in a `finally`; programs use `async
         with`, which closes whatever happens. Not for notebooks: a cell that computes, or waits
         for a person, holds up the event loop, and with it the heartbeat, so that the controller
-        stops the arm. They use `aioduco.sync`. From now on the robot belongs to the event loop that runs: on any other, what is awaited
+        stops the arm. They use `aioduco.sync`.
+        From now on the robot belongs to the event loop that runs: on any other, what is awaited
         of it raises `WrongLoop` before anything is sent.
 
         Raises:
