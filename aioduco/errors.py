@@ -26,6 +26,8 @@ __all__ = [
     "ModbusGarbled",
     "ModbusRefused",
     "ModbusTimeout",
+    "MotionCarriedOut",
+    "NamedElsewhere",
     "NotAController",
     "NotSent",
     "OutcomeUnknown",
@@ -55,6 +57,7 @@ __all__ = [
     "TaskStopped",
     "TaskUnknown",
     "TrackPoolFull",
+    "UnitWarning",
     "UnknownFunction",
     "Unreachable",
     "WrongLoop",
@@ -80,6 +83,42 @@ class ParameterError(DucoError, ValueError):
         self.value = value
         self.expected = expected
         super().__init__(f"{parameter} is {value!r}, but must be {expected}; nothing was sent")
+
+
+class MotionCarriedOut(DucoError, TypeError):
+    """What was to be a motion is how one ended: **the arm has moved** before this was called.
+
+    Of what was given with it, nothing was sent.
+
+    Attributes:
+        parameter: the name of the parameter.
+        outcome: how the motion ended.
+    """
+
+    def __init__(self, parameter: str, outcome: object, meant: str) -> None:
+        self.parameter = parameter
+        self.outcome = outcome
+        super().__init__(
+            f"{parameter} is {outcome!r}, how a motion ended: it was carried out before this call, "
+            f"and the arm has moved. {meant}. Nothing further was sent"
+        )
+
+
+class NamedElsewhere(DucoError, AttributeError):
+    """A function of the manual was asked of an object that does not have it; nothing was sent.
+
+    Attributes:
+        function: what was asked for.
+        meant: where it is.
+    """
+
+    def __init__(self, function: str, meant: str) -> None:
+        self.function = function
+        self.meant = meant
+        super().__init__(f"{function} is {meant}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.function, self.meant)
 
 
 class ConnectError(DucoError, ConnectionError):
@@ -417,6 +456,13 @@ class GoalToleranceViolated(StreamError):
 
 class SceneError(DucoError, ValueError):
     """A scene, a tool or a mounting cannot be simulated. No simulator was started."""
+
+
+class UnitWarning(UserWarning):
+    """A number that reads like another unit than the one it is taken for; it was taken as it is.
+
+    Python shows it once for each line of a program.
+    """
 
 
 class RenderError(DucoError, RuntimeError):

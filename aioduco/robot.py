@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from aioduco._wire.host import HOST_RULE, is_host
 from aioduco.controller_clock import WallClock
 from aioduco.errors import ParameterError
+from aioduco.models.names import ManualNames
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.supervision.settings import RobotSettings
 
@@ -180,7 +181,7 @@ def connect(
     )
 
 
-class Robot:
+class Robot(ManualNames):
     """A robot arm and its controller. Made by `connect`, used in `async with`.
 
     Entering connects, asks the controller one question and starts the heartbeat. Leaving goes
@@ -273,7 +274,10 @@ class Robot:
     async def open(self) -> None:
         """Connect, see that a controller answers, and start the heartbeat.
 
-        For notebooks and fixtures; programs use `async with`, which closes whatever happens.
+        For fixtures, and for applications that call `aclose` in a `finally`; programs use `async
+        with`, which closes whatever happens. Not for notebooks: a cell that computes, or waits
+        for a person, holds up the event loop, and with it the heartbeat, so that the controller
+        stops the arm. They use `aioduco.sync`.
         From now on the robot belongs to the event loop that runs: on any other, what is awaited
         of it raises `WrongLoop` before anything is sent.
 
@@ -296,6 +300,24 @@ class Robot:
             WrongLoop: the robot belongs to another event loop, which is to close it.
         """
         await self._supervisor.aclose()
+
+    if not TYPE_CHECKING:  # for a type checker they are not there, as they are of no use
+
+        def __enter__(self) -> None:
+            raise TypeError(
+                "this robot is for programs that await: write `async with aioduco.connect(…) as "
+                "robot`, or `with aioduco.sync.connect(…) as robot` in a program that does not. "
+                "Nothing was sent"
+            )
+
+        def __exit__(self, *_: object) -> None:
+            """Python asks for it before it enters."""
+
+        def __await__(self) -> None:
+            raise TypeError(
+                "a robot is not awaited: write `async with aioduco.connect(…) as robot`, or "
+                "`robot = aioduco.connect(…)` and `await robot.open()`. Nothing was sent"
+            )
 
     async def __aenter__(self) -> Self:
         await self.open()

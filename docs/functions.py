@@ -5,13 +5,12 @@
 
 The wire and its meanings come from `idl/robot.thrift`, the manuals' names from
 `tests/data/manual-3.8.json` and `manual-4.3.json`, what older controllers lack from
-`wire-older.json` there, our names from the methods in `aioduco/api/` and `aioduco/robot.py`.
+`wire-older.json` there, our names from `aioduco/models/names.py`.
 """
 
 from __future__ import annotations
 
 import argparse
-import ast
 import json
 import re
 import sys
@@ -23,6 +22,11 @@ ROOT = HERE.parent
 PAGE = HERE / "functions.md"
 IDL = ROOT / "idl" / "robot.thrift"
 DATA = ROOT / "tests" / "data"
+
+sys.path.insert(0, str(ROOT))
+
+from aioduco.models import names  # noqa: E402  # of this checkout
+from aioduco.models.names import BY_ITSELF, CLIENT_SIDE  # noqa: E402  # of this checkout
 
 HEAD = """# Functions
 
@@ -69,20 +73,6 @@ And what it describes otherwise:
 | what | change |
 |---|---|"""
 
-#: what this package does in another way than by a function of the same name
-ELSEWHERE = {
-    "rpc_heartbeat": "sent by itself while connected",
-    "get_noneblock_taskstate": "followed by itself for each task",
-}
-
-#: functions of the manual that are not on the wire
-CLIENT_SIDE = {
-    "DucoCobot": "`aioduco.connect()`",
-    "open": "`async with aioduco.connect() as robot`",
-    "close": "the end of `async with`",
-    "get_version": "`aioduco.__version__`",
-}
-
 
 def sections() -> dict[str, list[tuple[str, str]]]:
     """Section heading -> its functions on the wire, each with its meaning."""
@@ -99,28 +89,10 @@ def sections() -> dict[str, list[tuple[str, str]]]:
     return found
 
 
-def ours() -> dict[str, str]:
-    """Method -> how a program writes it, for the sections' classes and for `Robot`."""
-    found: dict[str, str] = {}
-    api = ROOT / "aioduco" / "api"
-    # A section is a module, or a package whose modules hold parts of its class.
-    modules = [
-        (path, f"robot.{path.relative_to(api).with_suffix('').parts[0]}")
-        for path in sorted(api.rglob("*.py"))
-    ]
-    robot = ROOT / "aioduco" / "robot.py"
-    if robot.exists():
-        modules.append((robot, "robot"))
-    for path, prefix in modules:
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
-            if not isinstance(node, ast.ClassDef) or node.name.startswith("_"):
-                continue
-            for item in node.body:
-                if not isinstance(item, ast.FunctionDef | ast.AsyncFunctionDef):
-                    continue
-                if not item.name.startswith("_"):
-                    found[item.name] = f"`{prefix}.{item.name}`"
-    return found
+def ours(name: str) -> str:
+    """How a program writes a function of the wire; empty if it cannot."""
+    where = names.place(name)
+    return BY_ITSELF.get(name, "") if where is None else f"`{where}`"
 
 
 def lacking() -> dict[str, str]:
@@ -149,11 +121,11 @@ def older() -> list[str]:
     return rows
 
 
-def newer(names: dict[str, str]) -> list[str]:
+def newer() -> list[str]:
     """The rows of what manual 4.3 adds, and of what it changes."""
     data = _data("manual-4.3")
     rows = [
-        f"| `{one['name']}` | {names.get(one['name'], 'not callable')} | {one['meaning']} |"
+        f"| `{one['name']}` | {ours(one['name']) or 'not callable'} | {one['meaning']} |"
         for one in data["new"]
     ]
     changed = [f"| {one['item']} | {one['change'].replace('|', ',')} |" for one in data["changed"]]
@@ -169,7 +141,6 @@ def page() -> str:
     functions = _data("manual-3.8")["functions"]
     lacks = lacking()
     manual = {entry["wire"]: entry["name"] for entry in functions if entry["wire"]}
-    names = ours()
     lines = [HEAD]
     for head, entries in sections().items():
         number = head.split()[0]
@@ -178,8 +149,7 @@ def page() -> str:
         for name, about in entries:
             printed = manual.get(name)
             shown = f"`{name}`" + (f" (`{printed}`)" if printed not in {name, None} else "")
-            here = names.get(name) or ELSEWHERE.get(name, "")
-            lines.append(f"| {shown} | {here} | {about} | {lacks.get(name, '')} |")
+            lines.append(f"| {shown} | {ours(name)} | {about} | {lacks.get(name, '')} |")
         if number == "1.3.1":
             lines += [
                 f"| `{name}` | {here} | Not on the wire. | |"
@@ -188,7 +158,7 @@ def page() -> str:
             ]
         if number == "1.3.16":
             lines.append(f"| `get_version` | {CLIENT_SIDE['get_version']} | Not on the wire. | |")
-    lines += [OLDER, *older(), OLDER_REST, NEWER, *newer(names)]
+    lines += [OLDER, *older(), OLDER_REST, NEWER, *newer()]
     return "\n".join(lines) + "\n"
 
 

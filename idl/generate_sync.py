@@ -3,8 +3,9 @@
     python idl/generate_sync.py            write the module
     python idl/generate_sync.py --check    compare the whole text with what is committed
 
-Each section of `aioduco.robot.Robot`, and each coroutine of the robot itself, becomes a class or
-a method with the same signature and docstring. A shape that has no rule here ends the generator.
+Each section of `aioduco.robot.Robot`, those of streams alone included, and each coroutine of the
+robot itself, becomes a class or a method with the same signature and docstring. A shape that has
+no rule here ends the generator.
 """
 
 from __future__ import annotations
@@ -24,14 +25,25 @@ sys.path.insert(0, str(ROOT))
 
 from aioduco.api.section import Section  # noqa: E402  # of this checkout
 from aioduco.robot import Robot  # noqa: E402  # of this checkout
+from aioduco.streaming.realtime import RealtimeStreams  # noqa: E402  # of this checkout
+from aioduco.streaming.servo import Servo  # noqa: E402  # of this checkout
+from aioduco.streaming.speed import Speed  # noqa: E402  # of this checkout
+from aioduco.streaming.track import TrackStreams  # noqa: E402  # of this checkout
 
 TARGET = ROOT / "aioduco" / "sync" / "_generated.py"
 
 #: coroutines of the robot that `aioduco/sync/_robot.py` has in its own way
 BY_HAND = {"open", "aclose"}
 MOTIONS = {"MotionCommand", "HeldMotion"}
-#: what functions return that do not wait, which `aioduco/sync/_tasks.py` has in its own way
-TIED = {"MotionPath"}
+#: classes whose methods make streams: bases of sections, or sections by themselves
+STREAM_MAKERS = (Servo, Speed, RealtimeStreams, TrackStreams)
+#: what functions return that do not wait; what ties it to a block is in these modules
+TIED = {
+    "MotionPath": "aioduco.sync._tasks",
+    "OffsetStream": "aioduco.sync._streams",
+    "Stream": "aioduco.sync._streams",
+    "TrackStream": "aioduco.sync._streams",
+}
 
 DOCS = {
     "Motion": '''"""Motions of the arm (移动控制, manual 1.3.5).
@@ -58,11 +70,13 @@ DOCS = {
 WORDS = (
     (r"async with (robot\.motion\.path)\(", r"with \1("),
     (r"await path\.add\((robot\.[\w.]+)\(", r"path.add(\1.prepare("),
+    (r"async with (robot\.(?:servo|speed)\.\w+|robot\.\w+\.stream)\(", r"with \1("),
     (r"async with (robot\.[\w.]+)\(", r"with \1.start("),
     (r"await (robot\.[\w.]+)\((.*)\)\.start\(\)", r"\1.start(\2)"),
     (r"async (with|for) ", r"\1 "),
     (r"\bawait (?=[\w.]+\()", ""),
     (r"[Cc]ancelling its await", "An interrupt while it waits"),
+    (r"Cancelling this brings", "An interrupt brings"),
     (r"if this is cancelled", "if this is interrupted"),
     (r"If this is cancelled", "If this is interrupted"),
     (r"goes on to its end even if this is interrupted", "goes on to its end even if interrupted"),
@@ -79,13 +93,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from aioduco.sync._tasks import MotionPath, awaitables, moves
+from aioduco.models.names import ManualNames
+from aioduco.sync._tasks import awaitables, moves
 
 if TYPE_CHECKING:
 {imports}
 
 
-class _Section:
+class _Section(ManualNames):
     """A section of the manual: functions of one robot."""
 
     __slots__ = ("_runner", "_section")
@@ -122,6 +137,14 @@ class Source:
             if isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
                 for alias in node.names:
                     self.imported[alias.asname or alias.name] = _import(node.module, alias)
+        #: names of the module's own for types, which it keeps to itself
+        self.aliases: dict[str, ast.expr] = {
+            node.targets[0].id: node.value
+            for node in self.tree.body
+            if isinstance(node, ast.Assign)
+            and isinstance(node.targets[0], ast.Name)
+            and node.targets[0].id.startswith("_")
+        }
         self.own = {
             target
             for node in self.tree.body
@@ -145,6 +168,16 @@ class Source:
         raise SystemExit(f"{self.module}: {owner}.{name} is not to be found")
 
 
+class _Unfolded(ast.NodeTransformer):
+    """Puts what they stand for in the place of names."""
+
+    def __init__(self, aliases: dict[str, ast.expr]) -> None:
+        self._aliases = aliases
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:  # the name in `ast`
+        return self._aliases.get(node.id, node)
+
+
 def _import(module: str, alias: ast.alias) -> str:
     renamed = f" as {alias.asname}" if alias.asname else ""
     return f"from {module} import {alias.name}{renamed}"
@@ -157,13 +190,18 @@ class Generator:
         self.imports: dict[str, str] = {}
         self.sources: dict[str, Source] = {}
         #: imports of what is evaluated
-        self.run_time: set[str] = {RUN_TIME}
+        self.run_time: set[str] = {
+            "from aioduco.models.names import ManualNames",
+            "from aioduco.sync._tasks import awaitables, moves",
+        }
 
     def source(self, module: str) -> Source:
         return self.sources.setdefault(module, Source(module))
 
     def need(self, node: ast.expr, source: Source, *, default: bool) -> str:
         """The text of an annotation or a default, whose names are imported."""
+        if not default:
+            node = _Unfolded(source.aliases).visit(node)
         for each in ast.walk(node):
             if not isinstance(each, ast.Name) or each.id in vars(__import__("builtins")):
                 continue
@@ -176,7 +214,7 @@ class Generator:
                 wanted = f"from {source.module} import {each.id}"
             if wanted is None:
                 raise SystemExit(f"{source.module}: where does {each.id} come from?")
-            if each.id in MOTIONS | TIED:
+            if each.id in MOTIONS | TIED.keys():
                 continue
             if self.imports.setdefault(each.id, wanted) != wanted:
                 raise SystemExit(f"two things are called {each.id}")
@@ -201,11 +239,15 @@ class Generator:
         lines += _broken(f"    def {name}", ["self", *declared], f" -> {returned}:")
         lines += _doc(inspect.getdoc(getattr(owner, name)), motion=motion)
         call = f"{target}.{name}"
+        if tied:
+            self.run_time.add(f"from {TIED[returns]} import {returns}")
+            return [
+                *lines,
+                *_broken(f"        made = {call}", sent, ""),
+                f"        return {returns}(self._runner, made)",
+            ]
         if motion:
             return lines + _broken(f"        return {call}", sent, "")
-        if tied:
-            head = f"        return {returns}(self._runner, {call}"
-            return lines + _broken(head, sent, ")")
         back = "" if returns == "None" else "return "
         line = f"        {back}self._runner.call({call}({', '.join(sent)}))"
         if len(line) <= 100:
@@ -256,7 +298,8 @@ class Generator:
             declared.append(declare(arg, value))
             sent.append(f"{arg.arg}={arg.arg}")
         if args.kwarg is not None:
-            raise SystemExit(f"{source.module}: no rule for **{args.kwarg.arg}")
+            declared.append(declare(args.kwarg, None, "**"))
+            sent.append(f"**{args.kwarg.arg}")
         return declared, sent
 
     def at_run_time(self, value: ast.expr) -> None:
@@ -269,6 +312,8 @@ class Generator:
         """The lines of one section's class."""
         doc = DOCS.get(shown)
         text = inspect.cleandoc(section.__doc__ or "")
+        if not issubclass(section, Section):
+            text = text.partition("\n\nArgs:")[0]  # of its making
         lines = ["", "", f"class {shown}(_Section):"]
         lines += [f"    {doc}"] if doc else _doc(text, motion=False, indent=4)
         lines += ["", "    __slots__ = ()", f"    _section: Aio{shown}"]
@@ -277,7 +322,7 @@ class Generator:
         )
         seen: set[str] = set()
         for base in section.__mro__:
-            if not issubclass(base, Section) or base is Section:
+            if not issubclass(base, (Section, *STREAM_MAKERS)) or base is Section:
                 continue
             for name, attribute in vars(base).items():
                 if name.startswith("_") or name in seen:
@@ -296,7 +341,13 @@ class Generator:
         """The lines of the class that holds the sections."""
         doc = inspect.getdoc(Robot) or ""
         said = dict(re.findall(r"^    (\w+): (.+)$", doc, re.MULTILINE))
-        lines = ["", "", "class Sections:", '    """The sections of a robot, and what it does.', ""]
+        lines = [
+            "",
+            "",
+            "class Sections(ManualNames):",
+            '    """The sections of a robot, and what it does.',
+            "",
+        ]
         lines += ["    Attributes:"]
         lines += [f"        {name}: {said[name]}" for name in sections]
         lines += ['    """', ""]
@@ -328,22 +379,21 @@ class Generator:
         for name, alias in declared.items():
             _, module, _, kind, *_ = robot.imported[alias].split()
             section = getattr(importlib.import_module(module), kind)
-            if not issubclass(section, Section):
-                continue  # streams: a set-point that waits for a thread's turn is late
             shown_as[name] = kind
             lines += self.section(kind, section)
         lines += self.robot(shown_as)
         text = "\n".join(lines)
         header = HEADER.replace(
-            RUN_TIME,
-            "\n".join(sorted(self.run_time)),
+            "from aioduco.models.names import ManualNames\n"
+            "from aioduco.sync._tasks import awaitables, moves",
+            "\n".join(_grouped(self.run_time, indent="")),
             1,
         )
         imports = {*self.imports.values(), *OWN} - self.run_time - {"from typing import Any"}
         return header.format(imports="\n".join(_grouped(imports))) + text + "\n"
 
 
-def _grouped(imports: set[str]) -> list[str]:
+def _grouped(imports: set[str], indent: str = "    ") -> list[str]:
     """The lines that import the same, each module once."""
     names: dict[str, list[str]] = {}
     for each in sorted(imports):
@@ -351,12 +401,12 @@ def _grouped(imports: set[str]) -> list[str]:
         names.setdefault(module, []).append(name)
     lines: list[str] = []
     for module, imported in names.items():
-        line = f"    from {module} import {', '.join(imported)}"
+        line = f"{indent}from {module} import {', '.join(imported)}"
         if len(line) <= 100:
             lines.append(line)
         else:
-            each_on_its_own = [f"        {one}," for one in imported]
-            lines += [f"    from {module} import (", *each_on_its_own, "    )"]
+            each_on_its_own = [f"{indent}    {one}," for one in imported]
+            lines += [f"{indent}from {module} import (", *each_on_its_own, f"{indent})"]
     return lines
 
 

@@ -192,8 +192,9 @@ class OwnerLoop:
         return WrongLoop(
             f"{what}: refused, since {self._owner} belongs to the event loop on which it was "
             f"opened, {self._loop!r}, and this is not that one; nothing was sent. Open one for "
-            "each event loop. From other threads use stop_now(), "
-            "asyncio.run_coroutine_threadsafe(..., loop), or aioduco.sync"
+            "each event loop. From other threads use stop_now() or "
+            "asyncio.run_coroutine_threadsafe(..., loop). In notebooks, and wherever several "
+            "threads use one robot, use aioduco.sync: its robot has a loop of its own"
         )
 
 

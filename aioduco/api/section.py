@@ -29,6 +29,7 @@ from aioduco.errors import (
 )
 from aioduco.models import ranges
 from aioduco.models.enums import Outcome, TaskState
+from aioduco.models.names import ManualNames
 from aioduco.supervision.command import Command, HeldMotion, MotionCommand
 from aioduco.supervision.concurrency import every
 from aioduco.supervision.task import task_error
@@ -48,7 +49,7 @@ _SETTLING: Final = 0.5
 _ASK_AGAIN: Final = 0.02
 
 
-class Section:
+class Section(ManualNames):
     """A section of the manual: functions of one robot."""
 
     __slots__ = ("_rpc", "_supervisor", "_unlimited")

@@ -10,10 +10,12 @@ range, or an odd one, the comment says what is checked instead, and why.
 
 from __future__ import annotations
 
+import sys
+import warnings
 from math import pi
 from typing import TYPE_CHECKING
 
-from aioduco.errors import ParameterError
+from aioduco.errors import ParameterError, UnitWarning
 from aioduco.models import jog, realtime
 from aioduco.models.rules import (
     Choice,
@@ -33,9 +35,10 @@ from aioduco.models.rules import (
     Vector,
 )
 from aioduco.models.rules.lists import ordered
+from aioduco.models.rules.scalars import LONGEST_ARM
 
 if TYPE_CHECKING:
-    from aioduco.models.rules import FlagsLike, VectorLike, Whole
+    from aioduco.models.rules import FlagsLike, Real, VectorLike, Whole
 
 # -- shared ------------------------------------------------------------------------------------
 
@@ -82,8 +85,8 @@ LINE_ACCELERATION = Number(0.01, unit="m/s²", source="1.3.5")
 #: spline_op, the Cartesian track and speedl's acceleration start lower than the other motions
 FINE_SPEED = Number(0.00001, 5.0, "m/s", source="1.3.5")
 FINE_ACCELERATION = Number(0.00001, unit="m/s²", source="1.3.5")
-#: 0 for no blending
-BLEND_RADIUS = Number(0.0, unit="m", source="1.3.5")
+#: 0 for no blending; the manual prints no largest one, but none is larger than an arm
+BLEND_RADIUS = Number(0.0, unit="m", plausible=LONGEST_ARM, source="1.3.5")
 #: speed and acceleration of movej and movej_pose, which the manual does not describe
 PERCENT = Number(0.0, 100.0, "%", open_low=True, source="public applications")
 ARC_MODE = Choice(
@@ -267,7 +270,7 @@ TRACK_JOINT_ACCELERATION = Number(0.01 * pi / 180, 12.5 * pi, "rad/s²", source=
 TRACK_SPEED = Number(0.00001, 5.0, "m/s", source="1.3.12")
 TRACK_ACCELERATION = Number(0.00001, unit="m/s²", source="1.3.12")
 #: not in the manual; the vendor's client sends 0.005
-TRACK_RADIUS = Number(0.0, unit="m", source="vendor's generated client")
+TRACK_RADIUS = Number(0.0, unit="m", plausible=LONGEST_ARM, source="vendor's generated client")
 
 # -- 1.3.13 combined motion --------------------------------------------------------------------
 
@@ -339,6 +342,34 @@ def pulse(freq: Whole, duty_cycle: Whole) -> tuple[int, int]:
             "duty_cycle", percent, f"at least {least} % at {hertz} Hz, so that pulses last 1 ms"
         )
     return hertz, percent
+
+
+def percent_of_speed(name: str, value: Real) -> float:
+    """Check a speed in percent, and warn of one that reads like rad/s: 1.0 would be 1 %.
+
+    A whole number, written without a point, is taken for percent.
+
+    Raises:
+        ParameterError: it is out of range.
+    """
+    percent = PERCENT(name, value)
+    if not isinstance(value, int) and percent <= JOINT_SPEED.high:
+        warnings.warn(
+            f"{name}={value!r} is {percent:g} % of the arm's speed here, not rad/s: movej2 and "
+            f"movej_pose2 take rad/s. Percent as a whole number ({name}={max(1, round(percent))}) "
+            "does not warn",
+            UnitWarning,
+            stacklevel=_callers_level(),
+        )
+    return percent
+
+
+def _callers_level() -> int:
+    """How many frames above the one that warns the program is that called this package."""
+    frame, level = sys._getframe(1), 1
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("aioduco."):
+        frame, level = frame.f_back, level + 1
+    return level
 
 
 def weave_dwells(name: str, value: VectorLike) -> list[int]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
+from aioduco.models.names import ManualNames
 from aioduco.streaming.gains import ServoGains
 from aioduco.streaming.options import Feeding, per_group
 from aioduco.streaming.shared.config import Calls, Sent
@@ -64,7 +65,7 @@ class OffsetStream(Stream):
         await self._taken()
 
 
-class Servo:
+class Servo(ManualNames):
     """Streams of positions to follow (servo, manual 1.3.5).
 
         async with robot.servo.joints(v=1.0, a=5.0, rate=500) as stream:

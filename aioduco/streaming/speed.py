@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
+from aioduco.models.names import ManualNames
 from aioduco.streaming.options import Feeding, per_group
 from aioduco.streaming.shared.config import Calls, Sent
 from aioduco.streaming.shared.space import Limits
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["Speed"]
 
 
-class Speed:
+class Speed(ManualNames):
     """Streams of speeds (speedj, speedl, manual 1.3.5), as a joystick gives them.
 
         async with robot.speed.linear(a=0.5, dead_man=0.2) as stream:

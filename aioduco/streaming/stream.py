@@ -12,7 +12,7 @@ from aioduco.streaming.options import checked
 from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
 from aioduco.streaming.shared.config import WorkerConfig
-from aioduco.streaming.ticks import Tick, ticks
+from aioduco.streaming.ticks import Tick, Ticks
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterable, AsyncIterator, Callable, Iterable
@@ -237,7 +237,7 @@ class Stream:
                 await anyio.lowlevel.checkpoint()
         return found
 
-    async def ticks(self, rate: float | None = None) -> AsyncIterator[Tick]:
+    def ticks(self, rate: float | None = None) -> AsyncIterator[Tick]:
         """Rounds of the program's own loop, on an absolute schedule.
 
         Ticks for which the program is not ready in time are left out, never made up for.
@@ -249,8 +249,7 @@ class Stream:
             StreamError: the stream has ended; says why.
         """
         period = 1 / (rate or self._feeding.source_rate or self._feeding.rate)
-        async for tick in ticks(period, self._session.alive):
-            yield tick
+        return Ticks(period, self._session.alive)
 
     async def _feed(
         self, points: Iterable[tuple[float, ...]], ahead: int, extra: bytes = b""

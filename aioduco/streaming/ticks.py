@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import anyio
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
+    from collections.abc import Callable
+    from typing import Self
 
-__all__ = ["Tick", "ticks"]
+__all__ = ["Tick", "Ticks"]
 
 
 class Tick(NamedTuple):
@@ -30,23 +31,39 @@ class Tick(NamedTuple):
     skipped: int
 
 
-async def ticks(period: float, check: Callable[[], object]) -> AsyncIterator[Tick]:
-    """Give a tick each period; those for which the program is not ready are left out.
+class Ticks:
+    """Rounds on an absolute schedule, one for each `anext`; the first one begins it.
+
+    Those for which the program is not ready in time are left out.
 
     Args:
         period: time between two ticks [s].
         check: called before each; raises to end the ticks.
     """
-    start = before = anyio.current_time()
-    number = place = 0
-    while True:
-        check()
-        due = start + place * period
+
+    def __init__(self, period: float, check: Callable[[], object]) -> None:
+        self._period = period
+        self._check = check
+        self._start: float | None = None
+        self._before = 0.0
+        self._number = 0
+        self._place = 0
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> Tick:
+        self._check()
+        if self._start is None:
+            self._start = anyio.current_time()
+        due = self._start + self._place * self._period
         await anyio.sleep_until(due)
         now = anyio.current_time()
-        skipped = max(0, int((now - due) / period))
-        dt = now - before if number else period
-        yield Tick(number, now - start, dt, now - due - skipped * period, skipped)
-        before = now
-        number += 1
-        place += 1 + skipped
+        skipped = max(0, int((now - due) / self._period))
+        dt = now - self._before if self._number else self._period
+        late = now - due - skipped * self._period
+        tick = Tick(self._number, now - self._start, dt, late, skipped)
+        self._before = now
+        self._number += 1
+        self._place += 1 + skipped
+        return tick

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+import inspect
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, Protocol, get_args
 
-from aioduco.errors import ParameterError
+from aioduco.errors import MotionCarriedOut, ParameterError
+from aioduco.models.enums import Outcome
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.supervision.task import OnCancel
 
 if TYPE_CHECKING:
-    from collections.abc import Generator
+    from collections.abc import Generator, Iterable
     from types import TracebackType
 
-    from aioduco.models.enums import Outcome
     from aioduco.supervision.task import Task
     from aioduco.supervision.task_state import ContinuousMotion, JointEta
 
-__all__ = ["Command", "HeldMotion", "MotionCommand"]
+__all__ = ["Command", "HeldMotion", "MotionCommand", "check_motions", "shown"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,11 +65,16 @@ class MotionCommand:
     - `async with motion as task:` ties it to a block: it has ended when the block is left, by
       itself, or by a stop if the block raised or was cancelled.
 
+    It is no coroutine, so `asyncio.create_task` does not take it: `start` returns a task.
+
     It may be used again: each time moves the arm anew. One that was never used warns, as a
     coroutine does.
     """
 
     __slots__ = ("__weakref__", "_dispatcher", "_open", "_used", "command")
+
+    #: how one that was not sent is sent
+    _HINT = "await it, or `task = await motion.start()` to go on beside it"
 
     def __init__(self, dispatcher: CommandDispatcher, command: Command) -> None:
         self._dispatcher = dispatcher
@@ -77,13 +83,15 @@ class MotionCommand:
         self.command: Command = command
 
     def __repr__(self) -> str:
-        shown = ", ".join(_short(arg) for arg in self.command.args)
-        return f"<{self.command.name}({shown})>"
+        # asyncio puts this into its TypeError when `create_task` is given a motion
+        hint = "" if self._used else f": not sent; {self._HINT}"
+        return f"<{shown(self.command)}{hint}>"
 
     def __del__(self) -> None:
         if not getattr(self, "_used", True):
             warnings.warn(
-                f"the motion {self!r} was never awaited or started: the arm did not move",
+                f"the motion <{shown(self.command)}> was never awaited or started: "
+                "the arm did not move",
                 RuntimeWarning,
                 source=self,
                 stacklevel=2,
@@ -146,7 +154,7 @@ class MotionCommand:
         if exc is None:
             await task
         elif not task.done:
-            await task.forsake()
+            await task._forsake()
 
 
 class HeldMotion(MotionCommand):
@@ -163,6 +171,8 @@ class HeldMotion(MotionCommand):
 
     __slots__ = ()
 
+    _HINT = "use it in `async with`, or `task = await motion.start()`"
+
     async def __aexit__(
         self,
         exc_type: type[BaseException] | None,
@@ -174,13 +184,68 @@ class HeldMotion(MotionCommand):
         if exc is None:
             await task.end()
         elif not task.done:
-            await task.forsake()
+            await task._forsake()
 
 
-def _short(value: object) -> str:
+def check_motions(given: Iterable[object], kind: type, meant: str) -> None:
+    """See that everything that is to be run is a motion.
+
+    Args:
+        given: what is to be run.
+        kind: the class of motions.
+        meant: what to write if a motion was carried out in the place of being made.
+
+    Raises:
+        MotionCarriedOut: something is how a motion ended.
+        ParameterError: something else is no motion.
+    """
+    for number, each in enumerate(given):
+        if isinstance(each, kind):
+            continue
+        listed = list(each) if isinstance(each, (list, tuple)) else [each]
+        for one in listed:
+            if isinstance(one, Outcome):
+                raise MotionCarriedOut(f"motions[{number}]", one, meant)
+        for one in listed:
+            if isinstance(one, MotionCommand):
+                one.hand_over()  # the error says it
+        hint = ""
+        if listed and all(isinstance(one, kind) for one in listed):
+            hint = " by itself, not a list of them: write run(first, second) or run(*motions)"
+        raise ParameterError(f"motions[{number}]", each, f"a motion{hint}")
+
+
+def shown(command: Command) -> str:
+    """A command as a call: its first argument, and the others that are not zero or empty.
+
+    The wire's names stand before the others.
+    """
+    from aioduco._wire.rpc import AsyncRpc  # noqa: PLC0415  # only when it is shown
+
+    _, *names = inspect.signature(getattr(AsyncRpc, command.name)).parameters
+    texts = [
+        _short(value) if number == 0 else f"{name}={_short(value)}"
+        for number, (name, value) in enumerate(zip(names, command.args, strict=False))
+        if number == 0 or not _empty(value)
+    ]
+    return f"{command.name}({', '.join(texts)})"
+
+
+def _empty(value: Any) -> bool:
+    """Whether it is what the wire counts as absent: zero, false, or nothing."""
+    if is_dataclass(value):
+        return all(_empty(getattr(value, field.name)) for field in fields(value))
+    return not value
+
+
+def _short(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(_short(each) for each in value)}]"
+    if is_dataclass(value):
+        given = {field.name: getattr(value, field.name) for field in fields(value)}
+        parts = [f"{name}={_short(each)}" for name, each in given.items() if not _empty(each)]
+        return f"{type(value).__name__}({', '.join(parts)})"
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."

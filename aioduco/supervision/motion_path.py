@@ -129,7 +129,7 @@ class MotionPath:
         else:
             for task in self._live:
                 if not task.done:
-                    await task.forsake()
+                    await task._forsake()
                     break
 
     async def _stop_rest(self) -> None:

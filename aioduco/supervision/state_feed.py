@@ -315,11 +315,34 @@ class StateFeed:
         """
         if timeout is not None:
             timeout = SECONDS("timeout", timeout)
-        with anyio.fail_after(timeout), self.subscribe() as subscription:
+        seen, newest = 0, None
+        with anyio.move_on_after(timeout), self.subscribe() as subscription:
             async for snapshot in subscription:
                 if predicate(snapshot):
                     return snapshot
-        raise AssertionError("a subscription ends by an error")
+                seen, newest = seen + 1, snapshot
+        raise TimeoutError(self._in_vain(predicate, timeout, seen, newest))
+
+    def _in_vain(
+        self,
+        predicate: Callable[[Snapshot], bool],
+        timeout: float | None,
+        seen: int,
+        newest: Snapshot | None,
+    ) -> str:
+        """What was waited for, and what was seen in its place."""
+        code = getattr(predicate, "__code__", None)
+        name = getattr(predicate, "__qualname__", None) or repr(predicate)
+        where = f" ({code.co_filename}:{code.co_firstlineno})" if code is not None else ""
+        waited = f"waited {timeout:g} s for {name}{where}"
+        if newest is None:
+            why = "" if self.error is None else f": {self.error}"
+            return f"{waited}; no sample of the state came in that time{why}"
+        on = [str(number) for number, is_on in enumerate(newest.io.digital_inputs) if is_on]
+        return (
+            f"{waited}; it held for none of {seen} samples. The newest: {newest.states!r}, "
+            f"{newest.status.joints!r}, digital_inputs[n] on for n = {', '.join(on) or 'none'}"
+        )
 
     def close(self) -> None:
         """End: no more samples come."""

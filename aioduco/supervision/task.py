@@ -316,7 +316,7 @@ class Task:
             self._control.check_loop("resume")
             await self._control.resume()
 
-    async def forsake(self) -> None:
+    async def _forsake(self) -> None:
         """Do to the arm what a cancelled await of this task does: see `on_cancel`."""
         if not self.done:
             self._control.check_loop("forsake")
@@ -324,7 +324,7 @@ class Task:
 
     # What follows is for the supervision alone.
 
-    def begins_at(self, joints: Sequence[float]) -> None:
+    def _begins_at(self, joints: Sequence[float]) -> None:
         """The arm stood at these joints when the controller accepted it."""
         assert self.eta is not None
         self._start = tuple(joints)
@@ -350,7 +350,7 @@ class Task:
             self._let_go()
             self._let_go = None
 
-    def observed(self, state: TaskState, now: float) -> None:
+    def _observed(self, state: TaskState, now: float) -> None:
         """The controller reported a state."""
         if self.life.observe(state) and self._states[-1] != self.life.state:
             self._states.append(self.life.state)
@@ -358,7 +358,7 @@ class Task:
         if self.started_at is None and self.life.started:
             self.started_at, self._began = now, self._clock.now()
 
-    def settle(self, errors: Sequence[str], now: float) -> None:
+    def _settle(self, errors: Sequence[str], now: float) -> None:
         """The task has ended for good: wake whoever waits."""
         if not self.done:
             self._errors = added_entries(self._errors_before, errors)

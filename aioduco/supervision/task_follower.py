@@ -194,9 +194,9 @@ class TaskFollower:
             task.life.lose()
             if task.motion:
                 # it was sent, and nobody follows it: it is stopped before it settles
-                self._stop_lost(task, lambda: task.settle((), now))
+                self._stop_lost(task, lambda: task._settle((), now))
             else:
-                task.settle((), now)
+                task._settle((), now)
             return
         self._seen[task] = task.accepted_at
         self._schedule.add(task, task.accepted_at)
@@ -350,7 +350,7 @@ class TaskFollower:
         except DucoError:
             return
         if len(joints) >= 6:
-            task.begins_at(joints)
+            task._begins_at(joints)
 
     def _answered(self, task: Task, state: TaskState | None) -> None:
         now = time.monotonic()
@@ -361,7 +361,7 @@ class TaskFollower:
         if state is None:
             task.life.lose()
         else:
-            task.observed(state, now)
+            task._observed(state, now)
 
     async def _end(self, task: Task) -> None:
         self._schedule.remove(task)
@@ -388,7 +388,7 @@ class TaskFollower:
 
     def _mark_ended(self, task: Task, errors: Sequence[str], now: float) -> None:
         self._seen.pop(task, None)
-        task.settle(errors, now)
+        task._settle(errors, now)
 
     def _close(self) -> None:
         self._closed = True

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from aioduco.sync._feeds import Events, Feed, Subscription
 from aioduco.sync._robot import Robot, connect
+from aioduco.sync._streams import OffsetStream, Stream, TrackStream
 from aioduco.sync._tasks import MotionCommand, MotionFunction, MotionPath, Task
 
 __all__ = [
@@ -22,8 +23,11 @@ __all__ = [
     "MotionCommand",
     "MotionFunction",
     "MotionPath",
+    "OffsetStream",
     "Robot",
+    "Stream",
     "Subscription",
     "Task",
+    "TrackStream",
     "connect",
 ]

@@ -58,8 +58,9 @@ class Subscription(Generic[T]):
         return self._runner.call(self._next(timeout))
 
     async def _next(self, timeout: float | None) -> T:
-        with anyio.fail_after(timeout):
+        with anyio.move_on_after(timeout):
             return await anext(self._subscription)
+        raise TimeoutError(f"nothing came within {timeout:g} s")
 
 
 @contextmanager

@@ -9,6 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from aioduco.models.jog import JogDirections
+from aioduco.models.names import ManualNames
+from aioduco.sync._streams import OffsetStream, Stream, TrackStream
 from aioduco.sync._tasks import MotionPath, awaitables, moves
 
 if TYPE_CHECKING:
@@ -46,22 +48,26 @@ if TYPE_CHECKING:
     from aioduco.models.state import IOStatus, RobotStates, RobotStatus, Vector
     from aioduco.models.version import ControllerVersion
     from aioduco.models.weave import WeavePlane, WeaveShape
+    from aioduco.streaming.gains import ServoGains
     from aioduco.streaming.joint_trajectory import (
         Feedback,
         JointTrajectory,
         Tolerances,
         TrajectoryResult,
     )
-    from aioduco.streaming.options import LaneOptions
+    from aioduco.streaming.options import FeedingOptions, LaneOptions, PacedOptions
+    from aioduco.streaming.servo import Servo as AioServo
+    from aioduco.streaming.speed import Speed as AioSpeed
     from aioduco.supervision import command as aio_command
     from aioduco.supervision.state_feed import Snapshot
     from aioduco.sync._runner import Runner
     from aioduco.sync._tasks import MotionCommand
     from collections.abc import Callable, Iterable, Sequence
     from numpy.typing import NDArray
+    from typing import Literal, Unpack
 
 
-class _Section:
+class _Section(ManualNames):
     """A section of the manual: functions of one robot."""
 
     __slots__ = ("_runner", "_section")
@@ -236,6 +242,8 @@ class Motion(_Section):
             TaskError: one did not succeed. Those after it were stopped, or not sent.
             ParameterError: something in `motions` is no motion, or `ahead` is out of range;
                 nothing was sent.
+            MotionCarriedOut: something in `motions` is how a motion ended, since it was carried
+                out, not made: the arm has moved.
 
         If this is interrupted, the arm is stopped.
         """
@@ -264,7 +272,8 @@ class Motion(_Section):
 
         Manual section 1.3.5, blend radius.
         """
-        return MotionPath(self._runner, self._section.path(ahead=ahead))
+        made = self._section.path(ahead=ahead)
+        return MotionPath(self._runner, made)
 
     def follow_joint_trajectory(
         self,
@@ -282,7 +291,7 @@ class Motion(_Section):
         """Follow joint positions at given times to the end, and see the arm arrive.
 
         What ROS calls FollowJointTrajectory: tolerances on the way and at the goal, feedback on
-        the way. Cancelling this brings the arm to rest on the path before it goes on.
+        the way. An interrupt brings the arm to rest on the path before it goes on.
 
         Args:
             trajectory: the joint positions and their times.
@@ -424,6 +433,9 @@ class Motion(_Section):
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
 
+        Warns:
+            UnitWarning: `v` reads like rad/s: it has a point, and is no more than 3.93.
+
         Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
         """
         return self._section.movej(joints, v, a, r=r, op=op, def_acc=def_acc)
@@ -463,6 +475,9 @@ class Motion(_Section):
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
+
+        Warns:
+            UnitWarning: `v` reads like rad/s: it has a point, and is no more than 3.93.
 
         Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
         """
@@ -1336,6 +1351,352 @@ class Motion(_Section):
         self._runner.call(self._section.replay(name, v, mode))
 
 
+class Servo(_Section):
+    """Streams of positions to follow (servo, manual 1.3.5).
+
+        with robot.servo.joints(v=1.0, a=5.0, rate=500) as stream:
+            for tick in stream.ticks():
+                stream.send(policy(tick.time))
+
+    All of them move each joint by itself to the newest set-point. Only one stream may be open on
+    a robot, and no other motion goes on meanwhile.
+
+    How the program feeds a stream is said by keywords that all of them take:
+
+        rate: set-points per second to the controller [Hz]; 500.
+        source_rate: targets per second from the program [Hz]; as many as `rate`, or measured.
+        latest: whether only the newest target counts, and `send` never waits; no.
+        upsample: how targets are brought to `rate`: "none", "linear", "cubic" or "ruckig".
+        hold: time without a target after which the stream ends [s]; 0.5.
+        ahead: targets queued before `send` waits; those of 50 ms.
+    """
+
+    __slots__ = ()
+    _section: AioServo
+
+    def joints(
+        self,
+        *,
+        v: float,
+        a: float,
+        jerk: float | None = None,
+        max_step: float = 0.2,
+        reach: float = 0.1,
+        gains: ServoGains | None = None,
+        options: LaneOptions | None = None,
+        **feeding: Unpack[PacedOptions]
+    ) -> Stream:
+        """Follow joint positions (servoj, 关节伺服).
+
+        Args:
+            v: largest speed of each joint, 0.000175 to 3.93 [rad/s].
+            a: largest acceleration of each joint, from 0.000175 [rad/s²].
+            jerk: largest jerk of each joint, for upsample="ruckig" [rad/s³]; None: 10 a.
+            max_step: largest step of a joint between two targets [rad].
+            reach: how far each joint may be from the first target [rad].
+            gains: how closely the controller follows; None: as the manual advises.
+            options: how the worker runs; None: in a process of its own.
+            feeding: how the program feeds it, see above.
+
+        Returns:
+            The stream; its set-points are six joint angles [rad], -2π to 2π.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made = self._section.joints(
+            v=v,
+            a=a,
+            jerk=jerk,
+            max_step=max_step,
+            reach=reach,
+            gains=gains,
+            options=options,
+            **feeding
+        )
+        return Stream(self._runner, made)
+
+    def pose(
+        self,
+        *,
+        v: float,
+        a: float,
+        velocity: tuple[float, float] = (0.25, 1.0),
+        acceleration: tuple[float, float] = (1.0, 4.0),
+        jerk: tuple[float, float] | None = None,
+        q_near: VectorLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        max_step: tuple[float, float] = (0.05, 0.2),
+        reach: tuple[float, float] = (0.05, 0.1),
+        gains: ServoGains | None = None,
+        options: LaneOptions | None = None,
+        **feeding: Unpack[PacedOptions]
+    ) -> Stream:
+        """Follow poses of the tool in the work object (servoj_pose, 位姿伺服).
+
+        Args:
+            v: largest speed of each joint, for the controller, 0.000175 to 3.93 [rad/s].
+            a: largest acceleration of each joint, for the controller, from 0.000175 [rad/s²].
+            velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
+            acceleration: of the tool [m/s²] and of its turning [rad/s²].
+            jerk: of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
+                acceleration.
+            q_near: joint angles that choose the solution [rad]; None: the present ones.
+            tool: name of the tool; empty: the one in use.
+            wobj: name of the work object; empty: the one in use.
+            max_step: largest step between two targets [m, rad].
+            reach: how far the tool may be from the first target [m, rad].
+            gains: how closely the controller follows; None: as the manual advises.
+            options: how the worker runs; None: in a process of its own.
+            feeding: how the program feeds it, see above.
+
+        Returns:
+            The stream; its set-points are poses (x, y, z [m], rx, ry, rz [rad]).
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made = self._section.pose(
+            v=v,
+            a=a,
+            velocity=velocity,
+            acceleration=acceleration,
+            jerk=jerk,
+            q_near=q_near,
+            tool=tool,
+            wobj=wobj,
+            max_step=max_step,
+            reach=reach,
+            gains=gains,
+            options=options,
+            **feeding
+        )
+        return Stream(self._runner, made)
+
+    def linear(
+        self,
+        *,
+        v: float,
+        a: float,
+        velocity: tuple[float, float] = (0.25, 1.0),
+        acceleration: tuple[float, float] = (1.0, 4.0),
+        jerk: tuple[float, float] | None = None,
+        q_near: VectorLike | None = None,
+        tool: str = '',
+        wobj: str = '',
+        max_step: tuple[float, float] = (0.05, 0.2),
+        reach: tuple[float, float] = (0.05, 0.1),
+        gains: ServoGains | None = None,
+        options: LaneOptions | None = None,
+        **feeding: Unpack[PacedOptions]
+    ) -> Stream:
+        """Follow poses with Cartesian interpolation in the controller (servol, 直线伺服).
+
+        Manual 3.8 gives `v` and `a` as joint speeds, manual 4.3 as those of the tool; what is
+        allowed here lies within both. The other arguments are those of `pose`.
+
+        Args:
+            v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
+            a: acceleration for the controller, from 0.000175 [rad/s² or m/s²].
+            velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
+            acceleration: of the tool [m/s²] and of its turning [rad/s²].
+            jerk: of the tool [m/s³] and of its turning [rad/s³].
+            q_near: joint angles that choose the solution [rad].
+            tool: name of the tool.
+            wobj: name of the work object.
+            max_step: largest step between two targets [m, rad].
+            reach: how far the tool may be from the first target [m, rad].
+            gains: how closely the controller follows.
+            options: how the worker runs.
+            feeding: how the program feeds it, see above.
+
+        Returns:
+            The stream; its set-points are poses (x, y, z [m], rx, ry, rz [rad]).
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made = self._section.linear(
+            v=v,
+            a=a,
+            velocity=velocity,
+            acceleration=acceleration,
+            jerk=jerk,
+            q_near=q_near,
+            tool=tool,
+            wobj=wobj,
+            max_step=max_step,
+            reach=reach,
+            gains=gains,
+            options=options,
+            **feeding
+        )
+        return Stream(self._runner, made)
+
+    def tcp_offset(
+        self,
+        *,
+        v: float,
+        a: float,
+        velocity: tuple[float, float] = (0.25, 1.0),
+        acceleration: tuple[float, float] = (1.0, 4.0),
+        jerk: tuple[float, float] | None = None,
+        tool: str = '',
+        max_step: tuple[float, float] = (0.05, 0.2),
+        gains: ServoGains | None = None,
+        options: LaneOptions | None = None,
+        **feeding: Unpack[PacedOptions]
+    ) -> OffsetStream:
+        """Move by offsets in the tool's frame (servo_tcp, 工具增量伺服).
+
+        The controller counts an offset from its last target, so offsets add up, and each is
+        carried out once: when no more of them come, the arm stands where they led to. The worker
+        spreads them over the ticks that the limits ask for. With `latest`, offsets that are not
+        sent yet add up.
+
+        Args:
+            v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
+            a: acceleration for the controller, from 0.000175 [rad/s² or m/s²].
+            velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
+            acceleration: of the tool [m/s²] and of its turning [rad/s²].
+            jerk: of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
+                acceleration.
+            tool: name of the tool; empty: the one in use.
+            max_step: largest offset, and largest turn of one [m, rad].
+            gains: how closely the controller follows; None: as the manual advises.
+            options: how the worker runs; None: in a process of its own.
+            feeding: how the program feeds it, see above.
+
+        Returns:
+            The stream; its set-points are offsets (x, y, z [m], rx, ry, rz [rad]).
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made = self._section.tcp_offset(
+            v=v,
+            a=a,
+            velocity=velocity,
+            acceleration=acceleration,
+            jerk=jerk,
+            tool=tool,
+            max_step=max_step,
+            gains=gains,
+            options=options,
+            **feeding
+        )
+        return OffsetStream(self._runner, made)
+
+
+class Speed(_Section):
+    """Streams of speeds (speedj, speedl, manual 1.3.5), as a joystick gives them.
+
+        with robot.speed.linear(a=0.5, dead_man=0.2) as stream:
+            for tick in stream.ticks():
+                stream.send(joystick())
+
+    Each call carries a time after which the controller ends the motion by itself, so an arm
+    never runs on alone: not when the program dies, nor when the cable is pulled. The stream's
+    end ramps to zero and calls speed_stop.
+    """
+
+    __slots__ = ()
+    _section: AioSpeed
+
+    def joints(
+        self,
+        *,
+        a: float,
+        v: float = 1.0,
+        dead_man: float = 0.2,
+        rate: float = 50.0,
+        latest: bool = True,
+        hold: float = 0.1,
+        options: LaneOptions | None = None,
+    ) -> Stream:
+        """Follow joint speeds (speedj, 关节速度).
+
+        Args:
+            a: largest acceleration of each joint, from 0.000175 [rad/s²].
+            v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; more is shortened.
+            dead_man: time without a call after which the controller ends the motion [s].
+            rate: calls per second [Hz].
+            latest: only the newest speed counts, and `send` never waits.
+            hold: time without a speed from the program after which the stream ends [s].
+            options: how the worker runs; None: in a process of its own.
+
+        Returns:
+            The stream; its set-points are six joint speeds [rad/s].
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made = self._section.joints(
+            a=a, v=v, dead_man=dead_man, rate=rate, latest=latest, hold=hold, options=options
+        )
+        return Stream(self._runner, made)
+
+    def linear(
+        self,
+        *,
+        a: float,
+        turn_a: float = 2.0,
+        v: float = 0.25,
+        turn_v: float = 1.0,
+        dead_man: float = 0.2,
+        rate: float = 50.0,
+        latest: bool = True,
+        hold: float = 0.1,
+        options: LaneOptions | None = None,
+    ) -> Stream:
+        """Follow a speed of the tool (speedl, 末端速度).
+
+        Manual 4.3 says that the speed is in the tool's frame; manual 3.8 says nothing.
+
+        Args:
+            a: largest acceleration of the tool, from 0.00001 [m/s²].
+            turn_a: largest change of the turning speed [rad/s²], kept by the worker.
+            v: largest speed, 0.00001 to 5 [m/s]; more is shortened.
+            turn_v: largest turning speed, up to 3.93 [rad/s]; more is shortened.
+            dead_man: time without a call after which the controller ends the motion [s].
+            rate: calls per second [Hz].
+            latest: only the newest speed counts, and `send` never waits.
+            hold: time without a speed from the program after which the stream ends [s].
+            options: how the worker runs; None: in a process of its own.
+
+        Returns:
+            The stream; its set-points are speeds (x, y, z [m/s], rx, ry, rz [rad/s]).
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.5.
+        """
+        made = self._section.linear(
+            a=a,
+            turn_a=turn_a,
+            v=v,
+            turn_v=turn_v,
+            dead_man=dead_man,
+            rate=rate,
+            latest=latest,
+            hold=hold,
+            options=options,
+        )
+        return Stream(self._runner, made)
+
+
 class Program(_Section):
     """Programs and files of the controller (脚本控制, manual 1.3.4).
 
@@ -1511,6 +1872,74 @@ class Track(_Section):
         Manual section 1.3.12.
         """
         return self._section.trackCartMotion(speed, acc, wobj=wobj, tool=tool, radius=radius)
+
+    def stream(
+        self,
+        space: Literal['joints', 'pose'],
+        *,
+        speed: float,
+        acc: float,
+        radius: float = 0.005,
+        tool: str = '',
+        wobj: str = '',
+        operations: bool = False,
+        low: int = 50,
+        high: int = 200,
+        period: float = 0.02,
+        hold: float = 5.0,
+        ahead: int = 200,
+        max_step: float | tuple[float, float] | None = None,
+        reach: float | tuple[float, float] | None = None,
+        options: LaneOptions | None = None,
+    ) -> TrackStream:
+        """Follow the points of a path (trackEnqueue, trackJointMotion, trackCartMotion).
+
+        Args:
+            space: "joints" for joint positions, "pose" for poses of the tool.
+            speed: largest joint speed, 0.000175 to 3.93 [rad/s], or speed of the tool, 0.00001
+                to 5 [m/s].
+            acc: largest joint acceleration, 0.000175 to 39.3 [rad/s²], or of the tool, from
+                0.00001 [m/s²].
+            radius: blend radius between the points of a Cartesian path [m].
+            tool: name of the tool; empty: the one in use. Cartesian paths only.
+            wobj: name of the work object; empty: the one in use. Cartesian paths only.
+            operations: whether points come with outputs to set (trackEnqueueOp).
+            low: fill the pool up when it has fewer points; at least 10, as the manual advises.
+            high: fill it up to so many points, up to 1000.
+            period: time between two looks at the pool [s].
+            hold: time with an empty pool after which the stream ends [s].
+            ahead: points queued in the worker before `send` waits.
+            max_step: largest step between two points [rad], or [m, rad]; None: not checked.
+            reach: how far the arm may be from the first point; None: 0.1 rad, or 0.05 m and
+                0.1 rad.
+            options: how the worker runs; None: in a process of its own.
+
+        Returns:
+            The stream.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.12.
+        """
+        made = self._section.stream(
+            space,
+            speed=speed,
+            acc=acc,
+            radius=radius,
+            tool=tool,
+            wobj=wobj,
+            operations=operations,
+            low=low,
+            high=high,
+            period=period,
+            hold=hold,
+            ahead=ahead,
+            max_step=max_step,
+            reach=reach,
+            options=options,
+        )
+        return TrackStream(self._runner, made)
 
 
 class Compound(_Section):
@@ -2147,6 +2576,68 @@ class Realtime(_Section):
     def get_realtime_data_queue_size(self) -> int:
         """Read how many points wait in the queue (实时队列数据数量). Manual section 1.3.15."""
         return self._runner.call(self._section.get_realtime_data_queue_size())
+
+    def stream(
+        self,
+        mode: RealtimeMode | str,
+        *,
+        v: float | tuple[float, float],
+        a: float | tuple[float, float],
+        jerk: float | tuple[float, float] | None = None,
+        depth: int = 40,
+        period: float = 0.004,
+        filter_bandwidth: float = 100.0,
+        com_lost_time: float = 0.02,
+        max_step: float | tuple[float, float] | None = None,
+        reach: float | tuple[float, float] | None = None,
+        options: LaneOptions | None = None,
+        **feeding: Unpack[FeedingOptions]
+    ) -> Stream:
+        """Follow positions or speeds (start_realtime_mode, realtime_data_enqueue).
+
+        Args:
+            mode: "joint_position", "joint_velocity", "pose" or "twist". Torques are not
+                streamed: manual 3.8 calls their field reserved, and no end of such a stream
+                could be called safe.
+            v: largest speed: of each joint [rad/s], or of the tool and its turning
+                [m/s, rad/s].
+            a: largest acceleration: of each joint [rad/s²], or of the tool [m/s², rad/s²].
+            jerk: largest jerk, for upsample="ruckig"; None: 10 a.
+            depth: points to keep in the controller's queue; each is one millisecond.
+            period: time between two looks at the queue [s].
+            filter_bandwidth: of the controller's filter of the points [Hz].
+            com_lost_time: time with an empty queue after which the controller faults [s].
+            max_step: largest step between two set-points [rad], or [m, rad].
+            reach: how far the arm may be from the first set-point [rad], or [m, rad].
+            options: how the worker runs; None: in a process of its own.
+            feeding: how the program feeds it: `source_rate`, set-points per second [Hz], 1000 of
+                them if left out; `latest`, `upsample`, `ahead` as for `robot.servo`; `hold`, time
+                without a set-point after which the stream ends [s], 0.5 for positions and 0.1 for
+                speeds, which go on that long.
+
+        Returns:
+            The stream; its set-points are what the mode says.
+
+        Raises:
+            ParameterError: an argument is out of range.
+
+        Manual section 1.3.15.
+        """
+        made = self._section.stream(
+            mode,
+            v=v,
+            a=a,
+            jerk=jerk,
+            depth=depth,
+            period=period,
+            filter_bandwidth=filter_bandwidth,
+            com_lost_time=com_lost_time,
+            max_step=max_step,
+            reach=reach,
+            options=options,
+            **feeding
+        )
+        return Stream(self._runner, made)
 
 
 class State(_Section):
@@ -4272,12 +4763,14 @@ class Version(_Section):
         return self._runner.call(self._section.get_robot_type())
 
 
-class Sections:
+class Sections(ManualNames):
     """The sections of a robot, and what it does.
 
     Attributes:
         system: power, brakes, operation mode.
         motion: motions, jogs, hand guiding, joint trajectories.
+        servo: streams of positions to follow.
+        speed: streams of speeds.
         program: programs and files of the controller.
         track: the track pool, and streams into it.
         compound: the weave laid over motions.
@@ -4303,6 +4796,8 @@ class Sections:
         self._robot = robot
         self.system: System = System(runner, robot.system)
         self.motion: Motion = Motion(runner, robot.motion)
+        self.servo: Servo = Servo(runner, robot.servo)
+        self.speed: Speed = Speed(runner, robot.speed)
         self.program: Program = Program(runner, robot.program)
         self.track: Track = Track(runner, robot.track)
         self.compound: Compound = Compound(runner, robot.compound)

@@ -161,7 +161,8 @@ class Robot(Sections):
     def open(self) -> None:
         """Connect, see that a controller answers, and start the heartbeat.
 
-        For notebooks; programs use `with`, which closes whatever happens.
+        For notebooks and prompts: between two cells, and while one computes, the heartbeat goes
+        on. Programs use `with`, which closes whatever happens.
 
         Raises:
             ConnectError: the host is unknown, the port is closed, or nothing answers.
@@ -180,6 +181,17 @@ class Robot(Sections):
             StopUnconfirmed: it is not known that the arm stands.
         """
         self._runner.close()
+
+    if not TYPE_CHECKING:  # for a type checker they are not there, as they are of no use
+
+        async def __aenter__(self) -> None:
+            raise TypeError(
+                "this robot is for programs that do not await: write `with aioduco.sync.connect(…) "
+                "as robot`, or `async with aioduco.connect(…) as robot`. Nothing was sent"
+            )
+
+        async def __aexit__(self, *_: object) -> None:
+            """Python asks for it before it enters."""
 
     def __enter__(self) -> Self:
         self.open()

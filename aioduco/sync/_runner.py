@@ -23,7 +23,7 @@ from aioduco.reporting import BackgroundLogger
 from aioduco.sync._presence import Presence
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine
+    from collections.abc import Awaitable, Callable, Coroutine
 
     from aioduco.robot import Robot
     from aioduco.supervision.task import Task
@@ -102,6 +102,8 @@ class Runner:
         self._holders: dict[int, int] = {}
         #: tasks that were stopped since nobody held them any more
         self._let_go: set[int] = set()
+        #: what is awaited when the robot has been closed, such as the ends of its streams
+        self._at_close: list[Callable[[], Awaitable[None]]] = []
         self._portal: BlockingPortal | None = None
         self._ready = threading.Event()
         self._asked_to_end = False
@@ -241,6 +243,15 @@ class Runner:
 
     # What follows runs on the loop.
 
+    def at_close(self, work: Callable[[], Awaitable[None]]) -> None:
+        """Have something awaited when the robot has been closed."""
+        self._at_close.append(work)
+
+    def not_at_close(self, work: Callable[[], Awaitable[None]]) -> None:
+        """Take that back, if it was asked for."""
+        if work in self._at_close:
+            self._at_close.remove(work)
+
     async def _main(self) -> None:
         async with BlockingPortal() as self._portal:
             self._ready.set()
@@ -260,6 +271,8 @@ class Runner:
             await self.robot.aclose()
         except DucoError:
             _log.exception("closing %r failed", self.robot)
+        while self._at_close:
+            await self._at_close.pop()()
 
     async def _let_go_of_unheld(self) -> None:
         now = time.monotonic()

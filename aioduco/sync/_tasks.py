@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Concatenate, Generic, ParamSpec
 import anyio
 
 from aioduco.errors import TaskError
+from aioduco.supervision.command import check_motions, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Iterable, Iterator
@@ -62,7 +63,7 @@ class Task:
     ) -> None:
         if exc is not None:
             if not self.done:
-                self._runner.call(self._task.forsake())
+                self._runner.call(self._task._forsake())
         elif self._task.continuous is not None:
             self.end()
         else:
@@ -160,11 +161,13 @@ class Task:
         if timeout is None:
             return await self._task
         try:
-            with anyio.fail_after(timeout):
+            with anyio.move_on_after(timeout):
                 await self._task.wait()
         except anyio.get_cancelled_exc_class():
-            await self._task.forsake()
+            await self._task._forsake()
             raise
+        if not self._task.done:
+            raise TimeoutError(f"{self._task!r} has not ended within {timeout:g} s: it goes on")
         return self._task.result()
 
     def states(self) -> Iterator[TaskState]:
@@ -178,7 +181,7 @@ class Task:
             try:
                 return await anext(states, None)
             except anyio.get_cancelled_exc_class():
-                await self._task.forsake()
+                await self._task._forsake()
                 raise
 
         while True:
@@ -249,7 +252,7 @@ class MotionCommand:
         self.awaitable = command
 
     def __repr__(self) -> str:
-        return repr(self.awaitable)
+        return f"<{shown(self.awaitable.command)}: its run() or start() moves the arm>"
 
     def run(self) -> Outcome:
         """Send the motion and wait for its end.
@@ -353,12 +356,21 @@ class MotionPath:
 
 
 def awaitables(motions: Iterable[Any]) -> list[aio_command.MotionCommand]:
-    """The same motions for programs that await; what is none is refused there."""
-    return [getattr(each, "awaitable", each) for each in motions]
+    """The same motions for programs that await.
+
+    Raises:
+        MotionCarriedOut: something is how a motion ended.
+        ParameterError: something else is no motion.
+    """
+    given = list(motions)
+    check_motions(
+        given, MotionCommand, "Make motions that are to be run by .prepare: movel.prepare(…)"
+    )
+    return [each.awaitable for each in given]
 
 
 def _forsake(task: aio_task.Task) -> Coroutine[Any, Any, None]:
-    return task.forsake()
+    return task._forsake()
 
 
 class MotionFunction(Generic[P]):
@@ -377,13 +389,20 @@ class MotionFunction(Generic[P]):
         self._runner = runner
         self._make = make
         self.__doc__ = doc
+        self.__name__: str = make.__name__
+        self.__qualname__: str = make.__qualname__
+        self.__module__ = make.__module__
 
     def __repr__(self) -> str:
-        return f"<motion {getattr(self._make, '__name__', '')}>"
+        return f"<motion {self.__name__}>"
 
     @property
     def __signature__(self) -> inspect.Signature:
-        return inspect.signature(self._make)
+        return inspect.signature(self._make).replace(return_annotation="Outcome")
+
+    def __get__(self, instance: object, owner: type | None = None) -> MotionFunction[P]:
+        # With it, help() and editors take this for a function. It is bound already.
+        return self
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> Outcome:
         """Carry the motion out, and return when it has ended: see `MotionCommand.run`."""

@@ -108,7 +108,7 @@ def edges(rule: Any, sample: Any) -> Iterator[Any]:
 def _ends(rule: rules.Number) -> tuple[float, float]:
     """The lowest and the highest value; large ones where the rule has no bound."""
     low = math.nextafter(rule.low, math.inf) if rule.open_low else rule.low
-    return max(low, -1e9), min(rule.high, 1e9)
+    return max(low, -1e9, -rule.plausible), min(rule.high, 1e9, rule.plausible)
 
 
 # -- what it refuses -------------------------------------------------------------------------------

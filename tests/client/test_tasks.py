@@ -109,7 +109,7 @@ async def test_a_motion_that_is_never_awaited_warns(robot: aioduco.Robot, bench:
         gc.collect()
     (warning,) = caught
     assert issubclass(warning.category, RuntimeWarning)
-    assert "movej2([0, 0, 1.5, 0, -1.5, 0], 1, 1, 0, False" in str(warning.message)
+    assert "<movej2([0, 0, 1.5, 0, -1.5, 0], v=1, a=1)> was never" in str(warning.message)
     assert "never awaited or started: the arm did not move" in str(warning.message)
     assert bench.commands == []
 

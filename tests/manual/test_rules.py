@@ -234,8 +234,11 @@ def test_what_is_no_vector_of_six_is_refused(value: object) -> None:
     error(POSE, value)
 
 
-@given(st.lists(st.floats(-1e6, 1e6), min_size=6, max_size=6))
-def test_a_pose_has_bounds_on_its_angles_only(value: list[float]) -> None:
+@given(st.lists(st.floats(-20, 20), min_size=6, max_size=6))
+def test_a_pose_has_bounds_on_its_angles_and_is_not_in_millimetres(value: list[float]) -> None:
+    for place in range(3):
+        with pytest.raises(ParameterError, match=r"20 m \(millimetres\?\)"):
+            POSE("p", [*value[:place], 492.0, *value[place + 1 : 3], 0.0, 0.0, 0.0])
     if all(abs(angle) <= 2 * math.pi for angle in value[3:]):
         assert POSE("p", value) == value
     elif any(abs(angle) > 2 * math.pi * (1 + 1e-8) for angle in value[3:]):

@@ -28,6 +28,7 @@ CLOSED = r"<StreamStatistics ENDED \(CLOSED\): \d+ sent"
 SAYS = {
     "10_sine.py": CLOSED,
     "12_policy.py": CLOSED,
+    "15_policy_sync.py": CLOSED,
     "13_play_npy.py": r"200 points in [\d.]+ s\nlargest distance from the path: 0\.0",
     "14_realtime_velocity.py": rf"moved by -0\.\d+ -0\.\d+ \+0\.\d+ .*rad\n{CLOSED}",
 }

@@ -10,6 +10,9 @@ from pathlib import Path
 
 import aioduco
 import aioduco.sync
+from aioduco.streaming.servo import OffsetStream as AioOffsetStream
+from aioduco.streaming.stream import Stream as AioStream
+from aioduco.streaming.track import TrackStream as AioTrackStream
 from aioduco.sync import MotionFunction
 
 ROOT = Path(__file__).parents[2]
@@ -18,12 +21,19 @@ ROOT = Path(__file__).parents[2]
 RENAMED = {"aclose": "close"}
 #: what returns something to tie to a block, and does not wait
 TIED = {"path"}
-#: streams of set-points are for programs that await
-STREAMS = {"servo", "speed", "stream"}
 
 
 def public(thing: object) -> set[str]:
-    return {name for name in dir(thing) if not name.startswith("_")} - STREAMS
+    return {name for name in dir(thing) if not name.startswith("_")}
+
+
+def sections(robot: object) -> list[str]:
+    """The names of the sections: what lies in `api`, or makes streams alone."""
+    return [
+        name
+        for name in sorted(public(robot))
+        if type(getattr(robot, name)).__module__.startswith(("aioduco.api", "aioduco.streaming"))
+    ]
 
 
 def test_it_is_up_to_date() -> None:
@@ -65,9 +75,8 @@ def test_everything_public_is_there() -> None:
     awaited = aioduco.connect("nowhere")
     waiting = aioduco.sync.connect("nowhere")
     assert {RENAMED.get(name, name) for name in public(awaited)} <= public(waiting)
-    sections = [name for name in public(awaited) if hasattr(getattr(awaited, name), "_rpc")]
-    assert len(sections) >= 10
-    for section in sections:
+    assert {"motion", "servo", "speed"} <= set(sections(awaited))
+    for section in sections(awaited):
         assert public(getattr(awaited, section)) == public(getattr(waiting, section)), section
 
 
@@ -75,10 +84,8 @@ def test_signatures_are_the_same() -> None:
     awaited = aioduco.connect("nowhere")
     waiting = aioduco.sync.connect("nowhere")
     functions = 0
-    for section in public(awaited):
-        ours, theirs = getattr(waiting, section, None), getattr(awaited, section)
-        if not hasattr(theirs, "_rpc"):
-            continue
+    for section in sections(awaited):
+        ours, theirs = getattr(waiting, section), getattr(awaited, section)
         for name in public(theirs):
             function = getattr(theirs, name)
             if not callable(function):
@@ -90,12 +97,35 @@ def test_signatures_are_the_same() -> None:
             assert [p.kind for p in got.values()] == [p.kind for p in parameters.values()], name
             assert [p.default for p in got.values()] == [p.default for p in parameters.values()]
             functions += 1
+            if "Stream" in str(inspect.signature(function).return_annotation):
+                assert inspect.signature(getattr(ours, name)).return_annotation.endswith("Stream")
+                continue
             moves = isinstance(getattr(ours, name), MotionFunction)
             if name in TIED:
                 assert not moves
                 continue
             assert moves is not inspect.iscoroutinefunction(function), name
     assert functions > 100
+
+
+def test_streams_have_what_the_awaited_ones_have() -> None:
+    for ours, theirs in (
+        (aioduco.sync.Stream, AioStream),
+        (aioduco.sync.OffsetStream, AioOffsetStream),
+        (aioduco.sync.TrackStream, AioTrackStream),
+    ):
+        assert public(ours) == public(theirs)
+        for name in public(theirs):
+            function = getattr(theirs, name)
+            if callable(function):
+                awaited, waiting = (
+                    inspect.signature(function),
+                    inspect.signature(getattr(ours, name)),
+                )
+                assert list(waiting.parameters) == list(awaited.parameters), name
+                assert [p.default for p in waiting.parameters.values()] == [
+                    p.default for p in awaited.parameters.values()
+                ]
 
 
 def test_connect_takes_what_the_awaited_one_takes() -> None:

@@ -18,7 +18,7 @@ from aioduco.models import ranges
 from aioduco.models.rules import Integer
 from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
 from aioduco.streaming.options import Feeding, checked, per_group
-from aioduco.supervision.command import MotionCommand
+from aioduco.supervision.command import MotionCommand, check_motions
 from aioduco.supervision.motion_path import MotionPath
 
 if TYPE_CHECKING:
@@ -99,12 +99,13 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
             TaskError: one did not succeed. Those after it were stopped, or not sent.
             ParameterError: something in `motions` is no motion, or `ahead` is out of range;
                 nothing was sent.
+            MotionCarriedOut: something in `motions` is how a motion ended, since it was carried
+                out, not made: the arm has moved.
 
         If this is cancelled, the arm is stopped.
         """
-        for number, motion in enumerate(motions):
-            if not isinstance(motion, MotionCommand):
-                raise ParameterError(f"motions[{number}]", motion, "a motion")
+        check_motions(motions, MotionCommand, "Leave out the `await` of motions that are to be run")
+        for motion in motions:
             motion.hand_over()
         async with self.path(ahead=ahead) as path:
             for motion in motions:

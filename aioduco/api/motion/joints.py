@@ -135,10 +135,13 @@ class JointMotions(Section):
         Raises:
             ParameterError: an argument is out of range.
 
+        Warns:
+            UnitWarning: `v` reads like rad/s: it has a point, and is no more than 3.93.
+
         Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
         """
         q = ranges.JOINTS("joints", joints)
-        v_, a_ = ranges.PERCENT("v", v), ranges.PERCENT("a", a)
+        v_, a_ = ranges.percent_of_speed("v", v), ranges.PERCENT("a", a)
         r_ = ranges.BLEND_RADIUS("r", r)
         op_ = wire_op("op", op, joint_motion=True)
         def_acc_ = ranges.FLAG("def_acc", def_acc)
@@ -178,10 +181,13 @@ class JointMotions(Section):
         Raises:
             ParameterError: an argument is out of range.
 
+        Warns:
+            UnitWarning: `v` reads like rad/s: it has a point, and is no more than 3.93.
+
         Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
         """
         p = ranges.POSE("pose", pose)
-        v_, a_ = ranges.PERCENT("v", v), ranges.PERCENT("a", a)
+        v_, a_ = ranges.percent_of_speed("v", v), ranges.PERCENT("a", a)
         r_ = ranges.BLEND_RADIUS("r", r)
         near = ranges.JOINTS_NEAR("q_near", q_near)
         tool_, wobj_ = ranges.FRAME("tool", tool), ranges.FRAME("wobj", wobj)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.rules.scalars import Choice, Flag, Integer, Number, Real, Rule, Whole
+from aioduco.models.rules.scalars import FARTHEST, Choice, Flag, Integer, Number, Real, Rule, Whole
 
 VectorLike: TypeAlias = Sequence[Real] | NDArray[np.floating[Any]] | NDArray[np.integer[Any]]
 WholesLike: TypeAlias = Sequence[Whole] | NDArray[np.integer[Any]]
@@ -91,7 +91,7 @@ class PoseRule(Vector):
     _other = Joints
 
     def __init__(self, *, source: str) -> None:
-        position = Number(unit="m", source=source)
+        position = Number(unit="m", plausible=FARTHEST, source=source)
         angle = Number(-2 * math.pi, 2 * math.pi, "rad", source=source)
         super().__init__(position, position, position, angle, angle, angle, source=source)
         self.expected = "a pose: x, y, z in m, then rx, ry, rz in rad"

@@ -17,6 +17,11 @@ Real: TypeAlias = float | np.floating[Any] | np.integer[Any]
 Whole: TypeAlias = int | np.integer[Any]
 
 _MAX = sys.float_info.max
+#: from base to flange, the longest of these arms stretched out: gcr10_2000 and gcr16_2000 [m]
+LONGEST_ARM = 2.51
+#: no pose of these arms lies farther from the origin of its frame [m]: eight of the longest arm,
+#: since a work object may lie beside the arm, and the arm ride on an axis
+FARTHEST = 20.0
 #: how far rounding may carry a value over a bound, relative to the bound; it is put back onto it
 _SLACK = 1e-9
 
@@ -57,10 +62,11 @@ class Number(Rule):
         low: the smallest value, -inf if there is none.
         high: the largest value, inf if there is none.
         open_low: whether `low` itself is out.
+        plausible: the largest amount that one of these arms could mean, inf if that is unknown.
         unit: unit of the value, "" if it has none.
     """
 
-    __slots__ = ("_high", "_low", "high", "low", "open_low", "unit")
+    __slots__ = ("_high", "_low", "high", "low", "open_low", "plausible", "unit")
 
     def __init__(
         self,
@@ -69,15 +75,17 @@ class Number(Rule):
         unit: str = "",
         *,
         open_low: bool = False,
+        plausible: float = math.inf,
         source: str,
     ) -> None:
+        self.plausible: float = plausible
         self.low: float = low
         self.high: float = high
         self.open_low: bool = open_low
         self.unit: str = unit
         self.source = source
-        self._low = math.nextafter(low, math.inf) if open_low else max(low, -_MAX)
-        self._high = min(high, _MAX)
+        self._low = math.nextafter(low, math.inf) if open_low else max(low, -_MAX, -plausible)
+        self._high = min(high, _MAX, plausible)
         self.expected: str = f"{self._words()} {unit}".rstrip()
 
     def _words(self) -> str:
@@ -110,6 +118,8 @@ class Number(Rule):
         if self.high < number <= self.high + abs(self.high) * _SLACK:
             return self.high
         hint = ""
+        if self.low <= number <= self.high and self.plausible < abs(number) < math.inf:
+            hint = f", and within what these arms reach, {shown(self.plausible)} m (millimetres?)"
         if self.unit == "rad" and 2 * math.pi < abs(number) < 2000:
             hint = " (radians, not degrees)"
         raise ParameterError(name, value, self.expected + hint)

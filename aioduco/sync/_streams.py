@@ -1,0 +1,251 @@
+"""Streams of set-points for programs that wait.
+
+The stream itself lives on the robot's event loop, with its worker beside it: what is waited for
+here is only that a set-point has been taken. A program that computes too long between two of them
+is noticed by the stream's `hold`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from aioduco.errors import StreamError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from types import TracebackType
+    from typing import Self
+
+    from aioduco.models.op import Op
+    from aioduco.models.rules import VectorLike
+    from aioduco.streaming import stream as aio_stream
+    from aioduco.streaming import track as aio_track
+    from aioduco.streaming.report import StreamStatistics
+    from aioduco.streaming.shared.state import Reason, StreamState
+    from aioduco.streaming.ticks import Tick
+    from aioduco.sync._runner import Runner
+
+__all__ = ["OffsetStream", "Stream", "TrackStream"]
+
+
+class Stream:
+    """A stream of set-points to the controller. Use it in `with`.
+
+    Entering starts the worker and connects it; the arm does not move before the first set-point.
+    Leaving follows what was sent to its end and leaves the arm at rest. Leaving by an error or
+    by an interrupt (Ctrl-C) brings the arm to rest at once. So does closing the robot.
+    """
+
+    def __init__(self, runner: Runner, stream: aio_stream.Stream) -> None:
+        self._runner = runner
+        self._stream = stream
+        #: how it ended, if the robot was closed before it
+        self._cut_off: StreamError | None = None
+
+    def __repr__(self) -> str:
+        return self._runner.look(lambda: repr(self._stream))
+
+    # -- what it is ----------------------------------------------------------------------------
+
+    @property
+    def rate(self) -> float:
+        """Set-points that are sent to the controller per second [Hz]."""
+        return self._stream.rate
+
+    @property
+    def state(self) -> StreamState:
+        """State of the stream."""
+        return self._runner.look(lambda: self._stream.state)
+
+    @property
+    def reason(self) -> Reason:
+        """Why it ended, or ends."""
+        return self._runner.look(lambda: self._stream.reason)
+
+    @property
+    def commanded(self) -> tuple[float, ...] | None:
+        """The last set-point that the worker sent; None before the first, and up to 10 ms old."""
+        return self._runner.look(lambda: self._stream.commanded)
+
+    @property
+    def taken(self) -> int:
+        """How many of the program's set-points the worker has taken."""
+        return self._runner.look(lambda: self._stream.taken)
+
+    @property
+    def pid(self) -> int | None:
+        """The worker's process; None for a thread, and before it is started."""
+        return self._runner.look(lambda: self._stream.pid)
+
+    @property
+    def quiet(self) -> bool:
+        """Whether the worker can send nothing any more."""
+        return self._stream.quiet
+
+    def statistics(self) -> StreamStatistics:
+        """Read the figures as they are now, or as they were at the end.
+
+        Raises:
+            StreamClosed: the stream was never opened.
+        """
+        return self._runner.look(self._stream.statistics)
+
+    # -- its life ------------------------------------------------------------------------------
+
+    def __enter__(self) -> Self:
+        """Start the worker and connect it.
+
+        Raises:
+            RobotStateError: another stream is open on this robot, or something moves its arm.
+            HeartbeatLost: the robot's heartbeat does not beat.
+            StreamLost: there is no controller, or it does not answer.
+            LaneFailed: no worker could be started.
+        """
+        self._runner.call(self._open(), undo=lambda _: self._close(KeyboardInterrupt()))
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """End the stream and see its worker go.
+
+        Raises:
+            StreamError: the stream ended by something else than this, and no error is under way.
+        """
+        if self._runner.running:
+            self._runner.call(self._close(exc))
+        if exc is None and self._cut_off is not None:
+            raise self._cut_off
+
+    async def _open(self) -> None:
+        await self._stream.__aenter__()
+        self._runner.at_close(self._leave)
+
+    async def _close(self, exc: BaseException | None) -> None:
+        await self._stream.__aexit__(None if exc is None else type(exc), exc, None)
+        self._runner.not_at_close(self._leave)
+
+    async def _leave(self) -> None:
+        """The robot has been closed, and has ended the stream."""
+        try:
+            await self._stream.__aexit__(None, None, None)
+        except StreamError as exc:
+            self._cut_off = exc
+
+    def ended(self) -> None:
+        """Wait until the stream has ended, for whatever reason, and its worker is gone."""
+        self._runner.call(self._stream.ended())
+
+    def halt(self) -> None:
+        """Send nothing more; from any thread or signal handler, at once.
+
+        The arm is not decelerated by this: it is for those who stop the robot themselves.
+        """
+        self._stream.halt()
+
+    # -- feeding it ----------------------------------------------------------------------------
+
+    def send(self, point: VectorLike) -> None:
+        """Send one set-point.
+
+        The first one waits until the worker has compared it with where the arm is. Later ones
+        wait while enough are queued, or never, if the stream takes only the latest.
+
+        Args:
+            point: the set-point, in the stream's units. Shape (6,).
+
+        Raises:
+            ParameterError: it is not allowed; nothing was sent, and the stream goes on.
+            SetPointTooFar: it is too far from the one before; nothing was sent.
+            StreamError: the stream has ended; says why.
+        """
+        self._runner.call(self._stream.send(point))
+
+    def follow(self, source: Iterable[VectorLike]) -> None:
+        """Send every set-point of an iterator, to its end.
+
+        Args:
+            source: gives the set-points.
+
+        Raises:
+            StreamError: the stream has ended; says why.
+        """
+        for point in source:
+            self.send(point)
+
+    def play(self, trajectory: Any, times: Any = None) -> None:
+        """Send a whole array, and wait until the worker has taken it.
+
+        All of it is checked before any of it is sent. It is brought to the stream's rate by
+        monotone cubic interpolation, and queued as far ahead as the ring is long, so that a
+        stall of the program does not reach the arm.
+
+        Args:
+            trajectory: the set-points. Shape (n, 6).
+            times: when each is due, rising, from the first one on [s]. Shape (n,). None: one
+                for each period of the stream.
+
+        Raises:
+            ParameterError: the array is not allowed; nothing was sent.
+            SetPointTooFar: two neighbours are too far from one another; nothing was sent.
+            StreamError: the stream has ended; says why.
+        """
+        self._runner.call(self._stream.play(trajectory, times))
+
+    def ticks(self, rate: float | None = None) -> Iterator[Tick]:
+        """Rounds of the program's own loop, on an absolute schedule.
+
+            for tick in stream.ticks(30):
+                stream.send(policy(tick.time))
+
+        Ticks for which the program is not ready in time are left out, never made up for.
+
+        Args:
+            rate: ticks per second [Hz]; None: as many as the stream takes set-points.
+
+        Raises:
+            StreamError: the stream has ended; says why.
+        """
+        ticks = self._stream.ticks(rate)
+
+        async def following() -> Tick:
+            return await anext(ticks)
+
+        while True:
+            yield self._runner.call(following())
+
+
+class OffsetStream(Stream):
+    """A stream of offsets in the tool's frame, each from where the one before led to.
+
+    `send` takes one offset (x, y, z [m], rx, ry, rz [rad]), `play` a list of them without times.
+    """
+
+
+class TrackStream(Stream):
+    """A stream into the track pool: points of a path, each perhaps with outputs to set.
+
+    `play` takes no times: the controller plans them, by speed and acceleration.
+    """
+
+    def __init__(self, runner: Runner, stream: aio_track.TrackStream) -> None:
+        super().__init__(runner, stream)
+        self._track = stream
+
+    def send(self, point: VectorLike, op: Op | None = None) -> None:
+        """Send one point of the path.
+
+        The first points wait in the worker until there are enough of them to begin.
+
+        Args:
+            point: the point, in the stream's units. Shape (6,).
+            op: what is set there; only for streams opened with `operations`.
+
+        Raises:
+            ParameterError: it is not allowed; nothing was sent, and the stream goes on.
+            StreamError: the stream has ended; says why.
+        """
+        self._runner.call(self._track.send(point, op))
