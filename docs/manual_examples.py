@@ -41,8 +41,8 @@ GROUPS = {
     ),
     "realtime": (
         "1.3.15 Realtime control (实时控制函数)",
-        """The manual sends a point, sleeps for a millisecond, and hopes. Here the queue is kept at a
-        depth. In a program of your own, use [`robot.realtime.stream`](../streams.md), which does
+        """The manual sends a point, sleeps for a millisecond, and hopes. Here the queue is kept at
+        a depth. In a program of your own, use [`robot.realtime.stream`](../streams.md), which does
         this from a process of its own.""",
     ),
 }
