@@ -17,8 +17,7 @@ SERVICES = {"RPCRobot": "full", "Short": "brief", "Older": "older", "Oldest": "o
 _OPTIONS = "cpp:no_skeleton,no_ostream_operators,no_default_operators,moveable_types"
 #: a busy machine takes many times the twenty seconds of a quiet one [s]
 _PATIENCE = 600
-_TYPES = ("robot_types",)
-_UNITS = ("RPCRobot", "Short", "Older", "Oldest", "clients_types", *_TYPES)
+_UNITS = ("RPCRobot", "Short", "Older", "Oldest", "robot_types", "clients_types")
 
 
 def generate(out: Path, language: str) -> None:
@@ -44,7 +43,9 @@ def driver(out: Path) -> Path:
 def hardware_interface(out: Path) -> Path:
     """Compile the program in the manner of ROS 2 drivers."""
     generate(out, _OPTIONS)
-    return _program(out, HERE.parent / "programs" / "hardware_interface.cpp", _UNITS[:1] + _TYPES)
+    return _program(
+        out, HERE.parent / "programs" / "hardware_interface.cpp", ("RPCRobot", "robot_types")
+    )
 
 
 def _program(out: Path, source: Path, units: tuple[str, ...]) -> Path:
