@@ -56,7 +56,7 @@ SETUP = {
 #: what the manual's text and prototype say of a default, where our classes have it otherwise
 OTHERWISE = {
     f"{name}.def_acc": "the text turns the flag round: true is the acceleration that is given"
-    for name in ("movej2_eaxis", "movej2_pose_eaxis", "move1_eaxis", "movec_eaxis")
+    for name in ("move_eaxis", "movej2_eaxis", "movej2_pose_eaxis", "move1_eaxis", "movec_eaxis")
 }
 
 
@@ -204,7 +204,8 @@ def stated(one: dict[str, Any]) -> Any:
 def test_defaults_of_the_vendors_class_are_the_manuals() -> None:
     wrong = []
     for name, one in printed_defaults():
-        parameter = inspect.signature(getattr(compat.DucoCobot, name)).parameters.get(one["name"])
+        parameters = inspect.signature(getattr(compat.DucoCobot, name)).parameters
+        parameter = parameters.get(one["name"], parameters.get(one["wire"]))
         if f"{name}.{one['name']}" in OTHERWISE:
             continue
         given = inspect.Parameter.empty if parameter is None else parameter.default
