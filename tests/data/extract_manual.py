@@ -47,6 +47,8 @@ SPAN = re.compile(r"(?:范围为?从?|范围[:：]|取值为|单位[:：]%,)(\d+
 _ONE = r"(?:mA|ms|m|rad|s|kg|Nm|N|Hz|V|%)(?:[./*](?:[A-Za-z]+[²2]?|\([a-z/]+\)))*(?![A-Za-z])"
 UNIT = re.compile(rf"单位(?:为)?[:：]?\(?({_ONE}(?:[,、或]{_ONE})*)")
 SAME_UNITS = {"m/rad": "m, rad", "m/s2": "m/s²", "N.m": "N·m", "Nm": "N·m"}
+BLOCKS = re.compile(r"默认(?:为|值)?阻塞")
+LEFT_OUT = "缺省"
 DEFAULT = re.compile(r"默认(?:值)?(?:为)?(-?\d+(?:\.\d+)?|true|false)(?=Hz|s|表示|[,.、;]|$)")
 CHOICE = re.compile(r"(?<![A-Za-z0-9-])(?:mode=)?(-?\d)(?:[:：]|为(?!与)|位参|代表|基于)")
 COUNTS = (
@@ -79,7 +81,7 @@ def plain(text: str) -> str:
         ("**", ""),
     ):
         text = text.replace(old, new)
-    return text
+    return re.sub(r"\*(true|false)\*", r"\1", text)
 
 
 def squeezed(text: str) -> str:
@@ -201,6 +203,8 @@ def facts(text: str) -> dict[str, Any]:
         found["length"] = 3
     if match := DEFAULT.search(text):
         found["default"] = json.loads(match[1])
+    elif BLOCKS.search(text):
+        found["default"] = True
     choices = sorted({int(match[1]) for match in CHOICE.finditer(text)})
     if len(choices) > 1:
         found["choices"] = choices
@@ -245,6 +249,7 @@ def function(section: str, proto: str, body: str, wire: dict[str, list[str]]) ->
         spellings = (own, *SPELLINGS.get(key, SPELLINGS.get(own, ())))
         parameter["wire"] = next((n for n in spellings if n in names), None)
         said = next((about[n] for n in spellings if n in about), "")
+        parameter["optional"] = LEFT_OUT in said or "prototype_default" in parameter
         parameter.update(facts(said))
         if wire_name and parameter["wire"] is None and key not in NOT_SENT:
             parameter["out"] = True  # the wire returns it
@@ -253,6 +258,7 @@ def function(section: str, proto: str, body: str, wire: dict[str, list[str]]) ->
             changes, reason = CORRECTIONS[key]
             parameter.update(changes)
             parameter["corrected"] = reason
+    mark_optional(parameters)
     result: dict[str, Any] = {
         "section": section,
         "name": name,
@@ -270,6 +276,20 @@ def function(section: str, proto: str, body: str, wire: dict[str, list[str]]) ->
     if name in NOTES:
         result["notes"] = NOTES[name]
     return result
+
+
+def mark_optional(parameters: list[dict[str, Any]]) -> None:
+    """Leave "optional" on the parameters that a call may leave out.
+
+    They are those with a default in the prototype, those that the text says may be left out, and
+    those with a default in the text that no other parameter has to follow.
+    """
+    last = True
+    for parameter in reversed(parameters):
+        optional = parameter.pop("optional") or (last and "default" in parameter)
+        last = last and optional
+        if optional:
+            parameter["optional"] = True
 
 
 def extract(text: str) -> dict[str, Any]:

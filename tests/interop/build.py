@@ -43,12 +43,25 @@ def driver(out: Path) -> Path:
     """Compile the program of the generated C++ clients."""
     generate(out, _OPTIONS)
     (out / "calls.inc").write_text("".join(_calls()), "utf-8")
-    shutil.copy(HERE / "driver.cpp", out)
+    return _program(out, HERE / "driver.cpp", _UNITS)
+
+
+def hardware_interface(out: Path) -> Path:
+    """Compile the program in the manner of ROS 2 drivers."""
+    generate(out, _OPTIONS)
+    return _program(
+        out, HERE.parent / "programs" / "hardware_interface.cpp", ("RPCRobot", "robot_types")
+    )
+
+
+def _program(out: Path, source: Path, units: tuple[str, ...]) -> Path:
+    shutil.copy(source, out)
     with ThreadPoolExecutor() as pool:
-        list(pool.map(lambda unit: _compile(out, f"{unit}.cpp"), ("driver", *_UNITS)))
-    program = out / "driver"
+        list(pool.map(lambda unit: _compile(out, f"{unit}.cpp"), (source.stem, *units)))
+    program = out / source.stem
     objects = [str(path) for path in out.glob("*.o")]
-    subprocess.run(["g++", "-o", str(program), *objects, "-lthrift"], check=True, timeout=_PATIENCE)
+    libraries = ["-lthrift", "-pthread"]
+    subprocess.run(["g++", "-o", str(program), *objects, *libraries], check=True, timeout=_PATIENCE)
     return program
 
 

@@ -1,0 +1,129 @@
+"""Ten programs in the manner of public ones run as they do at an arm."""
+
+from __future__ import annotations
+
+import subprocess
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from aioduco.sim import Simulator
+
+from . import (
+    blocking_blends,
+    force_search,
+    heartbeat,
+    http_handler,
+    keyboard_jog,
+    painting,
+    servoj_250hz,
+    status_parser,
+    wrapper,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from .conftest import Make
+
+    Start = Callable[..., Simulator]
+
+#: the quick run takes the first make, for which nothing has to be generated
+pytestmark = pytest.mark.cases(1)
+
+FINISHED, INTERRUPT = 4, 5
+FAST = float("inf")
+
+
+@pytest.fixture
+def sim(request: pytest.FixtureRequest) -> Iterator[Simulator]:
+    """A simulated controller, on the wall's clock unless a test says otherwise."""
+    options: dict[str, Any] = getattr(request, "param", {})
+    with Simulator(**options) as running:
+        yield running
+
+
+def simulator(**options: Any) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize("sim", [options], indirect=True, ids=[""])
+
+
+# How late a beat may come decides how busy a machine may be: what the slack is by default is tested
+# with the heartbeat itself.
+@simulator(heartbeat_slack=20.0)
+def test_a_heartbeat_once_a_second(make: Make, sim: Simulator) -> None:
+    assert heartbeat.main(make.cobot, sim.host, sim.port) == [FINISHED, FINISHED]
+    assert set(sim.forgiven) <= {"late heartbeat"}
+
+
+def test_keys_jog_the_tool(make: Make, sim: Simulator) -> None:
+    answers, moved = keyboard_jog.main(make.cobot, sim.host, sim.port, "wwwwrrrrrrrrrrd")
+    assert min(answers) >= 1000
+    assert sorted(abs(one) for one in moved) == pytest.approx([0.002, 0.008, 0.02], abs=1e-3)
+
+
+def test_servoj_at_250_hz(make: Make, sim: Simulator) -> None:
+    answers, goal, reached = servoj_250hz.main(make.cobot, sim.host, sim.port)
+    assert min(answers) >= 1000
+    assert reached == pytest.approx(goal, abs=0.01)
+    assert goal[0] == pytest.approx(0.3)
+
+
+@simulator(speed=FAST)
+def test_a_search_along_one_axis_ends_where_it_is_told(make: Make, sim: Simulator) -> None:
+    state, lifted = force_search.main(make.cobot, sim.host, sim.port)
+    assert state == FINISHED
+    assert lifted == pytest.approx(0.05, abs=0.01)
+
+
+@simulator(speed=FAST)
+def test_rows_of_paint(make: Make, sim: Simulator) -> None:
+    states, levels = painting.main(make.cobot, make.op, sim.host, sim.port)
+    assert states == [FINISHED] * 6
+    assert levels == [True, False] * 3
+
+
+def test_blocking_calls_go_on_when_they_blend(make: Make, sim: Simulator) -> None:
+    states, apart = blocking_blends.main(make.cobot, sim.host, sim.port)
+    assert states == [INTERRUPT] * 3
+    assert apart < 1e-3
+
+
+@simulator(speed=FAST)
+def test_requests_move_the_arm_from_another_thread(make: Make, sim: Simulator) -> None:
+    moved, seen = http_handler.main(make.cobot, sim.host, sim.port)
+    assert moved == {"state": FINISHED}
+    assert seen["joints"] == pytest.approx([0.4, 0.0, 1.57, 0.0, -1.57, 0.0], abs=2e-3)
+
+
+@simulator(speed=FAST)
+def test_speeds_that_no_arm_reaches(make: Make, sim: Simulator) -> None:
+    states, apart = wrapper.main(make.cobot, sim.host, sim.port)
+    assert states == [FINISHED, FINISHED]
+    assert apart < 1e-3
+    assert sim.forgiven
+
+
+@simulator(status_port=0)
+def test_frames_of_the_status_port(make: Make, sim: Simulator) -> None:
+    assert sim.status_port is not None
+    last = status_parser.main(make.cobot, sim.host, sim.port, sim.status_port)
+    assert last["frames"] > 1
+    assert (last["state"], last["error"]) == ((6,), (0,))
+    assert last["tcp"] == pytest.approx(last["pose"], abs=2e-3)
+
+
+@pytest.mark.interop
+@pytest.mark.timeout(900)
+def test_a_hardware_interface_in_cpp(hardware_interface: Path, sim: Simulator) -> None:
+    done = subprocess.run(
+        [str(hardware_interface), sim.host, str(sim.port)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    goal, reached = map(float, done.stdout.split())
+    assert goal == pytest.approx(0.3)
+    assert reached == pytest.approx(goal, abs=0.01)
