@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from aioduco.models.state import IOStatus, RobotStates, RobotStatus, Vector
     from aioduco.models.version import ControllerVersion
     from aioduco.models.weave import WeavePlane, WeaveShape
+    from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.joint_trajectory import (
         Feedback,
         JointTrajectory,
@@ -914,32 +915,47 @@ class Motion(_Section):
 
     @moves
     def speedl(
-        self, twist: VectorLike, a: float, *, time: float | None = 1.0
+        self,
+        twist: VectorLike,
+        a: float,
+        *,
+        time: float | None = 1.0,
+        frame: MotionFrame = 'tool',
+        wobj: str = '',
     ) -> aio_command.MotionCommand:
         """Move the tool at a velocity (末端速度运动), for a time.
 
-        Manual 3.8 does not say in which frame; manual 4.3 says in that of the tool.
+        The controller takes the velocity in the tool's frame: manual 4.3 says so, manual 3.8 does
+        not say. With another `frame` it is turned here, by the orientation of the tool that is
+        read as the motion is sent: it is as old as the calls take, a few milliseconds.
+
         An interrupt while it waits, or an error inside its block, stops the arm. If the arm moves on
         for two seconds after `time`, this program stops it.
 
         Args:
-            twist: velocity of the tool (pose_list): along x, y, z, -5 to 5 [m/s], and about
-                them, -1.25·π to 1.25·π [rad/s]. Shape (6,).
+            twist: velocity of the tool (pose_list): along x, y, z of `frame`, -5 to 5 [m/s], and
+                about them, -1.25·π to 1.25·π [rad/s]. Shape (6,).
             a: acceleration of the tool, from 0.00001 [m/s²].
             time: seconds after which the controller stops the arm, from 0.001; None to go on
                 until the block is left or `speed_stop` is called: only the heartbeat then stops
                 the arm of a program that hangs.
+            frame: whose axes are meant: "tool", "base" (z is up where the arm stands on a floor)
+                or "wobj", a work object.
+            wobj: name of the work object; empty for the one in use.
 
         Returns:
-            How it ended: finished or blended. Its end is when the arm stands.
+            How it ended: finished or blended. Its end is when the arm stands. Sending it raises
+            `StaleState` if the orientation cannot be read.
 
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
-            ParameterError: an argument is out of range.
+            ParameterError: an argument is out of range; or the tool is to turn about one
+                direction while it moves along another, in another frame than its own. As the
+                tool turns, that takes a new velocity each time: `robot.speed.linear`.
 
         Manual section 1.3.5.
         """
-        return self._section.speedl(twist, a, time=time)
+        return self._section.speedl(twist, a, time=time, frame=frame, wobj=wobj)
 
     def speed_stop(self) -> None:
         """End `speedj` and `speedl` (停止 speedj 及 speedl), and wait until the arm stands.
@@ -1050,6 +1066,8 @@ class Motion(_Section):
         a: float,
         *,
         tool: str = '',
+        frame: MotionFrame = 'tool',
+        wobj: str = '',
         kp: float = 200.0,
         kd: float = 25.0,
         smooth_vel: float = 10.0,
@@ -1057,20 +1075,29 @@ class Motion(_Section):
     ) -> aio_command.MotionCommand:
         """Go on from the present target by an offset of the tool (工具增量伺服运动).
 
+        The controller takes the offset in the tool's frame. With another `frame` it is turned
+        here, by the orientation of the tool that is read as the motion is sent: it is as old as
+        the calls take, a few milliseconds. While the tool turns, its target has another one;
+        `robot.servo.tcp_offset` reckons with that.
+
         Args:
-            offset: by how much (pose_offset): x, y, z [m], rx, ry, rz [rad], from the target
-                that the arm has at the moment.
+            offset: by how much (pose_offset): x, y, z [m], rx, ry, rz [rad] of `frame`, from the
+                target that the arm has at the moment. It turns the tool about its tip.
             v: highest speed, 0.01·π/180 to 1.25·π: of the joints by manual 3.8 [rad/s], of the
                 tool by manual 4.3 [m/s].
             a: highest acceleration, from 0.01·π/180 [rad/s² or m/s²].
             tool: name of the tool; empty for the one in use.
+            frame: whose axes are meant: "tool", "base" (z is up where the arm stands on a floor)
+                or "wobj", a work object.
+            wobj: name of the work object; empty for the one in use.
             kp: proportional gain, from 0; 200 is recommended.
             kd: derivative gain, from 0; 25 is recommended.
             smooth_vel: smoothing of the speed, 1 to 100; more lags more.
             smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
 
         Returns:
-            How it ended: finished or blended. Used again, it goes on by the offset once more.
+            How it ended: finished or blended. Used again, it goes on by the offset once more. Sending it
+            raises `StaleState` if the orientation cannot be read.
 
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
@@ -1079,7 +1106,16 @@ class Motion(_Section):
         Manual section 1.3.5.
         """
         return self._section.servo_tcp(
-            offset, v, a, tool=tool, kp=kp, kd=kd, smooth_vel=smooth_vel, smooth_acc=smooth_acc
+            offset,
+            v,
+            a,
+            tool=tool,
+            frame=frame,
+            wobj=wobj,
+            kp=kp,
+            kd=kd,
+            smooth_vel=smooth_vel,
+            smooth_acc=smooth_acc,
         )
 
     @moves

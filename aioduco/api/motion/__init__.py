@@ -105,7 +105,8 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         outcomes: list[Outcome] = []
         try:
             for motion in motions:
-                if len(tasks) >= ahead:
+                # Where the tool will be is not known before those in front of it have ended.
+                while tasks and (len(tasks) >= ahead or motion.aimed):
                     outcomes.append(await tasks.popleft())
                 tasks.append(await motion.start())
             while tasks:

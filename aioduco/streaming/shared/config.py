@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Limits, Space
+from aioduco.streaming.shared.turning import Turning
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -162,6 +163,7 @@ class Sent:
         read: function of the wire that reads where the arm is, and its arguments.
         leave: calls at the end of the stream: a function and its arguments each.
         ending: function of the wire that ends the mode in which the controller is meanwhile.
+        turning: how directions are turned into the frame of the wire; None: they are in it.
     """
 
     name: str
@@ -172,6 +174,7 @@ class Sent:
     read: Sequence[str] = ()
     leave: Sequence[Sequence[Any]] = ()
     ending: str = ""
+    turning: Turning | None = None
 
     @property
     def space(self) -> Space:
@@ -228,6 +231,7 @@ class WorkerConfig:
         sent = values.pop("sent")
         sent["limits"] = Limits(*map(tuple, sent["limits"]))
         sent["drive"] = _DRIVES[kind](**sent["drive"]) if kind else None
+        sent["turning"] = Turning(**sent["turning"]) if sent["turning"] else None
         options = WorkerSettings(**values.pop("options"))
         feeding = FeedingSettings(**values.pop("feeding"))
         return cls(**values, options=options, feeding=feeding, sent=Sent(**sent))
