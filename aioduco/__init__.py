@@ -5,7 +5,7 @@
 
     async with aioduco.connect("192.168.1.10") as robot:
         await robot.bring_up()
-        await robot.motion.movej2(Joints.deg(0, 0, 90, 0, -90, 0), v=1.0, a=1.0)
+        await robot.motion.movej2(Joints.deg(30, -15, 105, 0, -90, 0), v=1.0, a=1.0)
 
 Units are SI: metres, radians, seconds, kilograms, newtons; `deg()` and `mm()` convert.
 """

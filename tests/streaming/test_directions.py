@@ -20,15 +20,12 @@ from aioduco.testing import eventually_async
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
-    from aioduco.streaming.stream import Stream
-
 THREAD = LaneOptions(lane="thread")
 #: the flange looks down, tilted and turned, so that none of its axes is one of the base's
 TILTED = Joints.deg(20, -15, 105, -15, -70, 30)
 #: turned about z and tilted; the work object in use
 BENCH = Pose(0.3, 0.1, 0.2, 0.1, -0.2, 0.7)
 TIP = Pose(0.02, 0.0, 0.1, 0.3, 0.0, 0.0)
-#: the axes of each frame as they lie in the base, where the arm begins
 FRAMES = ("base", "tool", "wobj")
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -77,16 +74,12 @@ async def test_one_velocity_leads_along_the_axes_of_its_frame(
 ) -> None:
     start, up = await tip(robot), (await axes(robot, frame)) @ UP
     async with robot.motion.speedl([0, 0, 0.1, 0, 0, 0], a=1.0, time=None, frame=frame):
-        await eventually_async(
-            lambda: np.linalg.norm(moved(start, simulated(sim))[0]) > 0.04, 30.0
-        )
+        await eventually_async(lambda: np.linalg.norm(moved(start, simulated(sim))[0]) > 0.04, 30.0)
     way, _ = moved(start, await tip(robot))
     np.testing.assert_allclose(way / np.linalg.norm(way), up, atol=0.01)
     middle, up = await tip(robot), (await axes(robot, frame)) @ UP
     async with robot.motion.speedl([0, 0, 0, 0, 0, 0.4], a=2.0, time=None, frame=frame):
-        await eventually_async(
-            lambda: np.linalg.norm(moved(middle, simulated(sim))[1]) > 0.2, 30.0
-        )
+        await eventually_async(lambda: np.linalg.norm(moved(middle, simulated(sim))[1]) > 0.2, 30.0)
     way, turn = moved(middle, await tip(robot))
     assert np.linalg.norm(way) < 2e-3
     np.testing.assert_allclose(turn / np.linalg.norm(turn), up, atol=0.02)
@@ -112,21 +105,13 @@ async def test_one_offset_leads_along_the_axes_of_its_frame(
 
 
 @pytest.mark.parametrize("frame", FRAMES)
-@pytest.mark.parametrize("kind", ["speed", "realtime"])
 async def test_a_stream_of_velocities_keeps_its_direction_while_the_tool_turns(
-    robot: aioduco.Robot, sim: Simulator, frame: Any, kind: str
+    robot: aioduco.Robot, sim: Simulator, frame: Any
 ) -> None:
     start = await tip(robot)
     there = await axes(robot, frame)
-    stream: Stream
-    if kind == "speed":
-        stream = robot.speed.linear(
-            a=5.0, turn_a=5.0, rate=100, latest=False, frame=frame, dead_man=2.0, options=THREAD
-        )
-    else:
-        stream = robot.realtime.stream(
-            "twist", v=(0.25, 1.0), a=(1.0, 5.0), frame=frame, com_lost_time=1.0, options=THREAD
-        )
+    # The simulated controller changes turning speeds by `a`, too.
+    stream = robot.speed.linear(a=5.0, turn_a=5.0, frame=frame, dead_man=2.0, options=THREAD)
     twist = [0.0, 0.0, 0.1, 0.8, 0.0, 0.0]
     async with stream:
         while np.linalg.norm(moved(start, simulated(sim))[1]) < 0.3:
