@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 import aioduco
+from aioduco.cli.check import check
 from aioduco.cli.demo.command import demo
 from aioduco.cli.doctor import doctor
 from aioduco.cli.plot import plot
@@ -23,6 +24,7 @@ app.command()(sim)
 app.command()(demo)
 app.command()(doctor)
 app.command()(plot)
+app.command()(check)
 
 
 def _version(wanted: bool) -> None:

@@ -6,7 +6,7 @@ from typing import Literal, TypeAlias, get_args
 
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
-from aioduco.streaming.shared.turning import Turning
+from aioduco.streaming.shared.config import Turning
 
 __all__ = ["MotionFrame", "into_tool", "into_wobj"]
 

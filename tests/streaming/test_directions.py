@@ -183,7 +183,7 @@ async def test_what_cannot_be_turned_is_not_sent(robot: aioduco.Robot) -> None:
         lambda: robot.realtime.stream("joint_velocity", v=1.0, a=1.0, frame="base"),
     ):
         with pytest.raises(ParameterError):
-            wrong()  # type: ignore[no-untyped-call]  # a lambda
+            wrong()
     with pytest.raises(StaleState, match="nowhere"):
         await robot.motion.speedl([0, 0, 0.1, 0, 0, 0], a=1.0, frame="wobj", wobj="nowhere")
     async with anyio.create_task_group():

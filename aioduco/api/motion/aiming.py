@@ -11,8 +11,8 @@ from aioduco.streaming.shared.turning import composed, turned
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from aioduco.streaming.shared.config import Turning
     from aioduco.streaming.shared.space import Config
-    from aioduco.streaming.shared.turning import Turning
     from aioduco.supervision.command import Command
     from aioduco.supervision.supervisor import Supervisor
 

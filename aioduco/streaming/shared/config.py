@@ -11,7 +11,6 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Limits, Space
-from aioduco.streaming.shared.turning import Turning
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,6 +25,7 @@ __all__ = [
     "PoolDrive",
     "QueueDrive",
     "Sent",
+    "Turning",
     "Upsampling",
     "WorkerConfig",
     "WorkerSettings",
@@ -147,6 +147,21 @@ Drive = Calls | QueueDrive | PoolDrive | None
 _DRIVES: dict[str, type[Calls | QueueDrive | PoolDrive]] = {
     kind.__name__: kind for kind in (Calls, QueueDrive, PoolDrive)
 }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Turning:
+    """How directions get from the program's frame into that of the wire.
+
+    Attributes:
+        reads: functions of the wire that read a pose, each with its arguments. One frame lies in
+            the other as the product of these poses says.
+        back: whether they lead from the wire's frame to the program's, so that a direction has
+            to be turned back.
+    """
+
+    reads: Sequence[Sequence[str]]
+    back: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,7 +5,6 @@ Plain Python, and no I/O: a worker and a single call turn by the same functions.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from aioduco.streaming.shared.space import POSE_SPACE, rotated
@@ -15,24 +14,9 @@ if TYPE_CHECKING:
 
     from aioduco.streaming.shared.space import Config
 
-__all__ = ["Turning", "composed", "in_tool", "turned"]
+__all__ = ["composed", "in_tool", "turned"]
 
 _ORIGIN = (0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Turning:
-    """How directions get from the program's frame into that of the wire.
-
-    Attributes:
-        reads: functions of the wire that read a pose, each with its arguments. One frame lies in
-            the other as the product of these poses says.
-        back: whether they lead from the wire's frame to the program's, so that a direction has
-            to be turned back.
-    """
-
-    reads: Sequence[Sequence[str]]
-    back: bool = True
 
 
 def composed(poses: Sequence[Sequence[float]]) -> Config:

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from aioduco._wire.connection import Connection
+    from aioduco.streaming.shared.config import Turning
     from aioduco.streaming.shared.space import Config
-    from aioduco.streaming.shared.turning import Turning
 
 __all__ = ["Directions"]
 
