@@ -251,7 +251,7 @@ class ManualFunctions(Functions):
         smooth_vel: float = 10.0,
         smooth_acc: float = 1.0,
     ) -> int:
-        """Follow offsets m, rad of the tool that come one after another."""
+        """Follow offsets m, rad in the tool's frame that come one after another."""
         return self._call(
             "servo_tcp", (pose_offset, v, a, tool, block, kp, kd, smooth_vel, smooth_acc)
         )
