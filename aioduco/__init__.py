@@ -5,7 +5,7 @@
 
     async with aioduco.connect("192.168.1.10") as robot:
         await robot.bring_up()
-        await robot.motion.movej2(Joints.deg(0, 0, 90, 0, -90, 0), v=1.0, a=1.0)
+        await robot.motion.movej2(Joints.deg(30, -15, 105, 0, -90, 0), v=1.0, a=1.0)
 
 Units are SI: metres, radians, seconds, kilograms, newtons; `deg()` and `mm()` convert.
 """
@@ -46,9 +46,10 @@ if TYPE_CHECKING:
         tool_output,
         word_register,
     )
+    from aioduco.models.points import TaughtPoints
     from aioduco.models.pose import Joints, JointsLike, Pose, PoseLike
     from aioduco.models.realtime import RealtimeMode, RealtimePoint
-    from aioduco.models.state import IOStatus, RobotStates, RobotStatus
+    from aioduco.models.state import ForceStatus, IOStatus, RobotStates, RobotStatus
     from aioduco.models.units import deg, mm
     from aioduco.models.version import ControllerVersion
     from aioduco.models.weave import WeavePlane, WeaveShape
@@ -93,6 +94,7 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     "word_register",
     "Op",
     "PointOp",
+    "TaughtPoints",
     # jogs, weaves, realtime control, external axes, force control, loads, outputs, files
     "ExternalAxis",
     "ExternalAxisScheme",
@@ -119,6 +121,7 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     # states
     "ControllerVersion",
     "HeartbeatState",
+    "ForceStatus",
     "IOStatus",
     "OperationMode",
     "ProgramState",
@@ -159,9 +162,10 @@ _HOMES = {
         "tool_output",
         "word_register",
     ),
+    "aioduco.models.points": ("TaughtPoints",),
     "aioduco.models.pose": ("Joints", "JointsLike", "Pose", "PoseLike"),
     "aioduco.models.realtime": ("RealtimeMode", "RealtimePoint"),
-    "aioduco.models.state": ("IOStatus", "RobotStates", "RobotStatus"),
+    "aioduco.models.state": ("ForceStatus", "IOStatus", "RobotStates", "RobotStatus"),
     "aioduco.models.units": ("deg", "mm"),
     "aioduco.models.version": ("ControllerVersion",),
     "aioduco.models.weave": ("WeavePlane", "WeaveShape"),

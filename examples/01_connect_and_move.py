@@ -3,7 +3,7 @@
     python 01_connect_and_move.py                  on a simulated arm
     python 01_connect_and_move.py 192.168.1.10     on a real one: keep clear of it
 
-The arm goes to a bent pose, then its tool 5 cm down along a line and back.
+The arm goes to its home, flange down, then its tool 5 cm down along a line and back.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import anyio
 import aioduco
 from aioduco import Joints, mm
 
-BENT = Joints.deg(0, 0, 90, 0, -90, 0)
+HOME = Joints.deg(30, -15, 105, 0, -90, 0)
 
 
 async def main(host: str, port: int) -> None:
@@ -23,8 +23,8 @@ async def main(host: str, port: int) -> None:
         states = await robot.bring_up()
         print("ready:", states)
 
-        outcome = await robot.motion.movej2(BENT, v=0.8, a=1.5)
-        print("at the bent pose:", outcome.value)
+        outcome = await robot.motion.movej2(HOME, v=0.8, a=1.5)
+        print("at home:", outcome.value)
 
         here = await robot.state.get_tcp_pose()
         print("the tool is at", here)

@@ -17,7 +17,7 @@ import anyio
 import aioduco
 from aioduco import Joints, Pose, mm
 
-BENT = Joints.deg(0, 0, 90, 0, -90, 0)
+HOME = Joints.deg(30, -15, 105, 0, -90, 0)
 SIDE, RADIUS = mm(100), mm(20)
 
 
@@ -33,7 +33,7 @@ def square(robot: aioduco.Robot, at: Pose, r: float) -> list[aioduco.MotionComma
 async def main(host: str, port: int) -> None:
     async with aioduco.connect(host, port) as robot:
         await robot.bring_up()
-        await robot.motion.movej2(BENT, v=0.8, a=1.5)
+        await robot.motion.movej2(HOME, v=0.8, a=1.5)
         here = await robot.state.get_tcp_pose()
         for r in (0.0, RADIUS):
             begin = time.monotonic()

@@ -13,7 +13,7 @@ import sys
 import aioduco.sync
 from aioduco import Joints, mm
 
-BENT = Joints.deg(0, 0, 90, 0, -90, 0)
+HOME = Joints.deg(30, -15, 105, 0, -90, 0)
 
 
 def main(host: str, port: int) -> None:
@@ -21,7 +21,7 @@ def main(host: str, port: int) -> None:
         print("ready:", robot.bring_up())
 
         # A call returns when the motion has ended.
-        print("at the bent pose:", robot.motion.movej2(BENT, v=0.8, a=1.5).value)
+        print("at home:", robot.motion.movej2(HOME, v=0.8, a=1.5).value)
 
         # .start returns when the controller has accepted it.
         here = robot.state.get_tcp_pose()

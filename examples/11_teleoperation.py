@@ -5,7 +5,9 @@
     python 11_teleoperation.py 192.168.1.10 --pad /dev/input/js0    by a gamepad
 
 Keys: w s forward and back, a d left and right, r f up and down; any other stands; q ends. Sticks of
-a gamepad: left x and y, right y up and down; its first button ends.
+a gamepad: left x and y, right y up and down; its first button ends. Directions are those of the
+base, as somebody sees them who stands behind the arm, however the tool is turned: its x leads
+forward, its z up.
 
 When nothing comes from the keyboard any more, the tool slows down and stands. When this program
 dies, so it does; and if the network is lost, the controller ends the motion 0.2 s later by itself.
@@ -54,7 +56,7 @@ class Pad:
     """The direction of a gamepad's sticks; None to end. Linux tells it without a library."""
 
     direction: tuple[float, float, float] | None = (0, 0, 0)
-    _AXES = {1: (0, -1), 0: (1, -1), 4: (2, -1)}  # noqa: RUF012  # number: axis of the tool, sign
+    _AXES = {1: (0, -1), 0: (1, -1), 4: (2, -1)}  # noqa: RUF012  # number: axis of the base, sign
 
     def __init__(self, path: str) -> None:
         self._file = os.open(path, os.O_RDONLY)
@@ -93,7 +95,7 @@ async def main(host: str, port: int, pad: str | None) -> None:
     source = Pad(pad) if pad else Keyboard()
     async with aioduco.connect(host, port) as robot, anyio.create_task_group() as tasks:
         await robot.bring_up()
-        async with robot.speed.linear(a=0.5, v=SPEED, dead_man=0.2) as stream:
+        async with robot.speed.linear(a=0.5, v=SPEED, frame="base", dead_man=0.2) as stream:
             print("w s a d r f move the tool; q ends", flush=True)
             tasks.start_soon(source.read)
             async for _ in stream.ticks():

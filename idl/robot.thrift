@@ -235,7 +235,7 @@ service RPCRobot {
   )
   /** Turn the joints at `joints_list` rad/s for `time` ms, -1 for no end; a rad/s². */
   i32 speedj(1: list<double> joints_list, 2: double a, 3: i32 time, 4: bool block)
-  /** Move the tool at `pose_list` m/s, rad/s for `time` ms, -1 for no end; a m/s². */
+  /** Move the tool at `pose_list` m/s, rad/s in its frame for `time` ms, -1 for no end; a m/s². */
   i32 speedl(1: list<double> pose_list, 2: double a, 3: i32 time, 4: bool block)
   /** End speedj and speedl. */
   i32 speed_stop(1: bool block)
@@ -271,7 +271,7 @@ service RPCRobot {
       6: string wobj, 7: bool block, 8: double kp, 9: double kd, 10: double smooth_vel,
       11: double smooth_acc
   )
-  /** Follow offsets m, rad of the tool that come one after another. */
+  /** Follow offsets m, rad in the tool's frame that come one after another. */
   i32 servo_tcp(
       1: list<double> pose_offset, 2: double v, 3: double a, 4: string tool, 5: bool block,
       6: double kp, 7: double kd, 8: double smooth_vel, 9: double smooth_acc

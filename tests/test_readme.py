@@ -8,9 +8,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from aioduco import kinematics
+from aioduco.models.pose import Joints, Pose
 from aioduco.sim import Simulator
+from aioduco.sim.simulator import READY
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -88,3 +92,40 @@ def test_pictures_are_small() -> None:
         data = picture.read_bytes()
         assert data.startswith(begins[picture.suffix])
         assert len(data) < 400_000
+
+
+#: the one home of all pages, examples and docstrings [rad]
+HOME = Joints.deg(30, -15, 105, 0, -90, 0)
+
+
+def test_the_first_motion_is_seen_and_leaves_the_flange_looking_down() -> None:
+    arm = kinematics.arm("gcr5_910")
+    there, start = arm.fkine(HOME.array), arm.fkine(np.array(READY))
+    np.testing.assert_allclose(there[:3, 2], [0.0, 0.0, -1.0], atol=1e-9)
+    assert np.linalg.norm(there[:3, 3] - start[:3, 3]) > 0.2
+    assert min(arm.singularity(HOME.array)) > 0.2
+    # Room for what the pages do from there: 100 mm along the tool, and beside it.
+    for step in (Pose(0, 0, -0.1, 0, 0, 0), Pose(0, 0, 0.1, 0, 0, 0), Pose(0.1, 0, 0, 0, 0, 0)):
+        assert Joints.of(arm.ikine(Pose.from_matrix(there) @ step, HOME)).distance(HOME) < 1.0
+
+
+def test_pages_examples_and_docstrings_have_one_home() -> None:
+    folders = [ROOT / name for name in ("docs", "examples", "aioduco")]
+    paths = [
+        path for folder in folders for path in folder.rglob("*") if path.suffix in {".md", ".py"}
+    ]
+    numbers = r"([-+\d., ]+)"
+    named = re.compile(rf"\bhome = (?:aioduco\.)?Joints\.deg\({numbers}\)", re.IGNORECASE)
+    moved = re.compile(rf"movej2\((?:aioduco\.)?Joints\.deg\({numbers}\)")
+    listed = re.compile(rf"robot\.(?:motion\.)?movej2\(\[{numbers}\]")
+    found = []
+    for path in [ROOT / "README.md", ROOT / "README.zh-CN.md", *paths]:
+        text = path.read_text(encoding="utf-8")
+        degrees = [*named.findall(text), *moved.findall(text)]
+        homes = [Joints.deg(*map(float, each.split(","))) for each in degrees]
+        homes += [Joints(*map(float, each.split(","))) for each in listed.findall(text)]
+        for home in homes:
+            np.testing.assert_allclose(home, HOME, atol=1e-3, err_msg=str(path))
+        found += [path.name] * bool(homes)
+    assert {"README.md", "README.zh-CN.md", "quickstart.md", "index.md", "motion.md"} <= set(found)
+    assert {"01_connect_and_move.py", "07_plain_script.py", "from-the-vendor-sdk.md"} <= set(found)

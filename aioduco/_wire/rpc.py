@@ -402,7 +402,7 @@ class Functions(ABC):
         return self._call("speedj", (joints_list, a, time, block))
 
     def speedl(self, pose_list: Sequence[float], a: float, time: int, block: bool) -> int:
-        """Move the tool at `pose_list` m/s, rad/s for `time` ms, -1 for no end; a m/s²."""
+        """Move the tool at `pose_list` m/s, rad/s in its frame for `time` ms, -1 for no end; a m/s²."""
         return self._call("speedl", (pose_list, a, time, block))
 
     def speed_stop(self, block: bool) -> int:
@@ -511,7 +511,7 @@ class Functions(ABC):
         smooth_vel: float,
         smooth_acc: float,
     ) -> int:
-        """Follow offsets m, rad of the tool that come one after another."""
+        """Follow offsets m, rad in the tool's frame that come one after another."""
         return self._call(
             "servo_tcp",
             (pose_offset, v, a, tool, block, kp, kd, smooth_vel, smooth_acc),

@@ -36,6 +36,7 @@ from aioduco.supervision.task import task_error
 from aioduco.supervision.task_state import ContinuousMotion, TaskLifecycle
 
 if TYPE_CHECKING:
+    from aioduco.supervision.command import Aim
     from aioduco.supervision.supervisor import Supervisor
     from aioduco.supervision.task_state import JointEta
 
@@ -76,6 +77,7 @@ class Section(ManualNames):
         *,
         superseded: bool = False,
         eta: JointEta | None = None,
+        aim: Aim | None = None,
     ) -> MotionCommand:
         """A motion as a value.
 
@@ -84,10 +86,11 @@ class Section(ManualNames):
             r: blend radius [m].
             superseded: whether the next motion may take over from it before its end.
             eta: where it leads, if that is known in joint angles.
+            aim: turns it as it is sent.
         """
         name, args = noted(call)
         command = Command(name, args, blends=superseded or r > 0.0, eta=eta)
-        return MotionCommand(self._supervisor.dispatcher, command)
+        return MotionCommand(self._supervisor.dispatcher, command, aim)
 
     def _held(
         self,
@@ -97,6 +100,7 @@ class Section(ManualNames):
         time: float | None = None,
         timed_here: bool = False,
         until_told: bool = False,
+        aim: Aim | None = None,
     ) -> HeldMotion:
         """A motion that goes on until something ends it, as a value.
 
@@ -106,13 +110,14 @@ class Section(ManualNames):
             time: seconds after which it ends; None if it does not.
             timed_here: whether this program sees to that.
             until_told: whether it goes on even if the arm stands.
+            aim: turns it as it is sent.
         """
         name, args = noted(call)
         continuous = ContinuousMotion(
             ending, None if time is None else float(time), timed_here, until_told
         )
         command = Command(name, args, blends=not until_told, continuous=continuous)
-        return HeldMotion(self._supervisor.dispatcher, command)
+        return HeldMotion(self._supervisor.dispatcher, command, aim)
 
     async def _end(self, ending: str, step: Callable[[], Awaitable[None]] | None = None) -> None:
         """End what goes on.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 import aioduco
+from aioduco.cli.check import check
 from aioduco.cli.demo.command import demo
 from aioduco.cli.doctor import doctor
 from aioduco.cli.plot import plot
@@ -26,6 +27,7 @@ app.command("sim-do", context_settings={"ignore_unknown_options": True})(sim_do)
 app.command()(demo)
 app.command()(doctor)
 app.command()(plot)
+app.command()(check)
 
 
 def _version(wanted: bool) -> None:

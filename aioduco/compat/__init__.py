@@ -6,7 +6,7 @@
     if robot.open() == 0:
         robot.power_on(True)
         robot.enable(True)
-        robot.movej2([0, 0, 1.57, 0, -1.57, 0], 1.0, 1.0, 0.0, True)
+        robot.movej2([0.524, -0.262, 1.833, 0, -1.571, 0], 1.0, 1.0, 0.0, True)
         robot.close()
 
 It takes what the vendor's class takes, sends it and returns the answer: no ranges are checked, no

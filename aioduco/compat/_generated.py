@@ -229,7 +229,7 @@ class ManualFunctions(Functions):
     def speedl(
         self, pose_list: Sequence[float], a: float, time: int = -1, block: bool = False
     ) -> int:
-        """Move the tool at `pose_list` m/s, rad/s for `time` ms, -1 for no end; a m/s²."""
+        """Move the tool at `pose_list` m/s, rad/s in its frame for `time` ms, -1 for no end; a m/s²."""
         return self._call("speedl", (pose_list, a, time, block))
 
     def spline(
@@ -308,7 +308,7 @@ class ManualFunctions(Functions):
         smooth_vel: float = 10.0,
         smooth_acc: float = 1.0,
     ) -> int:
-        """Follow offsets m, rad of the tool that come one after another."""
+        """Follow offsets m, rad in the tool's frame that come one after another."""
         return self._call(
             "servo_tcp", (pose_offset, v, a, tool, block, kp, kd, smooth_vel, smooth_acc)
         )

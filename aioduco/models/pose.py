@@ -335,7 +335,7 @@ class Joints(_Six):
 
     @classmethod
     def deg(cls, *angles: float) -> Self:
-        """Make a joint vector of six angles in degrees: `Joints.deg(0, 0, 90, 0, -90, 0)`."""
+        """Make a joint vector of six angles in degrees: `Joints.deg(30, -15, 105, 0, -90, 0)`."""
         return cls.of([math.radians(angle) for angle in angles])
 
     @property

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 from aioduco.errors import ParameterError, StaleState
 from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
 from aioduco.models.pose import Joints, Pose
-from aioduco.models.state import IOStatus, RobotStates, RobotStatus, vectors
+from aioduco.models.state import ForceStatus, IOStatus, RobotStates, RobotStatus, vectors
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,6 +24,7 @@ class Samples:
         self._states = itertools.count()
         self._status = itertools.count()
         self._io = itertools.count()
+        self._forces = itertools.count()
 
     def states(self, wire: Sequence[int]) -> RobotStates:
         """Make a sample of what get_robot_state returned.
@@ -103,6 +104,12 @@ class Samples:
             state=RobotState(wire.robotState),
             error=wire.robotError,
         )
+
+    def forces(self, tool: Sequence[float], external: Sequence[float]) -> ForceStatus:
+        """Make a sample of what get_tcp_force and get_ext_torque returned."""
+        at = time.monotonic()
+        tool_, external_ = vectors(tool, external)
+        return ForceStatus(next(self._forces), at, tool_, external_)
 
     def io(self, wire: rpc.IOStatus) -> IOStatus:
         """Make a sample of what getRobotIOStatus returned."""

@@ -18,7 +18,16 @@ if TYPE_CHECKING:
     from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
     from aioduco.models.pose import Joints, Pose
 
-__all__ = ["IOStatus", "RobotStates", "RobotStatus", "Sample", "Vector", "vector", "vectors"]
+__all__ = [
+    "ForceStatus",
+    "IOStatus",
+    "RobotStates",
+    "RobotStatus",
+    "Sample",
+    "Vector",
+    "vector",
+    "vectors",
+]
 
 Vector = NDArray[np.float64]
 
@@ -140,6 +149,22 @@ class RobotStatus(Sample):
     emergency_stop: bool
     state: RobotState
     error: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ForceStatus(Sample):
+    """What pushes at the arm from outside (manual 1.3.7).
+
+    Arrays are read-only, of shape (6,); a value that the controller did not send is NaN.
+
+    Attributes:
+        tool: force and torque at the tool [N, N·m] (get_tcp_force); NaN without a force sensor.
+        external_torques: observed external torques of the joints [N·m] (get_ext_torque); NaN from
+            a controller whose software does not have the function.
+    """
+
+    tool: Vector
+    external_torques: Vector
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,6 +8,7 @@ from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.realtime import RealtimeMode
 from aioduco.models.rules import Integer
+from aioduco.streaming.directions import into_wobj
 from aioduco.streaming.options import Feeding, per_group
 from aioduco.streaming.shared.config import Meaning, QueueDrive, Sent
 from aioduco.streaming.shared.space import JERK, Limits
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from typing import Unpack
 
     from aioduco.models.rules import VectorLike
+    from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.options import FeedingOptions, LaneOptions
 
@@ -75,6 +77,7 @@ class RealtimeStreams:
         v: _Limit,
         a: _Limit,
         jerk: _Limit | None = None,
+        frame: MotionFrame | None = None,
         depth: int = 40,
         period: float = 0.004,
         filter_bandwidth: float = 100.0,
@@ -94,6 +97,11 @@ class RealtimeStreams:
                 [m/s, rad/s].
             a: largest acceleration: of each joint [rad/s²], or of the tool [m/s², rad/s²].
             jerk: largest jerk, for upsample="ruckig"; None: 10 a.
+            frame: of "twist" alone: along and about whose axes it is: "wobj", the work object in
+                use, as the controller takes it; "base" (z is up where the arm stands on a floor);
+                or "tool". None: "wobj". The worker turns it as it fills the queue; the tool's
+                orientation is then at most 10 ms old, and `depth` milliseconds older when the
+                controller carries the speed out.
             depth: points to keep in the controller's queue; each is one millisecond.
             period: time between two looks at the queue [s].
             filter_bandwidth: of the controller's filter of the points [Hz].
@@ -129,6 +137,8 @@ class RealtimeStreams:
             reach=per_group("reach", near if reach is None else reach, groups),
         )
         _DEPTH("depth", depth)
+        if frame is not None and chosen is not RealtimeMode.TWIST:
+            raise ParameterError("frame", frame, 'left out: it is for mode="twist" alone')
         if not CYCLE <= ranges.TIMEOUT("period", period) <= depth * CYCLE / 2:
             raise ParameterError(
                 "period", period, f"from {CYCLE:g} s to half of what {depth} points last"
@@ -146,6 +156,7 @@ class RealtimeStreams:
             meaning=meaning,
             read=read,
             ending="end_realtime_mode",
+            turning=None if frame is None else into_wobj(frame),
         )
         return Stream(self._endpoint, fed, options, sent, check)
 

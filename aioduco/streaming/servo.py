@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.names import ManualNames
+from aioduco.streaming.directions import into_tool
 from aioduco.streaming.gains import ServoGains
 from aioduco.streaming.options import Feeding, per_group
 from aioduco.streaming.shared.config import Calls, Sent
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from typing import Unpack
 
     from aioduco.models.rules import VectorLike
+    from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.options import LaneOptions, PacedOptions
 
@@ -26,13 +28,20 @@ _Pair = tuple[float, float]
 
 
 class OffsetStream(Stream):
-    """A stream of offsets in the tool's frame, each from where the one before led to."""
+    """A stream of offsets of the tool, each from where the one before led to."""
 
     def _placed(self, values: tuple[float, ...]) -> tuple[float, ...]:
-        """Where an offset leads to, in the tool's frame at the stream's start."""
+        """Where an offset leads to, from where the tool is at the stream's start.
+
+        By the axes of the tool at that time; or, if offsets are given in another frame, by those
+        of that frame.
+        """
         space = POSE_SPACE
-        start = space.decode(self._last or (0.0,) * 6)
-        return space.encode(space.composed(start, space.decode(values)))
+        start, offset = space.decode(self._last or (0.0,) * 6), space.decode(values)
+        if self._sent.turning is None:
+            return space.encode(space.composed(start, offset))
+        none = space.decode((0.0,) * 6)
+        return space.encode(space.moved(start, space.difference(none, offset)))
 
     async def send(self, point: VectorLike) -> None:
         """Send one offset.
@@ -265,12 +274,18 @@ class Servo(ManualNames):
         acceleration: _Pair = (1.0, 4.0),
         jerk: _Pair | None = None,
         tool: str = "",
+        frame: MotionFrame = "tool",
+        wobj: str = "",
         max_step: _Pair = (0.05, 0.2),
         gains: ServoGains | None = None,
         options: LaneOptions | None = None,
         **feeding: Unpack[PacedOptions],
     ) -> OffsetStream:
-        """Move by offsets in the tool's frame (servo_tcp, 工具增量伺服).
+        """Move by offsets of the tool, in its frame or another (servo_tcp, 工具增量伺服).
+
+        The controller takes offsets in the tool's frame. With `frame` the worker turns them: it
+        reads the tool's orientation once, as the first offset is due and the arm stands, and
+        reckons from there, so that no offset depends on how old a reading is.
 
         The controller counts an offset from its last target, so offsets add up, and each is
         carried out once: when no more of them come, the arm stands where they led to. The worker
@@ -285,13 +300,16 @@ class Servo(ManualNames):
             jerk: of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
                 acceleration.
             tool: name of the tool; empty: the one in use.
+            frame: along and about whose axes an offset is: "tool", "base" (z is up where the arm
+                stands on a floor) or "wobj", a work object. It turns the tool about its tip.
+            wobj: name of the work object; empty: the one in use.
             max_step: largest offset, and largest turn of one [m, rad].
             gains: how closely the controller follows; None: as the manual advises.
             options: how the worker runs; None: in a process of its own.
             feeding: how the program feeds it, see above.
 
         Returns:
-            The stream; its set-points are offsets (x, y, z [m], rx, ry, rz [rad]).
+            The stream; its set-points are offsets (x, y, z [m], rx, ry, rz [rad]) in `frame`.
 
         Raises:
             ParameterError: an argument is out of range.
@@ -299,12 +317,13 @@ class Servo(ManualNames):
         Manual section 1.3.5.
         """
         v_, a_ = ranges.SERVO_SPEED("v", v), ranges.SERVO_ACCELERATION("a", a)
-        frame = ranges.FRAME("tool", tool)
+        tool_ = ranges.FRAME("tool", tool)
         sent = Sent(
             name="servo_tcp",
+            turning=into_tool(frame, wobj, tool_),
             in_joints=False,
             limits=_limits(velocity, acceleration, jerk),
-            drive=_calls("servo_tcp", [v_, a_], [frame], gains),
+            drive=_calls("servo_tcp", [v_, a_], [tool_], gains),
             meaning="step",
         )
         fed = _fed(feeding, max_step, max_step)

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
 from aioduco.models.names import ManualNames
+from aioduco.streaming.directions import into_tool
 from aioduco.streaming.options import Feeding, per_group
 from aioduco.streaming.shared.config import Calls, Sent
 from aioduco.streaming.shared.space import Limits
 from aioduco.streaming.stream import Stream
 
 if TYPE_CHECKING:
+    from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.endpoint import StreamEndpoint
     from aioduco.streaming.options import LaneOptions
 
@@ -22,7 +24,7 @@ __all__ = ["Speed"]
 class Speed(ManualNames):
     """Streams of speeds (speedj, speedl, manual 1.3.5), as a joystick gives them.
 
-        async with robot.speed.linear(a=0.5, dead_man=0.2) as stream:
+        async with robot.speed.linear(a=0.5, frame="base", dead_man=0.2) as stream:
             async for tick in stream.ticks():
                 await stream.send(joystick())
 
@@ -89,6 +91,8 @@ class Speed(ManualNames):
         turn_a: float = 2.0,
         v: float = 0.25,
         turn_v: float = 1.0,
+        frame: MotionFrame = "tool",
+        wobj: str = "",
         dead_man: float = 0.2,
         rate: float = 50.0,
         latest: bool = True,
@@ -97,13 +101,18 @@ class Speed(ManualNames):
     ) -> Stream:
         """Follow a speed of the tool (speedl, 末端速度).
 
-        Manual 4.3 says that the speed is in the tool's frame; manual 3.8 says nothing.
+        The controller takes the speed in the tool's frame: manual 4.3 says so, manual 3.8 says
+        nothing. With `frame` the worker turns it, by the orientation that it read from the
+        controller at most 10 ms, and the time of that call, before it sends the speed.
 
         Args:
             a: largest acceleration of the tool, from 0.00001 [m/s²].
             turn_a: largest change of the turning speed [rad/s²], kept by the worker.
             v: largest speed, 0.00001 to 5 [m/s]; more is shortened.
             turn_v: largest turning speed, up to 3.93 [rad/s]; more is shortened.
+            frame: along and about whose axes the speed is: "tool", "base" (z is up where the arm
+                stands on a floor) or "wobj", a work object.
+            wobj: name of the work object; empty: the one in use.
             dead_man: time without a call after which the controller ends the motion [s].
             rate: calls per second [Hz].
             latest: only the newest speed counts, and `send` never waits.
@@ -111,7 +120,7 @@ class Speed(ManualNames):
             options: how the worker runs; None: in a process of its own.
 
         Returns:
-            The stream; its set-points are speeds (x, y, z [m/s], rx, ry, rz [rad/s]).
+            The stream; its set-points are speeds (x, y, z [m/s], rx, ry, rz [rad/s]) in `frame`.
 
         Raises:
             ParameterError: an argument is out of range.
@@ -123,6 +132,7 @@ class Speed(ManualNames):
         feeding = Feeding(rate=rate, latest=latest, hold=hold)
         sent = Sent(
             name="speedl",
+            turning=into_tool(frame, wobj),
             in_joints=False,
             limits=Limits((v_, turning), (a_, *per_group("turn_a", turn_a, 1))),
             drive=_calls("speedl", a_, dead_man, feeding),

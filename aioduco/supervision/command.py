@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import warnings
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol, get_args
 
 from aioduco.errors import MotionCarriedOut, ParameterError
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from aioduco.supervision.task import Task
     from aioduco.supervision.task_state import ContinuousMotion, JointEta
 
-__all__ = ["Command", "HeldMotion", "MotionCommand", "check_motions", "shown"]
+__all__ = ["Aim", "Command", "HeldMotion", "MotionCommand", "check_motions", "shown"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +57,19 @@ class CommandDispatcher(Protocol):
         ...
 
 
+class Aim(Protocol):
+    """What turns a motion into the frame of the wire, by where the tool is when it is sent."""
+
+    @property
+    def frame(self) -> str:
+        """The frame in which the motion is given."""
+        ...
+
+    async def arguments(self, command: Command) -> tuple[Any, ...]:
+        """Read where the tool is, and return the arguments in the frame of the wire."""
+        ...
+
+
 class MotionCommand:
     """A motion as a value: checked, but not sent. It moves the arm when it is awaited or started.
 
@@ -71,13 +84,16 @@ class MotionCommand:
     coroutine does.
     """
 
-    __slots__ = ("__weakref__", "_dispatcher", "_open", "_used", "command")
+    __slots__ = ("__weakref__", "_aim", "_dispatcher", "_open", "_used", "command")
 
     #: how one that was not sent is sent
     _HINT = "await it, or `task = await motion.start()` to go on beside it"
 
-    def __init__(self, dispatcher: CommandDispatcher, command: Command) -> None:
+    def __init__(
+        self, dispatcher: CommandDispatcher, command: Command, aim: Aim | None = None
+    ) -> None:
         self._dispatcher = dispatcher
+        self._aim = aim
         self._used = False
         self._open: Task | None = None
         self.command: Command = command
@@ -85,7 +101,8 @@ class MotionCommand:
     def __repr__(self) -> str:
         # asyncio puts this into its TypeError when `create_task` is given a motion
         hint = "" if self._used else f": not sent; {self._HINT}"
-        return f"<{shown(self.command)}{hint}>"
+        frame = "" if self._aim is None else f" frame={self._aim.frame!r}"
+        return f"<{shown(self.command)}{frame}{hint}>"
 
     def __del__(self) -> None:
         if not getattr(self, "_used", True):
@@ -96,6 +113,11 @@ class MotionCommand:
                 source=self,
                 stacklevel=2,
             )
+
+    @property
+    def aimed(self) -> bool:
+        """Whether it depends on where the tool is when it is sent, so that it is not sent ahead."""
+        return self._aim is not None
 
     def hand_over(self) -> None:
         """Say that somebody else sees to this motion: it will not warn that it was not used."""
@@ -126,7 +148,10 @@ class MotionCommand:
             deadline = SECONDS("deadline", deadline)
         if on_cancel is not None and on_cancel not in get_args(OnCancel):
             raise ParameterError("on_cancel", on_cancel, '"stop", "pause" or "detach"')
-        return await self._dispatcher.launch(self.command, deadline=deadline, on_cancel=on_cancel)
+        command = self.command
+        if self._aim is not None:
+            command = replace(command, args=await self._aim.arguments(command))
+        return await self._dispatcher.launch(command, deadline=deadline, on_cancel=on_cancel)
 
     def __await__(self) -> Generator[Any, Any, Outcome]:
         # Here and not in the coroutine: one that is never awaited gives its own warning.

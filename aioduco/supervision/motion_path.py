@@ -83,7 +83,8 @@ class MotionPath:
                 f"{motion!r} was not sent: a path takes motions within its block, "
                 "async with robot.motion.path() as path"
             )
-        await self._until(self.ahead - 1)
+        # Where the tool will be is not known before those in front of it have ended.
+        await self._until(0 if motion.aimed else self.ahead - 1)
         for earlier in self._live:
             if earlier.done:
                 earlier.result()

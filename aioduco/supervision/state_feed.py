@@ -18,13 +18,20 @@ from typing import TYPE_CHECKING, Generic, Literal, NamedTuple, TypeAlias, TypeV
 
 import anyio
 
-from aioduco.errors import DucoError, FeedOverflow, ParameterError, RobotStateError, StaleState
+from aioduco.errors import (
+    ControllerError,
+    DucoError,
+    FeedOverflow,
+    ParameterError,
+    RobotStateError,
+    StaleState,
+)
 from aioduco.models.ranges import TIMEOUT as SECONDS
-from aioduco.models.state import IOStatus, RobotStates, RobotStatus, Sample
+from aioduco.models.state import ForceStatus, IOStatus, RobotStates, RobotStatus, Sample
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
     from typing import Self
 
     from aioduco._wire.handoff import OwnerLoop
@@ -120,11 +127,26 @@ class Snapshot(Sample):
         states: states of robot, program, safety and mode.
         status: positions, speeds, faults.
         io: inputs, outputs and registers.
+        read_forces: force and external torques; None if the feed does not read them.
     """
 
     states: RobotStates
     status: RobotStatus
     io: IOStatus
+    read_forces: ForceStatus | None = None
+
+    @property
+    def forces(self) -> ForceStatus:
+        """Force at the tool and external torques of the joints.
+
+        Raises:
+            RobotStateError: the feed was not told to read them.
+        """
+        if self.read_forces is None:
+            raise RobotStateError(
+                "this sample has no forces: set robot.feed.forces = True, and take a later one"
+            )
+        return self.read_forces
 
 
 class FeedStatistics(NamedTuple):
@@ -228,6 +250,8 @@ class StateFeed:
         self._failures = 0
         #: samples a second that are asked for [Hz]
         self.rate = rate
+        #: whether samples have forces, too: two more questions to the controller for each
+        self.forces = False
 
     def __repr__(self) -> str:
         figures = self.statistics()
@@ -264,12 +288,16 @@ class StateFeed:
             StaleState: it is older, since the controller does not answer.
         """
         self._begin()
-        if self._latest is None or self._latest.age > max_age:
+        if self._lacks_forces or self._latest is None or self._latest.age > max_age:
             # One that is due, or the first: it may come within the time that is allowed.
             with anyio.move_on_after(max_age), self.subscribe() as subscription:
-                return await anext(subscription)
+                while True:
+                    sample = await anext(subscription)
+                    # One on its way when forces were asked for has none.
+                    if sample.read_forces is not None or not self.forces:
+                        return sample
         snapshot = self._latest
-        if snapshot is not None and snapshot.age <= max_age:
+        if snapshot is not None and snapshot.age <= max_age and not self._lacks_forces:
             return snapshot
         age = "there is none yet" if snapshot is None else f"the newest is {snapshot.age:.2f} s old"
         raise StaleState(
@@ -318,6 +346,8 @@ class StateFeed:
         seen, newest = 0, None
         with anyio.move_on_after(timeout), self.subscribe() as subscription:
             async for snapshot in subscription:
+                if self.forces and snapshot.read_forces is None:
+                    continue  # it was on its way when forces were asked for
                 if predicate(snapshot):
                     return snapshot
                 seen, newest = seen + 1, snapshot
@@ -377,7 +407,23 @@ class StateFeed:
         states = self._samples.states(await rpc.get_robot_state())
         status = self._samples.status(await rpc.getRobotStatus())
         io = self._samples.io(await rpc.getRobotIOStatus())
-        return Snapshot(self._count, states.received_at, states, status, io)
+        forces = await self._read_forces() if self.forces else None
+        return Snapshot(self._count, states.received_at, states, status, io, forces)
+
+    async def _read_forces(self) -> ForceStatus:
+        """What a controller does not have, or does not tell, is not a number."""
+        found: list[Sequence[float]] = []
+        for ask in (self._lane.rpc.get_tcp_force, self._lane.rpc.get_ext_torque):
+            try:
+                found.append(await ask())
+            except ControllerError:
+                found.append(())
+        return self._samples.forces(*found)
+
+    @property
+    def _lacks_forces(self) -> bool:
+        """Whether forces were asked for since the newest sample came."""
+        return self.forces and self._latest is not None and self._latest.read_forces is None
 
     def _note(self, snapshot: Snapshot) -> None:
         before, self._latest, self._error = self._latest, snapshot, None

@@ -5,7 +5,7 @@
 
     with aioduco.sync.connect("192.168.1.10") as robot:
         robot.bring_up()
-        robot.motion.movej2(Joints.deg(0, 0, 90, 0, -90, 0), v=1.0, a=1.0)
+        robot.motion.movej2(Joints.deg(30, -15, 105, 0, -90, 0), v=1.0, a=1.0)
 
 The supervision is that of `aioduco`, in an event loop on a thread of its own.
 """

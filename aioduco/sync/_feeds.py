@@ -90,6 +90,15 @@ class Feed:
         return self._feed.rate
 
     @property
+    def forces(self) -> bool:
+        """Whether samples have forces, too: two more questions to the controller for each."""
+        return self._feed.forces
+
+    @forces.setter
+    def forces(self, wanted: bool) -> None:
+        self._feed.forces = wanted
+
+    @property
     def error(self) -> DucoError | None:
         """Why the last question was not answered; None if it was."""
         return self._feed.error

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from aioduco.models.state import IOStatus, RobotStates, RobotStatus, Vector
     from aioduco.models.version import ControllerVersion
     from aioduco.models.weave import WeavePlane, WeaveShape
+    from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.gains import ServoGains
     from aioduco.streaming.joint_trajectory import (
         Feedback,
@@ -961,32 +962,47 @@ class Motion(_Section):
 
     @moves
     def speedl(
-        self, twist: VectorLike, a: float, *, time: float | None = 1.0
+        self,
+        twist: VectorLike,
+        a: float,
+        *,
+        time: float | None = 1.0,
+        frame: MotionFrame = 'tool',
+        wobj: str = '',
     ) -> aio_command.MotionCommand:
         """Move the tool at a velocity (末端速度运动), for a time.
 
-        Manual 3.8 does not say in which frame; manual 4.3 says in that of the tool.
+        The controller takes the velocity in the tool's frame: manual 4.3 says so, manual 3.8 does
+        not say. With another `frame` it is turned here, by the orientation of the tool that is
+        read as the motion is sent: it is as old as the calls take, a few milliseconds.
+
         An interrupt while it waits, or an error inside its block, stops the arm. If the arm moves on
         for two seconds after `time`, this program stops it.
 
         Args:
-            twist: velocity of the tool (pose_list): along x, y, z, -5 to 5 [m/s], and about
-                them, -1.25·π to 1.25·π [rad/s]. Shape (6,).
+            twist: velocity of the tool (pose_list): along x, y, z of `frame`, -5 to 5 [m/s], and
+                about them, -1.25·π to 1.25·π [rad/s]. Shape (6,).
             a: acceleration of the tool, from 0.00001 [m/s²].
             time: seconds after which the controller stops the arm, from 0.001; None to go on
                 until the block is left or `speed_stop` is called: only the heartbeat then stops
                 the arm of a program that hangs.
+            frame: whose axes are meant: "tool", "base" (z is up where the arm stands on a floor)
+                or "wobj", a work object.
+            wobj: name of the work object; empty for the one in use.
 
         Returns:
-            How it ended: finished or blended. Its end is when the arm stands.
+            How it ended: finished or blended. Its end is when the arm stands. Sending it raises
+            `StaleState` if the orientation cannot be read.
 
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
-            ParameterError: an argument is out of range.
+            ParameterError: an argument is out of range; or the tool is to turn about one
+                direction while it moves along another, in another frame than its own. As the
+                tool turns, that takes a new velocity each time: `robot.speed.linear`.
 
         Manual section 1.3.5.
         """
-        return self._section.speedl(twist, a, time=time)
+        return self._section.speedl(twist, a, time=time, frame=frame, wobj=wobj)
 
     def speed_stop(self) -> None:
         """End `speedj` and `speedl` (停止 speedj 及 speedl), and wait until the arm stands.
@@ -1097,6 +1113,8 @@ class Motion(_Section):
         a: float,
         *,
         tool: str = '',
+        frame: MotionFrame = 'tool',
+        wobj: str = '',
         kp: float = 200.0,
         kd: float = 25.0,
         smooth_vel: float = 10.0,
@@ -1104,20 +1122,29 @@ class Motion(_Section):
     ) -> aio_command.MotionCommand:
         """Go on from the present target by an offset of the tool (工具增量伺服运动).
 
+        The controller takes the offset in the tool's frame. With another `frame` it is turned
+        here, by the orientation of the tool that is read as the motion is sent: it is as old as
+        the calls take, a few milliseconds. While the tool turns, its target has another one;
+        `robot.servo.tcp_offset` reckons with that.
+
         Args:
-            offset: by how much (pose_offset): x, y, z [m], rx, ry, rz [rad], from the target
-                that the arm has at the moment.
+            offset: by how much (pose_offset): x, y, z [m], rx, ry, rz [rad] of `frame`, from the
+                target that the arm has at the moment. It turns the tool about its tip.
             v: highest speed, 0.01·π/180 to 1.25·π: of the joints by manual 3.8 [rad/s], of the
                 tool by manual 4.3 [m/s].
             a: highest acceleration, from 0.01·π/180 [rad/s² or m/s²].
             tool: name of the tool; empty for the one in use.
+            frame: whose axes are meant: "tool", "base" (z is up where the arm stands on a floor)
+                or "wobj", a work object.
+            wobj: name of the work object; empty for the one in use.
             kp: proportional gain, from 0; 200 is recommended.
             kd: derivative gain, from 0; 25 is recommended.
             smooth_vel: smoothing of the speed, 1 to 100; more lags more.
             smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
 
         Returns:
-            How it ended: finished or blended. Used again, it goes on by the offset once more.
+            How it ended: finished or blended. Used again, it goes on by the offset once more. Sending it
+            raises `StaleState` if the orientation cannot be read.
 
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
@@ -1126,7 +1153,16 @@ class Motion(_Section):
         Manual section 1.3.5.
         """
         return self._section.servo_tcp(
-            offset, v, a, tool=tool, kp=kp, kd=kd, smooth_vel=smooth_vel, smooth_acc=smooth_acc
+            offset,
+            v,
+            a,
+            tool=tool,
+            frame=frame,
+            wobj=wobj,
+            kp=kp,
+            kd=kd,
+            smooth_vel=smooth_vel,
+            smooth_acc=smooth_acc,
         )
 
     @moves
@@ -1549,12 +1585,18 @@ class Servo(_Section):
         acceleration: tuple[float, float] = (1.0, 4.0),
         jerk: tuple[float, float] | None = None,
         tool: str = '',
+        frame: MotionFrame = 'tool',
+        wobj: str = '',
         max_step: tuple[float, float] = (0.05, 0.2),
         gains: ServoGains | None = None,
         options: LaneOptions | None = None,
         **feeding: Unpack[PacedOptions]
     ) -> OffsetStream:
-        """Move by offsets in the tool's frame (servo_tcp, 工具增量伺服).
+        """Move by offsets of the tool, in its frame or another (servo_tcp, 工具增量伺服).
+
+        The controller takes offsets in the tool's frame. With `frame` the worker turns them: it
+        reads the tool's orientation once, as the first offset is due and the arm stands, and
+        reckons from there, so that no offset depends on how old a reading is.
 
         The controller counts an offset from its last target, so offsets add up, and each is
         carried out once: when no more of them come, the arm stands where they led to. The worker
@@ -1569,13 +1611,16 @@ class Servo(_Section):
             jerk: of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
                 acceleration.
             tool: name of the tool; empty: the one in use.
+            frame: along and about whose axes an offset is: "tool", "base" (z is up where the arm
+                stands on a floor) or "wobj", a work object. It turns the tool about its tip.
+            wobj: name of the work object; empty: the one in use.
             max_step: largest offset, and largest turn of one [m, rad].
             gains: how closely the controller follows; None: as the manual advises.
             options: how the worker runs; None: in a process of its own.
             feeding: how the program feeds it, see above.
 
         Returns:
-            The stream; its set-points are offsets (x, y, z [m], rx, ry, rz [rad]).
+            The stream; its set-points are offsets (x, y, z [m], rx, ry, rz [rad]) in `frame`.
 
         Raises:
             ParameterError: an argument is out of range.
@@ -1589,6 +1634,8 @@ class Servo(_Section):
             acceleration=acceleration,
             jerk=jerk,
             tool=tool,
+            frame=frame,
+            wobj=wobj,
             max_step=max_step,
             gains=gains,
             options=options,
@@ -1600,7 +1647,7 @@ class Servo(_Section):
 class Speed(_Section):
     """Streams of speeds (speedj, speedl, manual 1.3.5), as a joystick gives them.
 
-        with robot.speed.linear(a=0.5, dead_man=0.2) as stream:
+        with robot.speed.linear(a=0.5, frame="base", dead_man=0.2) as stream:
             for tick in stream.ticks():
                 stream.send(joystick())
 
@@ -1654,6 +1701,8 @@ class Speed(_Section):
         turn_a: float = 2.0,
         v: float = 0.25,
         turn_v: float = 1.0,
+        frame: MotionFrame = 'tool',
+        wobj: str = '',
         dead_man: float = 0.2,
         rate: float = 50.0,
         latest: bool = True,
@@ -1662,13 +1711,18 @@ class Speed(_Section):
     ) -> Stream:
         """Follow a speed of the tool (speedl, 末端速度).
 
-        Manual 4.3 says that the speed is in the tool's frame; manual 3.8 says nothing.
+        The controller takes the speed in the tool's frame: manual 4.3 says so, manual 3.8 says
+        nothing. With `frame` the worker turns it, by the orientation that it read from the
+        controller at most 10 ms, and the time of that call, before it sends the speed.
 
         Args:
             a: largest acceleration of the tool, from 0.00001 [m/s²].
             turn_a: largest change of the turning speed [rad/s²], kept by the worker.
             v: largest speed, 0.00001 to 5 [m/s]; more is shortened.
             turn_v: largest turning speed, up to 3.93 [rad/s]; more is shortened.
+            frame: along and about whose axes the speed is: "tool", "base" (z is up where the arm
+                stands on a floor) or "wobj", a work object.
+            wobj: name of the work object; empty: the one in use.
             dead_man: time without a call after which the controller ends the motion [s].
             rate: calls per second [Hz].
             latest: only the newest speed counts, and `send` never waits.
@@ -1676,7 +1730,7 @@ class Speed(_Section):
             options: how the worker runs; None: in a process of its own.
 
         Returns:
-            The stream; its set-points are speeds (x, y, z [m/s], rx, ry, rz [rad/s]).
+            The stream; its set-points are speeds (x, y, z [m/s], rx, ry, rz [rad/s]) in `frame`.
 
         Raises:
             ParameterError: an argument is out of range.
@@ -1688,6 +1742,8 @@ class Speed(_Section):
             turn_a=turn_a,
             v=v,
             turn_v=turn_v,
+            frame=frame,
+            wobj=wobj,
             dead_man=dead_man,
             rate=rate,
             latest=latest,
@@ -2584,6 +2640,7 @@ class Realtime(_Section):
         v: float | tuple[float, float],
         a: float | tuple[float, float],
         jerk: float | tuple[float, float] | None = None,
+        frame: MotionFrame | None = None,
         depth: int = 40,
         period: float = 0.004,
         filter_bandwidth: float = 100.0,
@@ -2603,6 +2660,11 @@ class Realtime(_Section):
                 [m/s, rad/s].
             a: largest acceleration: of each joint [rad/s²], or of the tool [m/s², rad/s²].
             jerk: largest jerk, for upsample="ruckig"; None: 10 a.
+            frame: of "twist" alone: along and about whose axes it is: "wobj", the work object in
+                use, as the controller takes it; "base" (z is up where the arm stands on a floor);
+                or "tool". None: "wobj". The worker turns it as it fills the queue; the tool's
+                orientation is then at most 10 ms old, and `depth` milliseconds older when the
+                controller carries the speed out.
             depth: points to keep in the controller's queue; each is one millisecond.
             period: time between two looks at the queue [s].
             filter_bandwidth: of the controller's filter of the points [Hz].
@@ -2628,6 +2690,7 @@ class Realtime(_Section):
             v=v,
             a=a,
             jerk=jerk,
+            frame=frame,
             depth=depth,
             period=period,
             filter_bandwidth=filter_bandwidth,

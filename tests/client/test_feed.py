@@ -8,13 +8,14 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 import anyio
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import aioduco
 from aioduco import HeartbeatState, OperationMode, RobotState, SafetyState
-from aioduco.errors import FeedOverflow
+from aioduco.errors import FeedOverflow, RobotStateError
 from aioduco.supervision import events as changes
 from aioduco.supervision.state_feed import Buffer, Policy
 from aioduco.testing import DropReply, FaultProxy, eventually_async
@@ -290,3 +291,20 @@ async def test_what_blocks_the_loop_is_named(
         assert event.seconds > 0.3
         assert "block_the_loop" in event.where
         await eventually_async(lambda: "block_the_loop" in caplog.text)
+
+
+async def test_forces_are_read_when_they_are_asked_for(bench: Bench) -> None:
+    bench.answer("get_tcp_force", [1.0, 2.0, -30.0, 0.1, 0.2, 0.3])
+    bench.answer("get_ext_torque", [])
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        sample = await robot.feed.latest()
+        with pytest.raises(RobotStateError, match=r"feed\.forces = True"):
+            _ = sample.forces
+        robot.feed.forces = True
+        sample = await robot.feed.latest()
+        assert sample.forces.tool.tolist() == [1.0, 2.0, -30.0, 0.1, 0.2, 0.3]
+        # What was not sent is not a number, and the rest comes all the same.
+        assert np.isnan(sample.forces.external_torques).all()
+        pressed = await robot.feed.wait_for(lambda each: each.forces.tool[2] < -20, timeout=30.0)
+        assert pressed.forces.age < 30.0
+        assert sample.forces.sequence < pressed.forces.sequence

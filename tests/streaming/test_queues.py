@@ -19,6 +19,7 @@ from aioduco.errors import (
     StreamStopped,
 )
 from aioduco.models.op import Op, output
+from aioduco.models.pose import Pose
 from aioduco.streaming.options import LaneOptions
 from aioduco.streaming.realtime import CYCLE, RealtimeStreams
 from aioduco.streaming.shared.state import Reason, StreamState
@@ -87,6 +88,29 @@ async def test_an_array_goes_through_the_queue_from_rest_to_rest(
     ]
     assert order[-1] == "end_realtime_mode"
     assert controller.server.received("start_realtime_mode")[0].args == (0, 100.0, 0.02)
+
+
+@pytest.mark.parametrize(
+    ("frame", "read", "back"),
+    [("base", "get_wobj", True), ("tool", "get_tcp_pose_coord", False), ("wobj", "", True)],
+)
+async def test_a_twist_is_turned_into_the_frame_of_the_work_object(
+    controller: Controller, queue: Cycles, frame: Any, read: str, back: bool
+) -> None:
+    controller.server.answer("get_wobj", [0.3, 0.1, 0.2, 0.4, -0.2, 0.7])
+    place = Pose(0.5, 0.1, 0.4, 3.0, 0.0, 1.0) if frame == "tool" else Pose(0, 0, 0, 0.4, -0.2, 0.7)
+    opened = RealtimeStreams(controller.endpoint).stream(
+        "twist", v=(0.25, 1.0), a=(1.0, 5.0), frame=frame, options=THREAD
+    )
+    async with opened as stream:
+        await stream.play([[0.0, 0.0, 0.1, 0.2, 0.0, 0.0]] * 300)
+    fastest = max(queue.points, key=lambda point: math.hypot(*point.cart_vel_tool_wobj_cmd[:3]))
+    turn = np.eye(3) if frame == "wobj" else place.matrix[:3, :3]
+    turn = turn.T if back else turn
+    np.testing.assert_allclose(fastest.cart_vel_tool_wobj_cmd[:3], turn @ [0, 0, 0.1], atol=1e-9)
+    np.testing.assert_allclose(fastest.cart_vel_tool_wobj_cmd[3:], turn @ [0.2, 0, 0], atol=1e-9)
+    reads = [name for name in controller.names() if name.startswith(("get_wobj", "get_tcp"))]
+    assert set(reads) == ({read} if read else set())
 
 
 async def test_the_queue_is_never_filled_beyond_its_depth(

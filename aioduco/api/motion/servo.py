@@ -8,11 +8,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from aioduco.api.motion.aiming import ToolAim
 from aioduco.api.section import Section
 from aioduco.models import ranges
+from aioduco.streaming.directions import into_tool
+from aioduco.streaming.shared.turning import in_tool
 
 if TYPE_CHECKING:
     from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.streaming.directions import MotionFrame
     from aioduco.supervision.command import MotionCommand
 
 __all__ = ["ServoMotions"]
@@ -120,6 +124,8 @@ class ServoMotions(Section):
         a: float,
         *,
         tool: str = "",
+        frame: MotionFrame = "tool",
+        wobj: str = "",
         kp: float = _KP,
         kd: float = _KD,
         smooth_vel: float = _SMOOTH_VEL,
@@ -127,20 +133,29 @@ class ServoMotions(Section):
     ) -> MotionCommand:
         """Go on from the present target by an offset of the tool (工具增量伺服运动).
 
+        The controller takes the offset in the tool's frame. With another `frame` it is turned
+        here, by the orientation of the tool that is read as the motion is sent: it is as old as
+        the calls take, a few milliseconds. While the tool turns, its target has another one;
+        `robot.servo.tcp_offset` reckons with that.
+
         Args:
-            offset: by how much (pose_offset): x, y, z [m], rx, ry, rz [rad], from the target
-                that the arm has at the moment.
+            offset: by how much (pose_offset): x, y, z [m], rx, ry, rz [rad] of `frame`, from the
+                target that the arm has at the moment. It turns the tool about its tip.
             v: highest speed, 0.01·π/180 to 1.25·π: of the joints by manual 3.8 [rad/s], of the
                 tool by manual 4.3 [m/s].
             a: highest acceleration, from 0.01·π/180 [rad/s² or m/s²].
             tool: name of the tool; empty for the one in use.
+            frame: whose axes are meant: "tool", "base" (z is up where the arm stands on a floor)
+                or "wobj", a work object.
+            wobj: name of the work object; empty for the one in use.
             kp: proportional gain, from 0; 200 is recommended.
             kd: derivative gain, from 0; 25 is recommended.
             smooth_vel: smoothing of the speed, 1 to 100; more lags more.
             smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
 
         Returns:
-            The motion, not sent yet. Used again, it goes on by the offset once more.
+            The motion, not sent yet. Used again, it goes on by the offset once more. Sending it
+            raises `StaleState` if the orientation cannot be read.
 
         Raises:
             ParameterError: an argument is out of range.
@@ -152,8 +167,12 @@ class ServoMotions(Section):
         a_ = ranges.SERVO_ACCELERATION("a", a)
         tool_ = ranges.FRAME("tool", tool)
         tuning = _tuning(kp, kd, smooth_vel, smooth_acc)
+        turning = into_tool(frame, wobj, tool_)
+        aim = None
+        if turning is not None:
+            aim = ToolAim(self._supervisor, frame, turning, in_tool)
         return self._motion(
-            lambda rpc: rpc.servo_tcp(p, v_, a_, tool_, False, *tuning), superseded=True
+            lambda rpc: rpc.servo_tcp(p, v_, a_, tool_, False, *tuning), superseded=True, aim=aim
         )
 
     def servol(

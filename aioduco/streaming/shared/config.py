@@ -25,6 +25,7 @@ __all__ = [
     "PoolDrive",
     "QueueDrive",
     "Sent",
+    "Turning",
     "Upsampling",
     "WorkerConfig",
     "WorkerSettings",
@@ -149,6 +150,21 @@ _DRIVES: dict[str, type[Calls | QueueDrive | PoolDrive]] = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Turning:
+    """How directions get from the program's frame into that of the wire.
+
+    Attributes:
+        reads: functions of the wire that read a pose, each with its arguments. One frame lies in
+            the other as the product of these poses says.
+        back: whether they lead from the wire's frame to the program's, so that a direction has
+            to be turned back.
+    """
+
+    reads: Sequence[Sequence[str]]
+    back: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Sent:
     """What a stream sends, and how.
 
@@ -162,6 +178,7 @@ class Sent:
         read: function of the wire that reads where the arm is, and its arguments.
         leave: calls at the end of the stream: a function and its arguments each.
         ending: function of the wire that ends the mode in which the controller is meanwhile.
+        turning: how directions are turned into the frame of the wire; None: they are in it.
     """
 
     name: str
@@ -172,6 +189,7 @@ class Sent:
     read: Sequence[str] = ()
     leave: Sequence[Sequence[Any]] = ()
     ending: str = ""
+    turning: Turning | None = None
 
     @property
     def space(self) -> Space:
@@ -228,6 +246,7 @@ class WorkerConfig:
         sent = values.pop("sent")
         sent["limits"] = Limits(*map(tuple, sent["limits"]))
         sent["drive"] = _DRIVES[kind](**sent["drive"]) if kind else None
+        sent["turning"] = Turning(**sent["turning"]) if sent["turning"] else None
         options = WorkerSettings(**values.pop("options"))
         feeding = FeedingSettings(**values.pop("feeding"))
         return cls(**values, options=options, feeding=feeding, sent=Sent(**sent))

@@ -24,6 +24,7 @@ __all__ = [
     "Limits",
     "PoseSpace",
     "Space",
+    "rotated",
 ]
 
 #: a point of a space: six joint angles [rad], or position [m] and unit quaternion (w, x, y, z)
@@ -143,7 +144,7 @@ class PoseSpace:
         """The pose that an offset, in the frame of a pose, leads to."""
         x, y, z, *turn = pose
         ox, oy, oz, *further = offset
-        u, v, w = _turned(turn, (ox, oy, oz))
+        u, v, w = rotated(turn, (ox, oy, oz))
         return (x + u, y + v, z + w, *_product(turn, further))
 
     def offset(self, start: Config, end: Config) -> Config:
@@ -151,7 +152,7 @@ class PoseSpace:
         x, y, z, qw, qx, qy, qz = start
         u, v, w, *turn = end
         back = (qw, -qx, -qy, -qz)
-        return (*_turned(back, (u - x, v - y, w - z)), *_product(back, turn))
+        return (*rotated(back, (u - x, v - y, w - z)), *_product(back, turn))
 
 
 JOINT_SPACE = JointSpace()
@@ -183,7 +184,7 @@ def _angles(w: float, x: float, y: float, z: float) -> tuple[float, float, float
     return roll, pitch, atan2(r10, r00)
 
 
-def _turned(q: Sequence[float], vector: Sequence[float]) -> tuple[float, float, float]:
+def rotated(q: Sequence[float], vector: Sequence[float]) -> tuple[float, float, float]:
     """A vector, turned by a unit quaternion."""
     w, x, y, z = q
     a, b, c = vector

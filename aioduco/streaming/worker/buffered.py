@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from aioduco._wire.rpc import Op, PointOp, RealTimeControlData
 from aioduco.streaming.shared.block import StatusWord
 from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.worker.directions import Directions
 from aioduco.streaming.worker.encoding import Batch
 from aioduco.streaming.worker.setpoints import SetpointFeed, within
 from aioduco.streaming.worker.watch import ControllerWatch, refused
@@ -208,6 +209,7 @@ class RealtimeQueueDriver:
         self._timeout = options.timeout
         self._block = block
         self._queue = queue
+        self._directions = Directions(connection, block.config.sent.turning, options.timeout)
         self._depth = Depth(queue.depth, max(_PATIENCE, 20 * queue.period))
 
         def element(values: list[float]) -> RealTimeControlData:
@@ -253,7 +255,7 @@ class RealtimeQueueDriver:
         """
         if not self._accepted("clear_realtime_data_queue", ()):
             return False
-        rest = self._batch.element(self._feed.resting())
+        rest = self._batch.element(self._directions.turned(self._feed.resting()))
         if not self._enqueue([rest] * self._queue.depth):
             return False
         self._running = self._accepted("start_realtime_mode", tuple(self._queue.mode))
@@ -282,7 +284,7 @@ class RealtimeQueueDriver:
             values = self._feed.step()
             if values is None:
                 break
-            self._last = self._batch.element(values)
+            self._last = self._batch.element(self._directions.turned(values))
             elements.append(self._last)
         lacking = count - len(elements)
         self._depth.rest(lacking)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from aioduco._wire import codec, idl
 from aioduco.streaming.shared.block import StatusWord
 from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.worker.directions import Directions
 from aioduco.streaming.worker.encoding import Point
 from aioduco.streaming.worker.setpoints import SetpointFeed
 from aioduco.streaming.worker.watch import ControllerWatch
@@ -60,12 +61,15 @@ class CallDriver:
     def __init__(self, calls: Calls, connection: Connection, block: Block) -> None:
         self._feed = SetpointFeed(connection, block)
         self._block = block
-        options = block.config.options
+        options, sent = block.config.options, block.config.sent
 
         def args(values: list[float]) -> tuple[Any, ...]:
             return (values, *calls.arguments)
 
         self._name = calls.function
+        # Steps are turned once, where they are added up; velocities as each is sent.
+        turning = None if sent.meaning == "step" else sent.turning
+        self._directions = Directions(connection, turning, options.timeout)
         self._point = Point(connection, self._name, args, options.timeout)
         self._watch = ControllerWatch(connection, options.watch, options.timeout)
         self._round_trip = block.histograms["round_trip"].record
@@ -95,6 +99,7 @@ class CallDriver:
             feed.begin()
             values = feed.step()
         if values is not None:
+            values = self._directions.turned(values)
             start = time.monotonic_ns()
             self._task = self._point.send(values, self._look_ahead if hurry else None)
             self._round_trip(time.monotonic_ns() - start)

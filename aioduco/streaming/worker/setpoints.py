@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Protocol
 from aioduco.streaming.shared.block import StatusWord
 from aioduco.streaming.shared.space import POSE_SPACE
 from aioduco.streaming.shared.state import Reason, StreamState
+from aioduco.streaming.worker.directions import Directions
 from aioduco.streaming.worker.interpolation import REFERENCES
 from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, Rates
 
@@ -284,6 +285,8 @@ class SetpointFeed:
         self._space = config.sent.space
         self._meaning = config.sent.meaning
         self._before = POSE_SPACE.decode((0.0,) * 6)
+        #: orientation of the tool at the start, for steps that are not given in its frame
+        self._start: Config = ()
         self._period = 1 / config.feeding.rate
         self.source: SetpointSource = SetpointSource(
             self._space,
@@ -321,6 +324,12 @@ class SetpointFeed:
     def _actual(self) -> list[float]:
         """Where the arm is; steps count from there, so for them that is zero."""
         if self._meaning == "step":
+            turning = self._config.sent.turning
+            if turning is not None:
+                timeout = self._config.options.timeout
+                place = Directions(self._connection, turning, timeout).place(turning)
+                self._start = (0.0, 0.0, 0.0, *place[3:])
+                self._before = self._start
             return [0.0] * 6
         name, *args = self._config.sent.read
         timeout = self._config.options.timeout
@@ -346,6 +355,8 @@ class SetpointFeed:
             return config
         if self._meaning == "place":
             return self._space.encode(config)
+        if self._start:
+            config = POSE_SPACE.composed(config, self._start)
         before, self._before = self._before, config
         return POSE_SPACE.encode(POSE_SPACE.offset(before, config))
 

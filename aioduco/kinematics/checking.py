@@ -1,0 +1,201 @@
+"""A list of poses looked at before an arm goes there: reach, limits, singularities, branches."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from aioduco.errors import ParameterError, Unreachable
+from aioduco.kinematics.arm import Arm
+from aioduco.kinematics.catalogue import arm as _model
+from aioduco.kinematics.forward import singular_values
+from aioduco.models.pose import Joints, Pose
+
+if TYPE_CHECKING:
+    from aioduco.models.pose import JointsLike, PoseLike
+
+__all__ = ["Finding", "PointReport", "Problem", "check"]
+
+#: below this distance from a singularity a point is reported, see `Singularity`
+_NEAR = 0.05
+_BRANCHES = ("shoulder", "elbow", "wrist")
+
+
+class Problem(Enum):
+    """What is the matter with a point."""
+
+    REACH = "out of reach"
+    LIMIT = "joint limit"
+    SINGULARITY = "near a singularity"
+    BRANCH = "other branch"
+    JUMP = "far turn"
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What was found at one point.
+
+    Attributes:
+        index: number of the point, from 0.
+        name: its name, or its number as a text.
+        problem: what kind of thing it is.
+        text: what exactly, in words.
+    """
+
+    index: int
+    name: str
+    problem: Problem
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.problem.value}: {self.text}"
+
+
+@dataclass(frozen=True, slots=True)
+class PointReport:
+    """What `check` found. `print(report)` gives a line for each point and each finding.
+
+    Attributes:
+        arm: the model of the arm.
+        names: of the points.
+        joints: how the arm reaches each of them; None if it does not.
+        findings: in the order of the points.
+    """
+
+    arm: str
+    names: tuple[str, ...]
+    joints: tuple[Joints | None, ...]
+    findings: tuple[Finding, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing was found."""
+        return not self.findings
+
+    def __str__(self) -> str:
+        width = max(map(len, self.names), default=0)
+        lines = []
+        for index, (name, q) in enumerate(zip(self.names, self.joints, strict=True)):
+            angles = "-" if q is None else " ".join(f"{angle:7.1f}" for angle in q.degrees)
+            found = [each for each in self.findings if each.index == index]
+            lines.append(f"{name:<{width}}  {'ok' if not found else '!!'}  {angles}")
+            lines += [f"{'':<{width}}      {each.problem.value}: {each.text}" for each in found]
+        count = len(self.findings)
+        total = "nothing found" if not count else f"{count} finding{'s'[: count > 1]}"
+        return "\n".join([*lines, f"{self.arm}, {len(self.names)} points: {total}"])
+
+
+def check(
+    points: Mapping[str, Joints | PoseLike] | Iterable[Joints | PoseLike],
+    *,
+    arm: Arm | str,
+    near: JointsLike,
+    tool: PoseLike | None = None,
+    wobj: PoseLike | None = None,
+    singular: float = _NEAR,
+    most_turn: float = math.pi,
+) -> PointReport:
+    """Look at a list of points before running it: nothing is sent, and no controller is needed.
+
+    The points are taken in their order, and each pose is reached in the configuration that is
+    nearest to that of the point before. Only the points are looked at, not the ways between
+    them, the controller's own limits, or what stands around the arm.
+
+    Args:
+        points: `Joints` [rad], or poses of the tool in the work object [m, rad]; in a list, or by
+            name, as in `TaughtPoints`.
+        arm: the arm, or its model.
+        near: joint angles where it begins [rad].
+        tool: the tool's tip from the flange [m, rad]; None for the flange.
+        wobj: the work object in the base frame [m, rad]; None for the base.
+        singular: distance from a singularity below which a point is reported, 0 to 1.
+        most_turn: turn of one joint between two points above which it is reported, above 0 [rad].
+
+    Returns:
+        The report: what was found, and the joint angles of each point.
+
+    Raises:
+        ParameterError: an argument is not of its kind.
+    """
+    model = _model(arm) if isinstance(arm, str) else arm
+    if not isinstance(model, Arm):
+        raise ParameterError("arm", arm, "an Arm, or the name of a model")
+    if not 0.0 <= singular <= 1.0:
+        raise ParameterError("singular", singular, "a number from 0 to 1")
+    if not most_turn > 0.0:
+        raise ParameterError("most_turn", most_turn, "an angle above 0 [rad]")
+    named = dict(points) if isinstance(points, Mapping) else _numbered(points)
+    to_tip = Pose(0, 0, 0, 0, 0, 0) if tool is None else Pose.of(tool)
+    base = Pose(0, 0, 0, 0, 0, 0) if wobj is None else Pose.of(wobj)
+    before = Joints.of(near)
+    reached: list[Joints | None] = []
+    findings: list[Finding] = []
+    for index, (name, point) in enumerate(named.items()):
+        q: Joints | None
+        if isinstance(point, Joints):
+            q, why = point, _outside(model, point)
+            found = [(Problem.LIMIT, why)] if why else []
+        else:
+            flange = base @ Pose.of(point) @ to_tip.inverse()
+            q, found = _reached(model, flange, before)
+        if q is not None:
+            found += _passed(model, before, q, singular, most_turn)
+            before = q
+        reached.append(q)
+        findings += [Finding(index, name, problem, text) for problem, text in found]
+    return PointReport(model.name, tuple(named), tuple(reached), tuple(findings))
+
+
+def _numbered(points: Any) -> dict[str, Any]:
+    if isinstance(points, (Joints, Pose, str)) or not isinstance(points, Iterable):
+        raise ParameterError("points", points, "a list of points, or points by name")
+    return {str(number): point for number, point in enumerate(points)}
+
+
+def _outside(arm: Arm, q: Joints) -> str:
+    limits = zip(q, arm.lower, arm.upper, strict=True)
+    over = [
+        f"joint {axis} at {math.degrees(angle):.1f}°, beyond {math.degrees(low):.0f}° to "
+        f"{math.degrees(high):.0f}°"
+        for axis, (angle, low, high) in enumerate(limits, 1)
+        if not low <= angle <= high
+    ]
+    return ", ".join(over)
+
+
+def _reached(
+    arm: Arm, flange: Pose, before: Joints
+) -> tuple[Joints | None, list[tuple[Problem, str]]]:
+    try:
+        return Joints.of(arm.ikine(flange, before)), []
+    except Unreachable as exc:
+        outside = bool(len(arm.ikine_all(flange)))
+        return None, [(Problem.LIMIT if outside else Problem.REACH, str(exc))]
+
+
+def _passed(
+    arm: Arm, before: Joints, q: Joints, singular: float, most_turn: float
+) -> list[tuple[Problem, str]]:
+    """What is found where the arm comes to a configuration from another one."""
+    found: list[tuple[Problem, str]] = []
+    distance = arm.singularity(q)
+    for name in _BRANCHES:
+        if getattr(distance, name) < singular:
+            text = f"the {name}'s, at a distance of {getattr(distance, name):.3f}"
+            found.append((Problem.SINGULARITY, text))
+    signs = np.sign(singular_values(arm.geometry, np.array([before, q])))
+    changed = [name for name, a, b in zip(_BRANCHES, *signs.tolist(), strict=True) if a * b < 0]
+    if changed:
+        what = " and ".join(changed)
+        text = f"the {what} bends the other way than before: a line cannot lead here"
+        found.append((Problem.BRANCH, text))
+    turns = [abs(b - a) for a, b in zip(before, q, strict=True)]
+    if max(turns) > most_turn:
+        axis = turns.index(max(turns)) + 1
+        found.append((Problem.JUMP, f"joint {axis} turns by {math.degrees(max(turns)):.1f}°"))
+    return found

@@ -1,0 +1,168 @@
+"""Taught points by name, in a TOML file that no robot is needed for."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Iterator, MutableMapping
+from pathlib import Path
+from typing import Any, Self, TypeAlias
+
+from aioduco.errors import ParameterError
+from aioduco.models.pose import Joints, Pose
+
+__all__ = ["Point", "TaughtPoints"]
+
+#: joint angles [rad], or a pose of the tool [m, rad]
+Point: TypeAlias = Joints | Pose
+
+_EXPECTED = "a Joints or a Pose"
+_ESCAPES = {'"': '\\"', "\\": "\\\\", "\b": "\\b", "\t": "\\t", "\n": "\\n", "\f": "\\f"}
+
+
+class TaughtPoints(MutableMapping[str, Point]):
+    """TaughtPoints by name, in the order in which they were taught: a mapping that can be saved.
+
+        points = TaughtPoints.load("cell.toml")
+        points["above the bin"] = await robot.state.get_tcp_pose_coord()
+        points.save("cell.toml")
+        await robot.motion.movej2(points.joints("home"), v=1.0, a=1.0)
+
+    In the file each point is a table, with joints [rad] or a pose [m, rad]:
+
+        [home]
+        joints = [0.5236, -0.2618, 1.8326, 0.0, -1.5708, 0.0]
+
+        ["above the bin"]
+        pose = [0.4, 0.1, 0.3, 3.1416, 0.0, 0.0]
+
+    A pose is that of a tool in a work object, and the file does not say which: a program that
+    moves to it uses those with which it was taught.
+
+    Args:
+        points: points by name to begin with.
+    """
+
+    def __init__(self, points: Any = ()) -> None:
+        self._points: dict[str, Point] = {}
+        self.update(points)
+
+    def __repr__(self) -> str:
+        return f"TaughtPoints({self._points!r})"
+
+    def __getitem__(self, name: str) -> Point:
+        return self._points[name]
+
+    def __setitem__(self, name: str, point: Point) -> None:
+        if not isinstance(name, str) or not name:
+            raise ParameterError("name", name, "a text, not empty")
+        if not isinstance(point, (Joints, Pose)):
+            raise ParameterError(name, point, _EXPECTED)
+        self._points[name] = point
+
+    def __delitem__(self, name: str) -> None:
+        del self._points[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._points)
+
+    def __len__(self) -> int:
+        return len(self._points)
+
+    def joints(self, name: str) -> Joints:
+        """Return the joint angles of this name [rad].
+
+        Raises:
+            ParameterError: there is no such point, or it is a pose.
+        """
+        point = self._named(name)
+        if not isinstance(point, Joints):
+            raise ParameterError("name", name, "the name of joint angles; this one is a pose")
+        return point
+
+    def pose(self, name: str) -> Pose:
+        """Return the pose of this name [m, rad].
+
+        Raises:
+            ParameterError: there is no such point, or it is joint angles.
+        """
+        point = self._named(name)
+        if not isinstance(point, Pose):
+            raise ParameterError("name", name, "the name of a pose; this one is joint angles")
+        return point
+
+    def _named(self, name: str) -> Point:
+        if name not in self._points:
+            raise ParameterError("name", name, f"one of {', '.join(self._points) or 'none'}")
+        return self._points[name]
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a file.
+
+        Args:
+            path: the file.
+
+        Raises:
+            OSError: it cannot be read.
+            ParameterError: it is no TOML, or a point in it is not as described above; says which.
+        """
+        try:
+            tables = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as exc:
+            raise ParameterError("path", str(path), f"a TOML file: {exc}") from exc
+        return cls({name: _point(name, table) for name, table in tables.items()})
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a file: whole, or not at all. Comments of a file that was there are lost.
+
+        Args:
+            path: the file; one that is there is replaced.
+
+        Raises:
+            OSError: it cannot be written; what was there stays.
+        """
+        target = Path(path)
+        part = target.with_name(f".{target.name}.{os.getpid()}")
+        try:
+            with part.open("w", encoding="utf-8") as file:
+                file.write("\n".join(map(_table, self._points, self._points.values())))
+                file.flush()
+                os.fsync(file.fileno())
+            part.replace(target)
+        finally:
+            part.unlink(missing_ok=True)
+
+
+def _point(name: str, table: Any) -> Point:
+    kinds: dict[str, type[Joints] | type[Pose]] = {"joints": Joints, "pose": Pose}
+    expected = "a table with either joints or a pose, and nothing else"
+    if not isinstance(table, dict) or len(table) != 1:
+        raise ParameterError(name, table, expected)
+    ((kind, values),) = table.items()
+    if kind not in kinds:
+        raise ParameterError(name, table, expected)
+    if not isinstance(values, list) or any(type(value) not in (int, float) for value in values):
+        raise ParameterError(name, values, "six numbers")
+    try:
+        return kinds[kind].of(values)
+    except ParameterError as exc:
+        raise ParameterError(name, values, "six finite numbers") from exc
+
+
+def _table(name: str, point: Point) -> str:
+    kind = "joints" if isinstance(point, Joints) else "pose"
+    numbers = ", ".join(repr(float(value)) for value in point)
+    return f"[{_key(name)}]\n{kind} = [{numbers}]\n"
+
+
+def _key(name: str) -> str:
+    if all(char.isascii() and (char.isalnum() or char in "-_") for char in name):
+        return name
+    return f'"{"".join(map(_escaped, name))}"'
+
+
+def _escaped(char: str) -> str:
+    if char in _ESCAPES:
+        return _ESCAPES[char]
+    return f"\\u{ord(char):04X}" if ord(char) < 32 or ord(char) == 127 else char

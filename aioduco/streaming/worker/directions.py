@@ -1,0 +1,64 @@
+"""Directions that are turned as they are sent, by where the tool is."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING
+
+from aioduco.errors import ControllerError
+from aioduco.streaming.shared.turning import composed, turned
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco._wire.connection import Connection
+    from aioduco.streaming.shared.config import Turning
+    from aioduco.streaming.shared.space import Config
+
+__all__ = ["Directions"]
+
+_FRESH = 10_000_000  # ns for which a pose that was read is used
+
+
+class Directions:
+    """Turns velocities into the frame of the wire; the pose that it takes is at most 10 ms old.
+
+    Args:
+        connection: what poses are read by.
+        turning: how directions are turned; None: not at all.
+        timeout: time for each call [s].
+    """
+
+    def __init__(self, connection: Connection, turning: Turning | None, timeout: float) -> None:
+        self._connection = connection
+        self._turning = turning
+        self._timeout = timeout
+        self._place: Config = ()
+        self._read_at = 0
+
+    def turned(self, twist: tuple[float, ...]) -> tuple[float, ...]:
+        """A velocity as the wire takes it [m/s, rad/s]."""
+        if self._turning is None:
+            return twist
+        now = time.monotonic_ns()
+        if not self._place or now - self._read_at > _FRESH:
+            self._place, self._read_at = self.place(self._turning), now
+        return turned(twist, self._place, back=self._turning.back)
+
+    def place(self, turning: Turning) -> Config:
+        """Read how the frames lie in one another.
+
+        Raises:
+            ControllerError: the controller does not say, or knows no such frame.
+        """
+        poses: list[Sequence[float]] = []
+        for name, *args in turning.reads:
+            pose: Sequence[float] = self._connection.call(name, tuple(args), self._timeout)
+            if len(pose) != 6 or not all(map(math.isfinite, pose)):
+                asked = f"of {args} " if any(args) else ""
+                raise ControllerError(
+                    name, f"it answered {list(pose)}: the orientation {asked}is not known"
+                )
+            poses.append(pose)
+        return composed(poses)
