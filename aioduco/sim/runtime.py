@@ -46,6 +46,8 @@ _STRIDE = 0.02
 _WARMING = 0.1
 #: real time for which a client may hold simulated time [s]: it may have been cut off meanwhile
 _HOLD = 2.0
+#: real time between two looks at whether a change of the controller is over [s]
+_CHANGE = 2e-5
 #: simulated time of standing after which the physics need no further steps [s]
 _SETTLING = 0.3
 
@@ -152,6 +154,8 @@ class SimulationRuntime:
         self._wake = threading.Event()
         self._news = threading.Condition()
         self._watchers = 0
+        #: the change of the controller that is under way: the snapshot is older than it
+        self._change: object | None = None
         self._holds: dict[object, float] = {}
         self._holding = threading.Condition()
         self._waiters: dict[int, list[threading.Event]] = {}
@@ -235,21 +239,25 @@ class SimulationRuntime:
             yield self._controller
             return
         with self._lock:
+            self._change = object()
             try:
                 yield self._controller
             finally:
                 self._snapshot = self._snapshot._replace(view=self._controller.view())
+                self._change = None
                 released = self._take_answered()
         for event in released:
             event.set()
         self._wake.set()
 
     def task_state(self, id_: int) -> TaskState:
-        """State of a task, as of a cycle that the snapshot shows: its end is no news of another."""
-        if self._within:
-            return self._controller.tasks.state(id_)
-        with self._lock:
-            return self._controller.tasks.state(id_)
+        """State of a task, not before the snapshot shows the cycle in which it came about."""
+        state = self._controller.tasks.state(id_)
+        # Without the lock, for which the loop would compete again and again at top speed.
+        if (change := self._change) is not None and not self._within:
+            while self._change is change:
+                time.sleep(_CHANGE)
+        return state
 
     def wait(self, id_: int) -> TaskState:
         """Wait until a task has ended, and give the state that it ended in.
@@ -384,6 +392,7 @@ class SimulationRuntime:
         except Exception as exc:
             _log.exception("the simulation failed")
             self._failure = exc
+            self._change = None
             self.release()
 
     def _loop(self) -> None:
@@ -463,6 +472,7 @@ class SimulationRuntime:
             sensed = SensedState(
                 at, time.monotonic(), q, qd, wrench, plant.external_torque, plant.touched
             )
+            self._change = object()
             self._drive = self._controller.tick(sensed)
             if simulated is not None:
                 followed, qdd = simulated, simulated.qdd
@@ -483,6 +493,7 @@ class SimulationRuntime:
                 self._warmth.joints,
                 self._warmth.boards,
             )
+            self._change = None
             # Before a command can come: else it would be chance in which cycle that counts.
             self._busy = self._controller.busy
             released = self._take_answered()

@@ -182,9 +182,11 @@ async def _carry_out(
             case BringUpStep.POWER_OFF | BringUpStep.POWER_ON | BringUpStep.ENABLE:
                 await dispatcher.perform(step.name.lower(), (False,), max(left, 0.1))
     except TaskError as exc:
+        # What was in the list before this step may be why it was not carried out.
         raise RobotStateError(
-            f"the controller did not {step.name.lower()} ({states}): {exc}. Is an emergency stop "
-            "or a protective stop active? Clear it, then call bring_up() again"
+            f"the controller did not {step.name.lower()} ({states}): {exc}; "
+            f"{await _errors(supervisor)}. Is an emergency stop or a protective stop active? "
+            "Clear it, then call bring_up() again"
         ) from exc
 
 

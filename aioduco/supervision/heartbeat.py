@@ -162,7 +162,7 @@ _AGAIN = 0.25
 #: seconds after the stall limit at which it is looked whether it has passed
 _LATER = 0.001
 #: heartbeat times without a beat after which the controller has stopped the arm for certain
-CERTAIN = 2
+_CERTAIN = 2
 
 
 class HeartbeatConnection(Protocol):
@@ -316,7 +316,7 @@ class Heartbeat:
         Whatever moves the arm after that is not what it moved before.
         """
         silent = time.monotonic() - self._given
-        return self._machine.beats > 0 and silent > CERTAIN * self._seconds
+        return self._machine.beats > 0 and silent > _CERTAIN * self._seconds
 
     def start(self) -> None:
         """Begin to beat."""

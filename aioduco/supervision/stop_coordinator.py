@@ -441,8 +441,8 @@ class StopCoordinator:
             elif due - since >= _BRAKED:
                 break
         return HeartbeatLost(
-            "no heartbeat reaches the controller: it has stopped the arm by itself. No stop of "
-            "this program was answered yet; it is tried on, and motions wait for that"
+            "no heartbeat could be given to the controller: it has stopped the arm by itself. No "
+            "stop of this program was answered yet; it is tried on, and motions wait for that"
         )
 
     async def _controlled(self, name: str) -> None:

@@ -55,13 +55,16 @@ class Desk(Bench):
 
         self.answer(name, start)
 
-    def begins(self, name: str, lasting: float = 0.02, end: TaskState | None = None) -> None:
+    def begins(
+        self, name: str, lasting: float = 0.02, end: TaskState | None = None, error: str = ""
+    ) -> None:
         """Make a function start a task that moves nothing.
 
         Args:
             name: the function.
             lasting: how long the task takes [s].
             end: a state in which it is at once.
+            error: what is then added to the controller's list.
         """
 
         def start(*args: Any) -> int:
@@ -69,6 +72,7 @@ class Desk(Bench):
                 now = time.monotonic()
                 task = BenchTask(name, now, now + lasting, motion=False)
                 task.state = end or task.state
+                self.errors = [*self.errors, error] if error else self.errors
                 return self._add(task)
 
         self.answer(name, start)

@@ -117,7 +117,11 @@ SERVOS = [
         *(POSE, 1.0, 2.0, NEAR, "grip", "table", False, *SERVO_WIRE),
     ),
     motion(
-        *("motion", "servo_tcp", {"offset": OFFSET, **LINE, "tool": "grip", **SERVO}),
+        *(
+            "motion",
+            "servo_tcp",
+            {"offset": OFFSET, **LINE, "tool": "grip", "frame": "tool", "wobj": "", **SERVO},
+        ),
         *(OFFSET, 0.1, 0.2, "grip", False, *SERVO_WIRE),
     ),
     motion(
@@ -131,7 +135,11 @@ HELD = [
         *([0.1, -0.1, 0.0, 0.0, 0.0, 0.2], 2.0, 30, False),
     ),
     motion(
-        *("motion", "speedl", {"twist": np.array(OFFSET), "a": 0.5, "time": 0.03}),
+        *(
+            "motion",
+            "speedl",
+            {"twist": np.array(OFFSET), "a": 0.5, "time": 0.03, "frame": "tool", "wobj": ""},
+        ),
         *(OFFSET, 0.5, 30, False),
     ),
     motion(

@@ -153,8 +153,8 @@ async def test_the_arm_must_stand(robot: aioduco.Robot, desk: Desk, name: str) -
 
 
 async def test_a_switch_that_is_refused_says_why(robot: aioduco.Robot, desk: Desk) -> None:
-    desk.errors = ["simulation: motions are under way or wait"]
-    desk.begins("simulation", end=aioduco.TaskState.ILLEGAL)
+    reason = "simulation: motions are under way or wait"
+    desk.begins("simulation", end=aioduco.TaskState.ILLEGAL, error=reason)
     with pytest.raises(aioduco.TaskIllegal, match=r"(?s)simulation.*motions are under way or wait"):
         await robot.settings.simulation(True)
 

@@ -78,7 +78,7 @@ def running(pid: int) -> bool:
         Release(1, 2),
         Done(2, ""),
         Said(30, "the arm was not seen to stop"),
-        Beat(1, "beating", 3, 0, 0, 0, 0.33, ""),
+        Beat(1, "beating", 3, 0, 0, 0, 0.33, "", False),
     ],
 )
 def test_messages_survive_the_way(message: Message) -> None:

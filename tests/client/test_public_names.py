@@ -16,9 +16,9 @@ NAMES = {
     "what motions are made of": "ExternalAxis ExternalAxisScheme ExternalAxisState FileKind "
     "ForceFrame ForceLogic GuardedForce Jog Load "
     "JogDirections JogFrame OutputMode RealtimeMode RealtimePoint WeavePlane WeaveShape",
-    "streams": "JointTrajectory LaneOptions ServoGains StreamStatistics Tolerances",
-    "states": "ControllerVersion HeartbeatState IOStatus OperationMode ProgramState RobotState "
-    "RobotStates RobotStatus SafetyState Snapshot TaskState events",
+    "streams": "JointTrajectory LaneOptions ServoGains StreamStatistics TaughtPoints Tolerances",
+    "states": "ControllerVersion ForceStatus HeartbeatState IOStatus OperationMode ProgramState "
+    "RobotState RobotStates RobotStatus SafetyState Snapshot TaskState events",
     "errors": " ".join(errors.__all__),
 }
 

@@ -42,7 +42,13 @@ async def brought_up(speed: float) -> AsyncIterator[tuple[Simulator, aioduco.Rob
     """As the fixtures of the package make them, but for the speed."""
     async with (
         Simulator(speed=math.inf) as sim,
-        aioduco.connect(sim.host, sim.port, clock=sim.clock, lag_limit=None) as robot,
+        aioduco.connect(
+            *(sim.host, sim.port),
+            clock=sim.clock,
+            heartbeat=30.0,  # a busy machine is not what is compared
+            loop_stall_limit=30.0,
+            lag_limit=None,
+        ) as robot,
     ):
         await robot.bring_up()
         sim.speed = speed

@@ -167,7 +167,7 @@ def test_a_path_square_to_the_plane_is_refused(robot: Program) -> None:
         {"el_offset": math.nan},
         {"time": [100]},
         {"time": [100, -1]},
-        {"op_list": [Op(time_or_dist_1=3)]},
+        {"op_list": [Op(time_or_dist_1=5)]},
     ],
     ids=str,
 )

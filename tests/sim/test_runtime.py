@@ -6,6 +6,7 @@ import logging
 import math
 import threading
 import time
+from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from aioduco.models.enums import TaskState
     from aioduco.sim.planner.path import JointSetPoint
 
     Vector = NDArray[np.float64]
@@ -246,19 +246,20 @@ def test_time_can_be_held(
 
 
 def test_a_task_has_ended_only_when_its_snapshot_is_there(
-    runtime: SimulationRuntime, monkeypatch: pytest.MonkeyPatch
+    arm: Follower, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Who asks for a task in the midst of a cycle is answered as of its end: the lock is taken."""
+    """Who asks for a task in the midst of a cycle is answered after it, and waits for no lock."""
+    runtime = SimulationRuntime(controller_of(FakeMover), arm)
+    looks = []
+
+    def look(seconds: float) -> None:
+        looks.append(seconds)
+        runtime._change = None
+
+    monkeypatch.setattr(module, "time", SimpleNamespace(sleep=look))
     with runtime.command() as controller:
         id_ = controller.change_power("power_on")
-    tasks, locked = runtime._controller.tasks, []
-    state = tasks.state
-
-    def noted(id_: int) -> TaskState:
-        locked.append(runtime._lock.locked())
-        return state(id_)
-
-    monkeypatch.setattr(tasks, "state", noted)
-    runtime.task_state(id_)
-    assert all(locked)
-    assert locked
+        state = runtime.task_state(id_)
+        assert len(looks) == 1
+    assert runtime.task_state(id_) is state
+    assert len(looks) == 1

@@ -15,6 +15,7 @@ from aioduco._wire import idl
 NOBODY = aioduco.connect("192.0.2.1")
 #: what each function that makes a stream needs at least
 NEEDED: dict[tuple[str, str], dict[str, Any]] = {
+    ("motion", "path"): {},
     ("servo", "joints"): {"v": 1.0, "a": 1.0},
     ("servo", "pose"): {"v": 1.0, "a": 1.0},
     ("servo", "linear"): {"v": 1.0, "a": 1.0},

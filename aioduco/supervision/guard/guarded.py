@@ -20,7 +20,7 @@ from aioduco.errors import ConnectError, DucoError, GuardLost
 from aioduco.supervision.concurrency import DaemonThread, run_to_completion
 from aioduco.supervision.guard.client import Answer, GuardLink, GuardListener, shared
 from aioduco.supervision.guard.messages import Alive, Beat, Rearm, Release, Stop, Watch
-from aioduco.supervision.heartbeat import CERTAIN, HeartbeatState, HeartbeatStatistics
+from aioduco.supervision.heartbeat import HeartbeatState, HeartbeatStatistics
 from aioduco.supervision.loop_watchdog import SignOfLife
 from aioduco.supervision.stop_channel import StopChannel
 
@@ -57,7 +57,6 @@ class GuardClient:
         self._robot = 0
         self._beat: Beat | None = None
         self._heard_at = 0.0
-        self._beats_lost_at: float | None = None
         self._losses = 0
         self._lost: Callable[[], None] = _ignore
 
@@ -87,11 +86,8 @@ class GuardClient:
 
     @property
     def lapsed(self) -> bool:
-        """Whether the guard's beats were lost so long ago that the controller stopped the arm."""
-        seconds = self._settings.heartbeat
-        if seconds is None or self._beats_lost_at is None:
-            return False
-        return time.monotonic() - self._beats_lost_at > CERTAIN * seconds
+        """Whether the guard gave no beat for so long that the controller has stopped the arm."""
+        return self._beat is not None and self._beat.lapsed
 
     @property
     def losses(self) -> int:
@@ -213,10 +209,6 @@ class GuardClient:
 
     def _heard(self, beat: Beat) -> None:
         self._heard_at = time.monotonic()
-        if beat.heartbeat_state is not HeartbeatState.LOST:
-            self._beats_lost_at = None
-        elif self._beats_lost_at is None:
-            self._beats_lost_at = self._heard_at
         self._beat = beat
 
     def _gone(self) -> None:

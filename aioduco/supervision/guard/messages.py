@@ -106,6 +106,7 @@ class Beat(NamedTuple):
     stalls: int
     longest_gap: float
     error: str
+    lapsed: bool
 
     @property
     def heartbeat_state(self) -> HeartbeatState:

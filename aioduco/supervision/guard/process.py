@@ -134,7 +134,8 @@ class GuardedRobot:
         """Tell the program of its heartbeat; on the heartbeat's thread."""
         figures = heartbeat.statistics()
         error = shortened(str(heartbeat.error)) if heartbeat.error is not None else ""
-        self._guard.tell(Beat(self.robot, figures.state.value, *figures[1:], error))
+        told = Beat(self.robot, figures.state.value, *figures[1:], error, heartbeat.lapsed)
+        self._guard.tell(told)
 
     async def halt(self, *, gone: bool = False) -> None:
         """Stop the arm and see it stand, if it is the program's to move; what fails is logged.
