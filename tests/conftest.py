@@ -72,6 +72,13 @@ def pytest_configure(config: pytest.Config) -> None:
     settings.load_profile("thorough" if all_of_it else "quick")
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Make no cases that the quick run leaves out: of some tables there are thousands."""
+    if not metafunc.config.getoption("thorough"):
+        quick.spread_cases(metafunc)
+
+
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if config.getoption("thorough"):

@@ -7,7 +7,7 @@ otherwise the table below does, by the longest beginning of its file's path.
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from hypothesis import settings
 
@@ -52,6 +52,27 @@ def divided(items: Iterable[pytest.Item]) -> tuple[list[pytest.Item], list[pytes
     for item in items:
         (kept if item.nodeid in chosen else left).append(item)
     return kept, left
+
+
+def spread_cases(metafunc: pytest.Metafunc) -> None:
+    """Let each table of cases of a test give no more cases than the quick run takes of the test.
+
+    Args:
+        metafunc: the test.
+    """
+    limit = _cases_of(metafunc.definition)
+    parametrize = metafunc.parametrize
+
+    def spread_out(
+        names: str | Sequence[str], values: Iterable[Any], *rest: Any, **options: Any
+    ) -> None:
+        ids = options.get("ids")
+        if ids is not None and not callable(ids):
+            options["ids"] = spread(list(ids), limit)
+        parametrize(names, spread(list(values), limit), *rest, **options)
+
+    # of this one test, before pytest makes its cases of it
+    vars(metafunc)["parametrize"] = spread_out
 
 
 def spread(cases: Sequence[T], number: int) -> list[T]:

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
 
 import pytest
-from quick import CASES, divided, examples, spread
+from quick import CASES, divided, examples, spread, spread_cases
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,6 +51,19 @@ def test_each_test_is_there_with_a_few_of_its_cases_and_in_order() -> None:
     first = ids(spread(dear, CASES["streaming/"]))
     assert ids(kept)[: len(first) + 1] == [*first, alone[0].nodeid]
     assert sorted(ids(kept) + ids(left)) == sorted(ids([*dear, *alone, *cheap, *marked]))
+
+
+@pytest.mark.parametrize("ids", [None, str, list("abcdefgh"), dict.fromkeys("abcdefgh")])
+def test_a_table_gives_no_more_cases_than_are_taken(ids: Any) -> None:
+    made: list[tuple[Any, ...]] = []
+    metafunc = SimpleNamespace(
+        definition=items("tests/streaming/t.py::t", 1, limit=3)[0],
+        parametrize=lambda *args, **options: made.append((*args, options)),
+    )
+    spread_cases(cast("pytest.Metafunc", metafunc))
+    metafunc.parametrize("name", iter(range(8)), ids=ids)
+    named = ids if ids is None or callable(ids) else ["a", "e", "h"]
+    assert made == [("name", [0, 4, 7], {"ids": named})]
 
 
 def test_properties_are_tried_with_all_or_a_few_of_their_examples(thorough: bool) -> None:
