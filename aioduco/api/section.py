@@ -33,7 +33,7 @@ from aioduco.models.names import ManualNames
 from aioduco.supervision.command import Command, HeldMotion, MotionCommand
 from aioduco.supervision.concurrency import every
 from aioduco.supervision.task import task_error
-from aioduco.supervision.task_state import ContinuousMotion, TaskLifecycle
+from aioduco.supervision.task_state import ContinuousMotion, TaskLifecycle, added_entries
 
 if TYPE_CHECKING:
     from aioduco.supervision.command import Aim
@@ -272,11 +272,7 @@ def added(before: Sequence[str], after: Sequence[str], name: str) -> Sequence[st
         after: the list as it is.
         name: what the call between them was about, in case the list is full of one text.
     """
-    known = len(before)
-    for gone in range(known + 1):
-        if before[gone:] == after[: known - gone]:
-            new = after[known - gone :]
-            break
+    new = added_entries(before, after)
     if not new and len(after) > 1 and set(after) == {after[0]} and name in after[0]:
         return after[:1]
     return new

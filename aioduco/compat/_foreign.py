@@ -101,7 +101,9 @@ def as_thrift(error: DucoError, connected: bool = True) -> DucoError:
     )
     if foreign:
         ours, message = type(error), str(error)
-        both = type(ours.__name__, (ours, *dict.fromkeys(foreign)), {"__module__": ours.__module__})
+        both: Any = type(
+            ours.__name__, (ours, *dict.fromkeys(foreign)), {"__module__": ours.__module__}
+        )
         error.__class__ = both
         error.__dict__.update(message=message, type=code)
     return error

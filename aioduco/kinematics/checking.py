@@ -129,7 +129,7 @@ def check(
         raise ParameterError("singular", singular, "a number from 0 to 1")
     if not most_turn > 0.0:
         raise ParameterError("most_turn", most_turn, "an angle above 0 [rad]")
-    named = dict(points) if isinstance(points, Mapping) else _numbered(points)
+    named = _named(points)
     to_tip = Pose(0, 0, 0, 0, 0, 0) if tool is None else Pose.of(tool)
     base = Pose(0, 0, 0, 0, 0, 0) if wobj is None else Pose.of(wobj)
     before = Joints.of(near)
@@ -151,7 +151,9 @@ def check(
     return PointReport(model.name, tuple(named), tuple(reached), tuple(findings))
 
 
-def _numbered(points: Any) -> dict[str, Any]:
+def _named(points: Any) -> dict[str, Any]:
+    if isinstance(points, Mapping):
+        return dict(points)
     if isinstance(points, (Joints, Pose, str)) or not isinstance(points, Iterable):
         raise ParameterError("points", points, "a list of points, or points by name")
     return {str(number): point for number, point in enumerate(points)}

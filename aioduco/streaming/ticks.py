@@ -54,15 +54,14 @@ class Ticks:
 
     async def __anext__(self) -> Tick:
         self._check()
-        if self._start is None:
-            self._start = anyio.current_time()
-        due = self._start + self._place * self._period
+        start = self._start = anyio.current_time() if self._start is None else self._start
+        due = start + self._place * self._period
         await anyio.sleep_until(due)
         now = anyio.current_time()
         skipped = max(0, int((now - due) / self._period))
         dt = now - self._before if self._number else self._period
         late = now - due - skipped * self._period
-        tick = Tick(self._number, now - self._start, dt, late, skipped)
+        tick = Tick(self._number, now - start, dt, late, skipped)
         self._before = now
         self._number += 1
         self._place += 1 + skipped

@@ -92,4 +92,4 @@ async def test_a_nought_that_is_true_is_read(sim: Simulator, robot: aioduco.Robo
     ],
 )
 def test_what_came_onto_the_error_list(before: list[str], after: list[str], new: list[str]) -> None:
-    assert added(before, after, "v") == new
+    assert list(added(before, after, "v")) == new
