@@ -164,7 +164,7 @@ class DucoCobot(ManualFunctions):
         self.ip = ip
         self.port = port
         self.timeout = timeout
-        self.op_ = Op(trig_io_1=1, trig_io_2=1, trig_io_3=1)
+        self.op_: Op = Op(trig_io_1=1, trig_io_2=1, trig_io_3=1)
         self.last_error: DucoError | None = None
         self._connection: Connection | None = None
         # Held during a call. Reentrant, so that a signal handler in the middle of a call of its
