@@ -24,7 +24,15 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import anyio
-from _common import ServerProcess, arguments, print_table, scheduling, spread, write_results
+from _common import (
+    ServerProcess,
+    arguments,
+    figures_beside,
+    print_table,
+    scheduling,
+    spread,
+    write_results,
+)
 
 import aioduco
 from aioduco._wire.lane import WireLane
@@ -269,7 +277,8 @@ async def measure(server: ServerProcess, cores: set[int], quick: bool) -> dict[s
 
 
 def main() -> None:
-    options = arguments(__doc__, "guard")
+    options = arguments(__doc__, "guard", beside=True)
+    before = figures_beside(options, "guard")
     cores = os.sched_getaffinity(0)  # before the program is kept to some of them
     with ServerProcess("supervision_server.py") as server:
         results = anyio.run(measure, server, cores, options.quick)
@@ -284,7 +293,7 @@ def main() -> None:
         ]
         print_table(title, [key, "", "p50", "p99", "max", count], sorted(rows, key=str))
     if options.save:
-        print("written:", write_results("guard", results).name)
+        print("written:", write_results("guard", results | before).name)
 
 
 if __name__ == "__main__":
