@@ -29,12 +29,13 @@ def test_readings_are_of_single_precision_on_request(
         robot = connect(sim)
         robot.bring_up()
         assert robot.to(0.1, 0.2, 1.3, 0.1, -1.4, 0.3) == 4
-        sim.wait_until(lambda: not sim.moving)
+        sim.wait_until(lambda: sim.view.standing)
         status = robot.getRobotStatus()
         joints, pose = robot.get_actual_joints_position(), robot.get_tcp_pose()
         readings = [joints, pose, status.jointActualPosition, status.cartActualPosition]
         assert [of_32_bits(each) for each in readings] == [real] * 4
-        assert joints == pytest.approx(tuple(sim.joints), abs=1e-6)
+        # it goes on to settle by some micrometres
+        assert joints == pytest.approx(tuple(sim.joints), abs=1e-4)
 
 
 def test_a_force_sensor_at_rest_shows_an_offset_and_noise_until_it_is_tared(
