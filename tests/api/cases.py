@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import warnings
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -118,7 +119,9 @@ def refusal(case: Case, **changed: Any) -> BaseException | None:
     if case.section:
         getattr(nobody, case.section)._rpc = AsyncRpc(_reached)
     try:
-        made = case.method(nobody)(**(case.args | changed))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", aioduco.UnitWarning)
+            made = case.method(nobody)(**(case.args | changed))
     except Exception as exc:
         return exc
     if isinstance(made, MotionCommand):

@@ -34,6 +34,8 @@ BUILT = {
     ("spline_op", "points"),
     ("trackEnqueueOp", "points"),
     ("realtime_data_enqueue", "points"),
+    ("servo_tcp", "frame"),  # one of three names
+    ("speedl", "frame"),
 }
 BUILT_KINDS = (Op, Jog, JogDirections)
 #: an edge that another argument must go with
@@ -42,6 +44,8 @@ TOGETHER: dict[tuple[str, str], dict[str, Any]] = {
     ("set_digital_output_mode", "duty_cycle"): {"freq": 1},
     ("fc_config", "damp"): {"direction": [False] * 6},
     ("fc_config", "direction"): {"damp": [1000.0] * 6},
+    ("speedl", "wobj"): {"frame": "wobj"},
+    ("servo_tcp", "wobj"): {"frame": "wobj"},
 }
 
 
