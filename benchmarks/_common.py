@@ -145,7 +145,8 @@ def figures_beside(options: argparse.Namespace, name: str) -> dict[str, Any]:
     tree: Path = options.beside.resolve()
     command = [sys.executable, str(tree / "benchmarks" / f"{name}.py"), "--save"]
     environment = {**os.environ, "PYTHONPATH": str(tree)}
-    subprocess.run(command + ["--quick"] * options.quick, env=environment, check=True)
+    # in its own folder: what it starts may import from there
+    subprocess.run(command + ["--quick"] * options.quick, cwd=tree, env=environment, check=True)
     figures = json.loads((tree / "benchmarks" / "results" / f"{name}.json").read_text("utf-8"))
     del figures["machine"]
     commit = subprocess.run(
