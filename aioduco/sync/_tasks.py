@@ -426,7 +426,7 @@ class moves(Generic[P]):  # noqa: N801  # a decorator
 
     def __get__(self, section: Any, owner: type | None = None) -> MotionFunction[P]:
         if section is None:
-            # Of the class, for help(): it has nothing to run it.
-            return MotionFunction(None, self._method, self.__doc__)  # type: ignore[arg-type]
+            # of the class, for help(): there is nothing to run it, and it lacks its section
+            return MotionFunction(None, self._method, self.__doc__)  # type: ignore[arg-type]  # so
         make: Callable[P, aio_command.MotionCommand] = MethodType(self._method, section)
         return MotionFunction(section._runner, make, self.__doc__)

@@ -102,7 +102,7 @@ def edges(rule: Any, sample: Any) -> Iterator[Any]:
             yield from ([rule.low] * count, [rule.high] * count)
             yield [rule.high] * rule.min_length
         case _:
-            raise NotImplementedError(f"the edges of {rule!r}")
+            raise TypeError(f"no edges are known here of {rule!r}")
 
 
 def _ends(rule: rules.Number) -> tuple[float, float]:
@@ -205,7 +205,7 @@ def wrong(rule: Any, sample: Any) -> SearchStrategy[Any]:
             )
             return wrongs | st.just(good[: rule.min_length - 1]) if rule.min_length else wrongs
         case _:
-            raise NotImplementedError(f"what {rule!r} refuses")
+            raise TypeError(f"it is not known here what {rule!r} refuses")
 
 
 def _outside(low: float, high: float, *, open_low: bool = False) -> SearchStrategy[Any]:

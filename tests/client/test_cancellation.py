@@ -41,6 +41,9 @@ async def test_at_every_await_of_a_motion(
     async def program() -> None:
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
+    def looked_on(before: int) -> bool:
+        return looks() > before + 5
+
     def looks() -> int:
         return len(bench.received("get_noneblock_taskstate"))
 
@@ -49,7 +52,7 @@ async def test_at_every_await_of_a_motion(
         looked = looks()
         # A motion lasts: the program waits at its last await until it is cancelled there, while
         # the motion is looked at again and again.
-        async with cancelled_once(lambda looked=looked: looks() > looked + 5) as waited:  # type: ignore[misc]
+        async with cancelled_once(functools.partial(looked_on, looked)) as waited:
             run = await cancel_at(program, at, how=how, again=again)
             assert run.struck
             assert run.ended == "cancelled"

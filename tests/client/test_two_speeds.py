@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -53,6 +54,10 @@ async def brought_up(speed: float) -> AsyncIterator[tuple[Simulator, aioduco.Rob
         await robot.bring_up()
         sim.speed = speed
         yield sim, robot
+
+
+def standing(sim: Simulator) -> bool:
+    return sim.view.standing
 
 
 async def home(sim: Simulator, robot: aioduco.Robot) -> None:
@@ -119,7 +124,7 @@ async def test_a_motion_of_a_time_turns_as_far(name: str) -> None:
         async with brought_up(speed) as (sim, robot):
             await home(sim, robot)
             assert await TIMED[name](robot) is Outcome.FINISHED
-            await sim.wait_until_async(lambda sim=sim: sim.view.standing)  # type: ignore[misc]
+            await sim.wait_until_async(functools.partial(standing, sim))
             turned.append(sim.joints.array)
     assert turned[0] == pytest.approx(turned[1], abs=1e-3)
     assert np.abs(turned[0] - HOME).max() > 5e-3

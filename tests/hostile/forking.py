@@ -18,6 +18,7 @@ import os
 import sys
 from typing import TYPE_CHECKING, Any
 
+import anyio
 import uvloop
 
 import aioduco
@@ -101,17 +102,17 @@ async def with_child(robot: aioduco.Robot, child: str) -> int:
     if child == "multiprocessing":
         process = multiprocessing.get_context("fork").Process(target=work, args=(robot,))
         process.start()
-        while process.is_alive():  # noqa: ASYNC110  # nothing tells
-            await asyncio.sleep(0.01)
+        await anyio.wait_readable(process.sentinel)
+        process.join()
         return process.exitcode or 0
     number = os.fork()
     if number == 0:
         CHILDREN[child](robot)
-    while True:
-        done, status = os.waitpid(number, os.WNOHANG)  # noqa: ASYNC222  # it does not wait
-        if done:
-            return os.waitstatus_to_exitcode(status)
-        await asyncio.sleep(0.01)
+    ended = os.pidfd_open(number)
+    await anyio.wait_readable(ended)
+    os.close(ended)
+    _, status = os.waitpid(number, 0)  # noqa: ASYNC222  # it has ended
+    return os.waitstatus_to_exitcode(status)
 
 
 async def main(host: str, port: int, guard: str, child: str) -> None:
