@@ -40,7 +40,7 @@ EXAMPLES = [
 ]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def sim() -> Iterator[Simulator]:
     with Simulator(speed=10) as running:
         yield running

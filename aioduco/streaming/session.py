@@ -243,7 +243,12 @@ class Session:
 
     async def _mind(self, host: WorkerHandle) -> None:
         """Hear from the worker to its end; stop the robot if it went without a word."""
-        await host.listen(self._patience + 20 * self._config.period)
+        try:
+            await host.listen(self._patience + 20 * self._config.period)
+        except Exception as error:
+            # At once: the worker sees that nobody hears it, and would give that as its reason.
+            self._crashed(error)
+            raise
         if host.reason is Reason.LANE_DIED and self._endpoint.stop is not None:
             await self._stop_robot(self._endpoint.stop)
 

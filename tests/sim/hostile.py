@@ -9,8 +9,8 @@ Two kinds of frames:
   too deep, or noise. Their connection may be closed; the server goes on.
 
 A connection sends some odd frames and a broken one as the last, and reads until the server
-closes. Meanwhile a probe calls on a connection of its own, and is timed; it also ends what the
-others have begun, and enables the arm again.
+closes; now and then it first enables the arm again, since some frames switch it off. Meanwhile a
+probe calls on a connection of its own, and is timed; it also ends what the others have begun.
 """
 
 from __future__ import annotations
@@ -40,6 +40,7 @@ SPARED = frozenset(("shutdown", "restart"))
 ODD_NUMBERS = (float("nan"), float("inf"), float("-inf"), 1e308, -1e308, 5e-324, 0.0, -0.0, 1e-9)
 _SIZES = (-(2**31), -1, 2**16 + 1, 2**20 + 1, 2**30, 2**31 - 1)
 _BATCH = 12
+_ENABLED_EVERY = 10  # batches
 _ENABLED = 6
 #: how long an answer may take: a motion ends by its own or by the probe's stop [s]
 _PATIENCE = 30.0
@@ -130,7 +131,7 @@ class Outcome:
             a probe that is not served.
         probes: how long each call of the probe took [s].
         longest: the longest that a connection had to wait for its end [s].
-        enabled: how many probes found the arm enabled.
+        enabled: how often the arm was enabled before a batch.
     """
 
     frames: Counter[str] = field(default_factory=Counter)
@@ -185,6 +186,8 @@ class Fuzzer:
         odd = min(_BATCH, self._frames - number) - 1
         frames = [mutator.odd(seqid) for seqid in range(1, odd + 1)]
         frames.append(mutator.broken(odd + 1))
+        if number % (_ENABLED_EVERY * _BATCH) == 0:
+            self._enable()
         began = time.perf_counter()
         answers, ended = self._exchange(b"".join(frames), reset=number % (7 * _BATCH) == 0)
         took = time.perf_counter() - began
@@ -201,6 +204,15 @@ class Fuzzer:
             ]
             if ended and seqids != list(range(1, odd + 1)):
                 outcome.wrong.append(f"batch {number}: answers of {seqids}, of {odd} calls")
+
+    def _enable(self) -> None:
+        """Switch the arm on: else most of what follows would find one that does not move."""
+        with RawClient(self._port, timeout=_PATIENCE) as client:
+            for name in ("power_off", "power_on", "enable"):
+                client.call(name, block=True)
+            enabled = client.call("get_robot_state")[0] == _ENABLED
+        with self._lock:
+            self.outcome.enabled += enabled
 
     def _exchange(self, data: bytes, *, reset: bool) -> tuple[list[Message], bool]:
         """Send, and read until the server closes; with `reset`, leave without a word instead."""
@@ -231,11 +243,6 @@ class Fuzzer:
                     assert len(state) == 4
                     if number % 10 == 0:
                         client.call("stop", block=False)  # else a call may wait for ever
-                    if state[0] != _ENABLED and number % 5 == 0:
-                        # Else most of what follows would find an arm that does not move.
-                        for name in ("power_off", "power_on", "enable"):
-                            client.call(name, block=False)
-                    self.outcome.enabled += state[0] == _ENABLED
                     if self._done.wait(0.01):
                         return
         except Exception as exc:

@@ -60,8 +60,7 @@ def test_a_server_that_is_sent_anything_goes_on(
         grown = peak(sim.pid) - before
         assert not outcome.wrong, outcome.wrong[:5]
         assert sum(outcome.frames.values()) == frames
-        # Few frames look at the arm, and some of them switch it off.
-        assert outcome.enabled or frames < 3000, "the frames found no arm that could move"
+        assert outcome.enabled, "the frames found no arm that could move"
         assert grown < ROOM
         eventually(lambda: process.num_threads() <= threads)
         with RawClient(sim.port) as client:
@@ -80,7 +79,7 @@ def test_a_server_that_is_sent_anything_goes_on(
             "peak_memory_MB": round((before + grown) / 1e6, 1),
             "grown_memory_MB": round(grown / 1e6, 1),
             "probes_of_another_connection": len(outcome.probes),
-            "of_which_found_the_arm_enabled": outcome.enabled,
+            "batches_that_found_the_arm_enabled": outcome.enabled,
             "probe_ms": percentiles(outcome.probes),
         }
         Path(where).write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
