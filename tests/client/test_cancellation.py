@@ -226,7 +226,7 @@ INTERRUPTED = """
     import aioduco
 
     async def main():
-        async with aioduco.connect({host!r}, {port}) as robot:
+        async with aioduco.connect({host!r}, {port}, loop_stall_limit=15.0) as robot:
             motion = robot.motion.movej2([0, 0, 1.5, 0, -1.5, 0], v=1.0, a=1.0)
             task = await motion.start()
             print("moving", flush=True)

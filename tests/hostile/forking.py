@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 HOME = (0.0, 0.0, 1.5, 0.0, -1.5, 0.0)
+#: a starved machine is not what is tested
+PATIENT: dict[str, Any] = {"heartbeat": 20.0, "loop_stall_limit": 15.0}
 #: codes with which children end
 CODE, DEFECT = 7, 9
 
@@ -118,7 +120,7 @@ async def with_child(robot: aioduco.Robot, child: str) -> int:
 async def main(host: str, port: int, guard: str, child: str) -> None:
     told: dict[str, Any] = {}
     kind: Any = guard or None
-    async with aioduco.connect(host, port, guard=kind, heartbeat=1.0) as robot:
+    async with aioduco.connect(host, port, guard=kind, **PATIENT) as robot:
         task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
         if child == "live_on":
             if os.fork() == 0:

@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 PROGRAM = """
 import sys, anyio, aioduco
 async def main():
-    async with aioduco.connect({host!r}, {port}, guard="process", heartbeat={heartbeat}) as robot:
+    robot = aioduco.connect(
+        {host!r}, {port}, guard="process", heartbeat={heartbeat}, loop_stall_limit=15.0
+    )
+    async with robot:
         {deed}
         print(robot._supervisor.guard.pid, flush=True)
         await anyio.sleep_forever()
