@@ -48,23 +48,28 @@ class BlockingCalls:
             arguments: its encoded arguments.
             deadline: time of `time.monotonic()` by which the answer must be there, or None.
         """
-        for worker in tuple(self._pool.workers):
-            if worker.claim():
-                break
-        else:
-            return self._on_own_connection(function, arguments, deadline)
         call = BlockingCall(function, arguments, deadline, self.released)
+        workers = tuple(self._pool.workers)
         try:
-            worker.submit(call)
-        except RuntimeError:
-            # the system has no more threads
-            return self._on_own_connection(function, arguments, deadline)
-        if call_kind(function.name) is CallKind.STOP:
-            return self._stop_surely(call, function)
-        try:
+            for worker in workers:
+                if worker.claim(call):
+                    break
+            else:
+                return self._on_own_connection(function, arguments, deadline)
+            try:
+                worker.submit(call)
+            except RuntimeError:
+                # the system has no more threads
+                worker.recover(call)
+                return self._on_own_connection(function, arguments, deadline)
+            if call_kind(function.name) is CallKind.STOP:
+                return self._stop_surely(call, function)
             answered = call.wait()
-        except BaseException:
-            worker.abandon(call, "the call was interrupted")
+        except (KeyboardInterrupt, SystemExit):
+            for worker in workers:
+                worker.recover(call)
+                if call_kind(function.name) is not CallKind.STOP:
+                    worker.abandon(call, "the call was interrupted")
             raise
         if not answered:
             raise hung(function.name, worker.abandon(call, "its thread hangs"))

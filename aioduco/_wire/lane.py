@@ -273,13 +273,13 @@ class WireLane:
         return value
 
     async def _carry_out(self, call: AwaitedCall) -> Any:
-        self._deadlines.add(call)
-        worker = self._pool.take(call)
-        if worker is not None:
-            self._submit(worker, call)
-        else:
-            self._dispatch()
         try:
+            self._deadlines.add(call)
+            worker = self._pool.take(call)
+            if worker is not None:
+                self._submit(worker, call)
+            else:
+                self._dispatch()
             return await call
         except BaseException as exc:
             if isinstance(exc, ConnectionLost | ConnectError):
@@ -293,11 +293,16 @@ class WireLane:
             self._deadlines.discard(call)
 
     def _give_up(self, call: AwaitedCall) -> None:
-        """The task that waited was cancelled: nothing of the call stays behind."""
-        if call.worker is None:
-            self._pool.forget(call)
-        else:
+        """The task that waited was cancelled or interrupted: nothing of the call stays behind."""
+        self._withdraw(call)
+        if call.worker is not None:
             self._drop(call.worker, call, "the call was cancelled")
+
+    def _withdraw(self, call: AwaitedCall) -> None:
+        """Take back a call that no thread has, wherever an interrupt left it."""
+        self._pool.forget(call)
+        for worker in self._pool.workers:
+            worker.recover(call)
 
     def _drop(self, worker: Worker, call: AwaitedCall, reason: str) -> AbandonOutcome:
         """Abandon a call that is under way, and the thread with it."""
@@ -332,6 +337,7 @@ class WireLane:
         try:
             worker.submit(call)
         except RuntimeError as exc:
+            worker.recover(call)
             self._pool.discard(worker)
             lost = ConnectionLost(f"{call.name} was not sent: no thread for it ({exc})")
             lost.__cause__ = exc
@@ -351,12 +357,14 @@ class WireLane:
         """The time of a call is over: it waits for a connection, or its thread is late with it."""
         worker = call.worker
         if worker is None:
-            self._pool.forget(call)
+            self._withdraw(call)
             call.fail(NotSent(f"{call.name} was not sent: no connection of {self!r} was free"))
         elif again and not call.refused:
             dropped = self._drop(worker, call, "its thread hangs")
-            # if it is over, its notice is on the way to the loop, which was too busy for it
-            if dropped is not AbandonOutcome.OVER:
+            if dropped is AbandonOutcome.OVER:
+                # the loop was too busy for its notice, or was interrupted while it took it
+                call.settle()
+            else:
                 call.fail(hung(call.name, dropped))
 
     def call_from_thread(self, name: str, args: tuple[Any, ...], timeout: float | None) -> Any:

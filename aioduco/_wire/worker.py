@@ -52,9 +52,10 @@ class Worker:
         self.name = name
         self._source = source
         self._inbox: SimpleQueue[Call | Callable[[], None]] = SimpleQueue()
-        # Held while a call is under way. Only ever tried, never waited for, so that a signal
-        # handler can claim a worker in the middle of the loop's own code.
-        self._claim = threading.Lock()
+        # Who has the worker, under None. Only ever tried, never waited for, so that a signal
+        # handler can claim a worker in the middle of the loop's own code. It is known whose claim
+        # it is: an interrupt can come between any two steps, and what was claimed is given back.
+        self._claims: dict[None, object] = {}
         # Held for moments, so that a call cannot end, and the next one begin, while it is being
         # abandoned. Reentrant for the signal handler.
         self._lock = threading.RLock()
@@ -62,7 +63,6 @@ class Worker:
         self._connection: Connection | None = None
         self._is_open = False
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
-        self._started = False
         self._left = False
         #: set when the lane is done with this worker
         self.retired = False
@@ -78,6 +78,10 @@ class Worker:
     def alive(self) -> bool:
         """Whether the thread runs."""
         return self._thread.is_alive()
+
+    @property
+    def _started(self) -> bool:
+        return self._thread.ident is not None
 
     @property
     def stuck(self) -> bool:
@@ -105,11 +109,10 @@ class Worker:
         """
         if not self._started:
             self._thread.start()
-            self._started = True
 
-    def claim(self) -> bool:
-        """Take the worker for one call, if it is free; never waits."""
-        return not self.retired and self._claim.acquire(blocking=False)
+    def claim(self, call: object) -> bool:
+        """Take the worker for one call, if it is free or that call's already; never waits."""
+        return not self.retired and self._claims.setdefault(None, call) is call
 
     def submit(self, call: Call) -> None:
         """Hand a call to the thread; the claim must be held, and is released by the thread."""
@@ -122,6 +125,20 @@ class Worker:
             call.handed_over = True  # before: an abandon in the middle of it must see it
             call.handed_over = connection.send_ahead(call.function, call.arguments, call.deadline)
         self._inbox.put(call)
+
+    def recover(self, call: Call) -> None:
+        """Finish a claim and a `submit` that an interrupt may have left half done.
+
+        What had not begun is undone, and what had begun is finished. Harmless where nothing was
+        left: a call that comes twice has no claim the second time, and the thread passes over it.
+        """
+        with self._lock:
+            if self._claims.get(None) is not call:
+                return
+            if self._current is call:
+                self._inbox.put(call)
+            else:
+                self._claims.clear()
 
     def abandon(self, call: Call | None, reason: str) -> AbandonOutcome:
         """Have the thread drop a call, from any thread; at once if it waits for bytes.
@@ -171,6 +188,8 @@ class Worker:
             if not isinstance(item, Call):
                 self._leave(item)
                 return
+            if self._claims.get(None) is not item:
+                continue
             try:
                 item.value = self._carry_out(item)
             except BaseException as exc:
@@ -180,10 +199,10 @@ class Worker:
             del item
 
     def _let_go(self, call: Call) -> None:
+        # free before the waiter is woken, so that it can have this worker again at once
         with self._lock:
             self._current = None
-        # free before the waiter is woken, so that it can have this worker again at once
-        self._claim.release()
+            self._claims.clear()
         call.notify()
 
     def _leave(self, on_end: Callable[[], None]) -> None:
@@ -191,7 +210,7 @@ class Worker:
         callbacks = [on_end]
         # Taken for good, so that no more calls can come. If another thread holds the claim, its
         # call is on the way, and gets an answer too.
-        while not self._claim.acquire(blocking=False):
+        while self._claims.setdefault(None, self) is not self:
             self._decline(self._inbox.get(), callbacks)
         with self._lock:
             while not self._inbox.empty():
@@ -204,6 +223,8 @@ class Worker:
         self, item: Call | Callable[[], None], callbacks: list[Callable[[], None]]
     ) -> None:
         if isinstance(item, Call):
+            if self._claims.get(None) is not item:
+                return
             item.error = (
                 OutcomeUnknown(item.name, "its lane was closed")
                 if item.handed_over

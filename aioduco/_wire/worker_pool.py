@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 class Claimable(Protocol):
     """Something that one call at a time can have."""
 
-    def claim(self) -> bool:
-        """Take it if it is free; never waits."""
+    def claim(self, call: object) -> bool:
+        """Take it for a call if it is free, or that call's already; never waits."""
         ...
 
 
@@ -55,7 +55,7 @@ class WorkerPool(Generic[W, C]):
 
     def take(self, call: C) -> W | None:
         """A free worker for a new call, claimed now; None if the call has to wait."""
-        worker = None if self._waiting else self._free()
+        worker = None if self._waiting else self._free(call)
         if worker is None:
             self._waiting.append(call)
         return worker
@@ -74,7 +74,7 @@ class WorkerPool(Generic[W, C]):
             if self._waiting[0].refused:
                 self._waiting.popleft()
                 continue
-            worker = self._free()
+            worker = self._free(self._waiting[0])
             if worker is None:
                 return
             yield worker, self._waiting.popleft()
@@ -92,13 +92,13 @@ class WorkerPool(Generic[W, C]):
         self._waiting.clear()
         return left
 
-    def _free(self) -> W | None:
+    def _free(self, call: C) -> W | None:
         for worker in self.workers:
-            if worker.claim():
+            if worker.claim(call):
                 return worker
         if len(self.workers) < self.size:
             worker = self._make()
             self.workers.append(worker)
-            if worker.claim():
+            if worker.claim(call):
                 return worker
         return None

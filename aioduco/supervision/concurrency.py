@@ -246,12 +246,14 @@ class BackgroundTasks:
         while self._tasks:
             for task in self._tasks:
                 task.cancel()
-            await asyncio.wait(self._tasks)
+            done, _ = await asyncio.wait(self._tasks)
+            self._tasks -= done  # also those of which an interrupt kept `_ended` from knowing
 
     async def ended(self) -> None:
         """Wait until nothing runs any more."""
         while self._tasks:
-            await asyncio.wait(self._tasks)
+            done, _ = await asyncio.wait(self._tasks)
+            self._tasks -= done
 
     def _ended(self, task: asyncio.Task[Any]) -> None:
         self._tasks.discard(task)

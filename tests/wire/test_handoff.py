@@ -116,16 +116,46 @@ def blocking(deadline: float | None = None) -> BlockingCall:
 
 def test_a_worker_is_claimed_by_one(worker: tuple[Worker, ScriptedServer]) -> None:
     made, _ = worker
-    assert made.claim()
-    assert not made.claim()
-    call = blocking()
+    call, other = blocking(), blocking()
+    assert made.claim(call)
+    assert made.claim(call)
+    assert not made.claim(other)
     made.submit(call)
     assert call.wait(PATIENCE)
     assert call.outcome() == 0
     # free as soon as the caller knows
-    assert made.claim()
-    made._claim.release()
+    assert made.claim(other)
+    made.recover(other)
+    assert made.claim(call)
+    made.recover(call)
     assert "idle" in repr(made)
+
+
+def test_a_call_that_was_interrupted_on_its_way_is_finished_or_undone(
+    worker: tuple[Worker, ScriptedServer],
+) -> None:
+    made, server = worker
+    claimed, begun, whole = blocking(), blocking(), blocking()
+    # as an interrupt between two steps of `submit` leaves it
+    assert made.claim(claimed)
+    made.recover(claimed)
+    assert made.claim(begun)
+    made.start()
+    begun.worker, made._current = made, begun
+    made.recover(begun)
+    assert begun.wait(PATIENCE)
+    assert begun.outcome() == 0
+    assert made.claim(whole)
+    made.submit(whole)
+    made.recover(whole)
+    made.recover(whole)
+    assert whole.wait(PATIENCE)
+    assert whole.outcome() == 0
+    last = blocking()
+    assert made.claim(last)
+    made.submit(last)
+    assert last.wait(PATIENCE)
+    assert server.names == ["stop"] * 3
 
 
 def test_a_call_that_meets_the_end_of_its_worker_is_told(
@@ -133,22 +163,21 @@ def test_a_call_that_meets_the_end_of_its_worker_is_told(
 ) -> None:
     """Claimed by a signal handler just before the lane closes, handed over just after."""
     made, server = worker
-    assert made.claim()
-    first = blocking()
+    first, call = blocking(), blocking()
+    assert made.claim(first)
     made.submit(first)
     assert first.wait(PATIENCE)
-    assert made.claim()
+    assert made.claim(call)
     said = threading.Event()
     made.dismiss(said.set)
     eventually(lambda: made.connection is None)
-    call = blocking()
     made.submit(call)
     assert call.wait(PATIENCE)
     with pytest.raises(ConnectionLost, match="stop was not sent, since its lane was closed"):
         call.outcome()
     assert said.wait(PATIENCE)
     assert made.join(PATIENCE)
-    assert not made.claim()
+    assert not made.claim(blocking())
     assert server.names == ["stop"]
 
 
@@ -156,8 +185,8 @@ def test_everybody_who_waits_for_the_end_of_a_worker_is_told(
     worker: tuple[Worker, ScriptedServer],
 ) -> None:
     made, _ = worker
-    assert made.claim()
     call = blocking()
+    assert made.claim(call)
     made.submit(call)
     assert call.wait(PATIENCE)
     # some before it is gone, some after
@@ -177,7 +206,7 @@ def test_a_worker_that_never_began_ends_at_once(worker: tuple[Worker, ScriptedSe
     made.dismiss(said.set)
     assert said.is_set()
     assert not made.alive
-    assert not made.claim()
+    assert not made.claim(blocking())
     assert server.connections == 0
 
 
@@ -185,14 +214,14 @@ def test_abandoning_a_call_that_is_over_leaves_the_next_one_alone(
     worker: tuple[Worker, ScriptedServer],
 ) -> None:
     made, server = worker
-    assert made.claim()
     call = blocking()
+    assert made.claim(call)
     made.submit(call)
     assert call.wait(PATIENCE)
     assert made.abandon(call, "too late") is AbandonOutcome.OVER
     assert made.abandon(None, "nothing is under way") is AbandonOutcome.OVER
-    assert made.claim()
     again = blocking()
+    assert made.claim(again)
     made.submit(again)
     assert again.wait(PATIENCE)
     assert again.outcome() == 0

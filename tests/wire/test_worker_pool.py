@@ -15,7 +15,7 @@ class Worker:
         self.call: Call | None = None
         self.claimed = False
 
-    def claim(self) -> bool:
+    def claim(self, _call: object) -> bool:
         free = not self.claimed
         self.claimed = True
         return free
@@ -130,7 +130,7 @@ class PoolMachine(RuleBasedStateMachine):
     @rule()
     def steal(self) -> None:
         """A signal handler takes a worker past the pool."""
-        worker = next(worker for worker in self.pool.workers if worker.claim())
+        worker = next(worker for worker in self.pool.workers if worker.claim(self))
         self.stolen.append(worker)
 
     @precondition(lambda self: self.stolen)

@@ -1,0 +1,76 @@
+"""A program that is interrupted at one line of the package while it leaves its robot.
+
+    python interrupted.py HOST PORT NUMBER
+
+The motion is cancelled, as a first interrupt does it. From then on the lines of the package are
+counted that the main thread runs; at line NUMBER a second interrupt arrives. What the program
+writes is where that was.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import faulthandler
+import os
+import sys
+from typing import TYPE_CHECKING, Any
+
+import aioduco
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+PACKAGE = os.path.dirname(aioduco.__file__) + os.sep  # noqa: PTH120  # compared with file names
+
+
+class Interruption:
+    """Counts lines of the package, and interrupts at one of them."""
+
+    def __init__(self, number: int) -> None:
+        self._left = number
+
+    def begin(self) -> None:
+        """Count from now on, also in what the event loop's tasks are in the middle of."""
+        for task in asyncio.all_tasks():
+            part: Any = task.get_coro()
+            while part is not None:
+                frame = getattr(part, "cr_frame", None) or getattr(part, "gi_frame", None)
+                if frame is not None:
+                    frame.f_trace = self.trace
+                part = getattr(part, "cr_await", None) or getattr(part, "gi_yieldfrom", None)
+        sys.settrace(self.trace)
+
+    def trace(self, frame: FrameType, event: str, _arg: object) -> Any:
+        """Count a line; a trace function."""
+        if not frame.f_code.co_filename.startswith(PACKAGE):
+            return None
+        if event == "line":
+            self._left -= 1
+            if self._left == 0:
+                sys.settrace(None)
+                sys.stdout.write(f"{frame.f_code.co_filename}:{frame.f_lineno}\n")
+                sys.stdout.flush()
+                raise KeyboardInterrupt
+        return self.trace
+
+
+async def main(host: str, port: int, number: int) -> None:
+    interruption = Interruption(number)
+    async with aioduco.connect(host, port, heartbeat=20.0, loop_stall_limit=15.0) as robot:
+        task = await robot.motion.movej2([0, 0, 1.5, 0, -1.5, 0], v=1.0, a=1.0).start()
+        here = asyncio.current_task()
+        assert here is not None
+
+        def interrupt() -> None:
+            interruption.begin()
+            here.cancel()
+
+        asyncio.get_running_loop().call_soon(interrupt)
+        await task
+
+
+if __name__ == "__main__":
+    # whoever waits in vain for this program ends it by SIGABRT, and reads where it was
+    faulthandler.enable()
+    _, given_host, given_port, given_number = sys.argv
+    asyncio.run(main(given_host, int(given_port), int(given_number)))
