@@ -116,46 +116,19 @@ def _cell(value: object) -> str:
     return str(value)
 
 
-def arguments(doc: str | None, name: str, *, beside: bool = False) -> argparse.Namespace:
-    """The options that every benchmark takes, and that to measure another checkout beside it."""
-    parser = argparse.ArgumentParser(description=(doc or "").splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="seconds instead of minutes, for CI")
-    parser.add_argument(
+def arguments(doc: str | None, name: str) -> argparse.Namespace:
+    """The options that every benchmark takes."""
+    return parser(doc, name).parse_args()
+
+
+def parser(doc: str | None, name: str) -> argparse.ArgumentParser:
+    """A parser of those options, for a benchmark that takes others as well."""
+    made = argparse.ArgumentParser(description=(doc or "").splitlines()[0])
+    made.add_argument("--quick", action="store_true", help="seconds instead of minutes, for CI")
+    made.add_argument(
         "--save", action="store_true", help=f"write the figures to benchmarks/results/{name}.json"
     )
-    if beside:
-        parser.add_argument(
-            "--beside",
-            type=Path,
-            metavar="TREE",
-            help="another checkout, whose own benchmark is run first and kept beside the figures",
-        )
-    return parser.parse_args()
-
-
-def figures_beside(options: argparse.Namespace, name: str) -> dict[str, Any]:
-    """What the same benchmark of another checkout measures on this machine; empty if none is named.
-
-    Args:
-        options: as `arguments` returned them.
-        name: of the benchmark.
-    """
-    if options.beside is None:
-        return {}
-    tree: Path = options.beside.resolve()
-    command = [sys.executable, str(tree / "benchmarks" / f"{name}.py"), "--save"]
-    environment = {**os.environ, "PYTHONPATH": str(tree)}
-    # in its own folder: what it starts may import from there
-    subprocess.run(command + ["--quick"] * options.quick, cwd=tree, env=environment, check=True)
-    figures = json.loads((tree / "benchmarks" / "results" / f"{name}.json").read_text("utf-8"))
-    del figures["machine"]
-    commit = subprocess.run(
-        ["git", "-C", str(tree), "rev-parse", "--short", "HEAD"],
-        check=True,
-        capture_output=True,
-        text=True,
-    )
-    return {f"commit {commit.stdout.strip()}, in the same session": figures}
+    return made
 
 
 def apart() -> tuple[set[int], set[int]] | None:

@@ -27,7 +27,6 @@ import anyio
 from _common import (
     ServerProcess,
     arguments,
-    figures_beside,
     print_table,
     scheduling,
     spread,
@@ -277,8 +276,7 @@ async def measure(server: ServerProcess, cores: set[int], quick: bool) -> dict[s
 
 
 def main() -> None:
-    options = arguments(__doc__, "guard", beside=True)
-    before = figures_beside(options, "guard")
+    options = arguments(__doc__, "guard")
     cores = os.sched_getaffinity(0)  # before the program is kept to some of them
     with ServerProcess("supervision_server.py") as server:
         results = anyio.run(measure, server, cores, options.quick)
@@ -293,7 +291,7 @@ def main() -> None:
         ]
         print_table(title, [key, "", "p50", "p99", "max", count], sorted(rows, key=str))
     if options.save:
-        print("written:", write_results("guard", results | before).name)
+        print("written:", write_results("guard", results).name)
 
 
 if __name__ == "__main__":
