@@ -40,6 +40,10 @@ they belong to is not known. A call of a function that a controller lacks raises
 [`UnknownFunction`](reference/errors.md), which names the controller's version, and does nothing.
 `robot.version.controller` has it from connecting on. What older controllers take otherwise, and
 what [manual 4.3](#manual-43) adds, is at the end of the page.
+
+`aioduco call NAME` calls any of them from a shell, and `aioduco call NAME --describe` says what it
+takes. A call that changes something asks first.
+
 Written by `docs/functions.py`."""
 
 OLDER = """

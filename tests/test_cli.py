@@ -11,6 +11,7 @@ import socket
 import subprocess
 import sys
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -20,17 +21,19 @@ from typer.testing import CliRunner, Result
 
 import aioduco
 import aioduco.sync
+from aioduco._wire import idl
 from aioduco.cli.app import app
+from aioduco.cli.call import function_of
 from aioduco.cli.demo.command import LEFT
 from aioduco.cli.sim_do import control_port_of
 from aioduco.kinematics import models
 from aioduco.models.enums import RobotState
+from aioduco.models.names import SPELLINGS, place
 from aioduco.sim import Simulator
 from aioduco.testing import eventually
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
     from aioduco.cli.demo.script import Plan
 
@@ -438,3 +441,60 @@ def test_demo_on_a_terminal_shows_the_arm_while_it_moves(tmp_path: Path) -> None
             os.close(theirs)
     assert b"J6" in seen
     assert b"mm" in seen
+
+
+# -- call
+
+
+def test_a_function_is_called_by_its_name_and_read_as_json() -> None:
+    with Simulator(speed=10) as sim:
+        shown = run("call", "get_actual_joints_position", "--json", "--port", str(sim.port))
+        joints = json.loads(shown.stdout)
+        assert list(joints.values()) == pytest.approx(list(sim.joints.array), abs=1e-9)
+        status = run("call", "getRobotStatus", "--json", "--port", str(sim.port))
+        assert json.loads(status.stdout)["joints"] == pytest.approx(joints, abs=1e-9)
+
+
+def test_a_call_that_moves_the_arm_asks_first() -> None:
+    motion = ("call", "movej2", "[0.3, 0, 1.5, 0, -1.5, 0]", "v=2", "a=5")
+    with Simulator(speed=10) as sim:
+        port = ("--port", str(sim.port))
+        for name in ("power_on", "enable"):
+            assert run("call", name, "--yes", *port).exit_code == 0
+        begin = sim.joints
+        declined = run(*motion, *port, typed="n\n")
+        assert declined.exit_code == 1
+        assert "robot.motion.movej2([0.3, 0, 1.5, 0, -1.5, 0], v=2, a=5)" in declined.stdout
+        assert sim.joints.almost_equal(begin, 1e-6)
+        done = run(*motion, *port, "--yes")
+        assert (done.exit_code, done.stdout) == (0, "Outcome.FINISHED\n")
+        assert sim.joints.j1 == pytest.approx(0.3, abs=1e-3)
+
+
+def test_a_call_that_cannot_be_made_says_why() -> None:
+    unknown = run("call", "no_such_function")
+    assert unknown.exit_code == 2
+    assert "no_such_function" in unknown.stderr
+    nobody = run("call", "get_tcp_pose", "--port", "1")
+    assert nobody.exit_code == 1
+    assert "127.0.0.1:1" in nobody.stderr
+    with Simulator() as sim:
+        short = run("call", "movel", "3", "--yes", "--port", str(sim.port))
+    assert short.exit_code == 1
+    assert "missing" in short.stderr
+
+
+def test_every_function_of_the_robot_can_be_called_by_its_name() -> None:
+    """The command, the page of functions and the objects agree."""
+    page = (Path(__file__).parents[1] / "docs" / "functions.md").read_text("utf-8")
+    names = [*SPELLINGS, *(name for name in idl.functions() if place(name))]
+    assert len(names) > 226
+    robot = aioduco.sync.connect("192.0.2.1")
+    for name in names:
+        where = place(name)
+        assert where is not None
+        assert callable(function_of(robot, where)), name
+        assert f"`{where}`" in page
+    described = run("call", "move1", "--describe").stdout
+    assert described.startswith("robot.motion.movel(pose: PoseLike, v: float")
+    assert "移动" in described or "运动" in described

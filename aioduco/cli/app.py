@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 import aioduco
+from aioduco.cli.call import call
 from aioduco.cli.check import check
 from aioduco.cli.demo.command import demo
 from aioduco.cli.doctor import doctor
@@ -28,6 +29,7 @@ app.command()(demo)
 app.command()(doctor)
 app.command()(plot)
 app.command()(check)
+app.command(context_settings={"ignore_unknown_options": True})(call)
 
 
 def _version(wanted: bool) -> None:
