@@ -419,6 +419,10 @@ def _broken(head: str, arguments: list[str], tail: str) -> list[str]:
     starred = any(each.startswith("*") and each != "*" for each in arguments)
     if len(inner) <= 100:
         return [f"{head}(", inner, f"{indent}){tail}"]
+    if not head.lstrip().startswith("def "):
+        # of a call nobody reads but whether it passes everything on
+        filled = textwrap.wrap(", ".join(arguments), 96 - len(indent), break_long_words=False)
+        return [f"{head}(", *(f"{indent}    {line}" for line in filled), f"{indent}){tail}"]
     comma = "," if not starred or arguments[-1][:1] != "*" else ""
     body = [f"{indent}    {each}," for each in arguments[:-1]]
     return [f"{head}(", *body, f"{indent}    {arguments[-1]}{comma}", f"{indent}){tail}"]

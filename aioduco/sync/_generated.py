@@ -322,15 +322,8 @@ class Motion(_Section):
         Manual sections 1.3.5 and 1.3.15.
         """
         work = self._section.follow_joint_trajectory(
-            trajectory,
-            v=v,
-            a=a,
-            tolerances=tolerances,
-            feedback=feedback,
-            through=through,
-            rate=rate,
-            reach=reach,
-            options=options,
+            trajectory, v=v, a=a, tolerances=tolerances, feedback=feedback, through=through,
+            rate=rate, reach=reach, options=options
         )
         return self._runner.call(work)
 
@@ -724,17 +717,8 @@ class Motion(_Section):
         Manual section 1.3.5.
         """
         return self._section.movec(
-            via,
-            pose,
-            v,
-            a,
-            r=r,
-            mode=mode,
-            q_near=q_near,
-            tool=tool,
-            wobj=wobj,
-            op=op,
-            def_acc=def_acc,
+            via, pose, v, a, r=r, mode=mode, q_near=q_near, tool=tool, wobj=wobj, op=op,
+            def_acc=def_acc
         )
 
     @moves
@@ -778,17 +762,8 @@ class Motion(_Section):
         Manual section 1.3.5.
         """
         return self._section.move_circle(
-            p1,
-            p2,
-            v,
-            a,
-            r=r,
-            mode=mode,
-            q_near=q_near,
-            tool=tool,
-            wobj=wobj,
-            op=op,
-            def_acc=def_acc,
+            p1, p2, v, a, r=r, mode=mode, q_near=q_near, tool=tool, wobj=wobj, op=op,
+            def_acc=def_acc
         )
 
     @moves
@@ -918,19 +893,8 @@ class Motion(_Section):
         Manual section 1.3.5.
         """
         return self._section.move_spiral(
-            center,
-            pose,
-            rev,
-            length,
-            radius,
-            mode,
-            v,
-            a,
-            q_near=q_near,
-            tool=tool,
-            wobj=wobj,
-            op=op,
-            def_acc=def_acc,
+            center, pose, rev, length, radius, mode, v, a, q_near=q_near, tool=tool, wobj=wobj,
+            op=op, def_acc=def_acc
         )
 
     @moves
@@ -1093,16 +1057,8 @@ class Motion(_Section):
         Manual section 1.3.5.
         """
         return self._section.servoj_pose(
-            pose,
-            v,
-            a,
-            q_near=q_near,
-            tool=tool,
-            wobj=wobj,
-            kp=kp,
-            kd=kd,
-            smooth_vel=smooth_vel,
-            smooth_acc=smooth_acc,
+            pose, v, a, q_near=q_near, tool=tool, wobj=wobj, kp=kp, kd=kd, smooth_vel=smooth_vel,
+            smooth_acc=smooth_acc
         )
 
     @moves
@@ -1153,16 +1109,8 @@ class Motion(_Section):
         Manual section 1.3.5.
         """
         return self._section.servo_tcp(
-            offset,
-            v,
-            a,
-            tool=tool,
-            frame=frame,
-            wobj=wobj,
-            kp=kp,
-            kd=kd,
-            smooth_vel=smooth_vel,
-            smooth_acc=smooth_acc,
+            offset, v, a, tool=tool, frame=frame, wobj=wobj, kp=kp, kd=kd, smooth_vel=smooth_vel,
+            smooth_acc=smooth_acc
         )
 
     @moves
@@ -1206,16 +1154,8 @@ class Motion(_Section):
         Manual section 1.3.5.
         """
         return self._section.servol(
-            pose,
-            v,
-            a,
-            q_near=q_near,
-            tool=tool,
-            wobj=wobj,
-            kp=kp,
-            kd=kd,
-            smooth_vel=smooth_vel,
-            smooth_acc=smooth_acc,
+            pose, v, a, q_near=q_near, tool=tool, wobj=wobj, kp=kp, kd=kd, smooth_vel=smooth_vel,
+            smooth_acc=smooth_acc
         )
 
     @moves
@@ -1443,13 +1383,7 @@ class Servo(_Section):
         Manual section 1.3.5.
         """
         made = self._section.joints(
-            v=v,
-            a=a,
-            jerk=jerk,
-            max_step=max_step,
-            reach=reach,
-            gains=gains,
-            options=options,
+            v=v, a=a, jerk=jerk, max_step=max_step, reach=reach, gains=gains, options=options,
             **feeding
         )
         return Stream(self._runner, made)
@@ -1498,18 +1432,8 @@ class Servo(_Section):
         Manual section 1.3.5.
         """
         made = self._section.pose(
-            v=v,
-            a=a,
-            velocity=velocity,
-            acceleration=acceleration,
-            jerk=jerk,
-            q_near=q_near,
-            tool=tool,
-            wobj=wobj,
-            max_step=max_step,
-            reach=reach,
-            gains=gains,
-            options=options,
+            v=v, a=a, velocity=velocity, acceleration=acceleration, jerk=jerk, q_near=q_near,
+            tool=tool, wobj=wobj, max_step=max_step, reach=reach, gains=gains, options=options,
             **feeding
         )
         return Stream(self._runner, made)
@@ -1560,18 +1484,8 @@ class Servo(_Section):
         Manual section 1.3.5.
         """
         made = self._section.linear(
-            v=v,
-            a=a,
-            velocity=velocity,
-            acceleration=acceleration,
-            jerk=jerk,
-            q_near=q_near,
-            tool=tool,
-            wobj=wobj,
-            max_step=max_step,
-            reach=reach,
-            gains=gains,
-            options=options,
+            v=v, a=a, velocity=velocity, acceleration=acceleration, jerk=jerk, q_near=q_near,
+            tool=tool, wobj=wobj, max_step=max_step, reach=reach, gains=gains, options=options,
             **feeding
         )
         return Stream(self._runner, made)
@@ -1628,18 +1542,8 @@ class Servo(_Section):
         Manual section 1.3.5.
         """
         made = self._section.tcp_offset(
-            v=v,
-            a=a,
-            velocity=velocity,
-            acceleration=acceleration,
-            jerk=jerk,
-            tool=tool,
-            frame=frame,
-            wobj=wobj,
-            max_step=max_step,
-            gains=gains,
-            options=options,
-            **feeding
+            v=v, a=a, velocity=velocity, acceleration=acceleration, jerk=jerk, tool=tool,
+            frame=frame, wobj=wobj, max_step=max_step, gains=gains, options=options, **feeding
         )
         return OffsetStream(self._runner, made)
 
@@ -1738,17 +1642,8 @@ class Speed(_Section):
         Manual section 1.3.5.
         """
         made = self._section.linear(
-            a=a,
-            turn_a=turn_a,
-            v=v,
-            turn_v=turn_v,
-            frame=frame,
-            wobj=wobj,
-            dead_man=dead_man,
-            rate=rate,
-            latest=latest,
-            hold=hold,
-            options=options,
+            a=a, turn_a=turn_a, v=v, turn_v=turn_v, frame=frame, wobj=wobj, dead_man=dead_man,
+            rate=rate, latest=latest, hold=hold, options=options
         )
         return Stream(self._runner, made)
 
@@ -1979,21 +1874,9 @@ class Track(_Section):
         Manual section 1.3.12.
         """
         made = self._section.stream(
-            space,
-            speed=speed,
-            acc=acc,
-            radius=radius,
-            tool=tool,
-            wobj=wobj,
-            operations=operations,
-            low=low,
-            high=high,
-            period=period,
-            hold=hold,
-            ahead=ahead,
-            max_step=max_step,
-            reach=reach,
-            options=options,
+            space, speed=speed, acc=acc, radius=radius, tool=tool, wobj=wobj, operations=operations,
+            low=low, high=high, period=period, hold=hold, ahead=ahead, max_step=max_step,
+            reach=reach, options=options
         )
         return TrackStream(self._runner, made)
 
@@ -2051,16 +1934,8 @@ class Compound(_Section):
         which it is sent.
         """
         work = self._section.combine_motion_config(
-            type,
-            ref_plane,
-            fq,
-            amp,
-            el_offset=el_offset,
-            az_offset=az_offset,
-            up_height=up_height,
-            time=time,
-            path_dwell=path_dwell,
-            op_list=op_list,
+            type, ref_plane, fq, amp, el_offset=el_offset, az_offset=az_offset, up_height=up_height,
+            time=time, path_dwell=path_dwell, op_list=op_list
         )
         self._runner.call(work)
 
@@ -2341,18 +2216,8 @@ class ExternalAxes(_Section):
         Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` hold.
         """
         return self._section.movej2_pose_eaxis(
-            pose,
-            v,
-            a,
-            scheme_name,
-            epose,
-            eaxis_v,
-            r=r,
-            q_near=q_near,
-            tool=tool,
-            wobj=wobj,
-            op=op,
-            def_acc=def_acc,
+            pose, v, a, scheme_name, epose, eaxis_v, r=r, q_near=q_near, tool=tool, wobj=wobj,
+            op=op, def_acc=def_acc
         )
 
     @moves
@@ -2398,18 +2263,8 @@ class ExternalAxes(_Section):
         Manual section 1.3.14, which prints its name as move1_eaxis.
         """
         return self._section.movel_eaxis(
-            pose,
-            v,
-            a,
-            scheme_name,
-            epose,
-            eaxis_v,
-            r=r,
-            q_near=q_near,
-            tool=tool,
-            wobj=wobj,
-            op=op,
-            def_acc=def_acc,
+            pose, v, a, scheme_name, epose, eaxis_v, r=r, q_near=q_near, tool=tool, wobj=wobj,
+            op=op, def_acc=def_acc
         )
 
     @moves
@@ -2460,20 +2315,8 @@ class ExternalAxes(_Section):
         Manual section 1.3.14, which has no mode; the wire has.
         """
         return self._section.movec_eaxis(
-            via,
-            pose,
-            v,
-            a,
-            scheme_name,
-            epose,
-            eaxis_v,
-            r=r,
-            mode=mode,
-            q_near=q_near,
-            tool=tool,
-            wobj=wobj,
-            op=op,
-            def_acc=def_acc,
+            via, pose, v, a, scheme_name, epose, eaxis_v, r=r, mode=mode, q_near=q_near, tool=tool,
+            wobj=wobj, op=op, def_acc=def_acc
         )
 
     @moves
@@ -2523,20 +2366,8 @@ class ExternalAxes(_Section):
         Not in the manual: on the wire alone. Ranges are those of `movec_eaxis`.
         """
         return self._section.move_circle_eaxis(
-            p1,
-            p2,
-            v,
-            a,
-            scheme_name,
-            epose,
-            eaxis_v,
-            r=r,
-            mode=mode,
-            q_near=q_near,
-            tool=tool,
-            wobj=wobj,
-            op=op,
-            def_acc=def_acc,
+            p1, p2, v, a, scheme_name, epose, eaxis_v, r=r, mode=mode, q_near=q_near, tool=tool,
+            wobj=wobj, op=op, def_acc=def_acc
         )
 
 
@@ -2686,19 +2517,9 @@ class Realtime(_Section):
         Manual section 1.3.15.
         """
         made = self._section.stream(
-            mode,
-            v=v,
-            a=a,
-            jerk=jerk,
-            frame=frame,
-            depth=depth,
-            period=period,
-            filter_bandwidth=filter_bandwidth,
-            com_lost_time=com_lost_time,
-            max_step=max_step,
-            reach=reach,
-            options=options,
-            **feeding
+            mode, v=v, a=a, jerk=jerk, frame=frame, depth=depth, period=period,
+            filter_bandwidth=filter_bandwidth, com_lost_time=com_lost_time, max_step=max_step,
+            reach=reach, options=options, **feeding
         )
         return Stream(self._runner, made)
 
