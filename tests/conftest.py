@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -29,6 +30,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--thorough",
         action="store_true",
         help="run all cases of all tests, which takes minutes; without it a few of each",
+    )
+    parser.addoption(
+        "--beyond",
+        metavar="FILE",
+        help="leave out what passed in another run, whose --junitxml this is: with --thorough all "
+        "that the quick run leaves to it",
     )
     group = parser.getgroup("adversity", "faults on the wire, cancellations and kills")
     group.addoption(
@@ -82,8 +89,10 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if config.getoption("thorough"):
-        return
-    kept, left = quick.divided(items)
+        file = config.getoption("beyond")
+        kept, left = (items, []) if file is None else quick.beyond(items, Path(file))
+    else:
+        kept, left = quick.divided(items)
     if left:
         config.hook.pytest_deselected(items=left)
         items[:] = kept
