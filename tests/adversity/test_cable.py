@@ -52,7 +52,7 @@ def connect(
         proxy.port,
         call_timeout=1.0,
         unanswered_timeout=1.0,
-        connect_timeout=0.3,
+        connect_timeout=3.0,
         heartbeat=heartbeat,
         stop_timeout=0.5,
         standstill_timeout=0.5,

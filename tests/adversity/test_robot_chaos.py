@@ -111,6 +111,7 @@ async def test_the_arm_stands_whenever_the_program_has_given_up(
     with FaultProxy(sim.host, sim.port, seed=seed) as proxy:
         for session in range(1000):
             proxy.clear()
+            stormy = False
             try:
                 async with aioduco.connect(
                     proxy.host,
@@ -123,12 +124,17 @@ async def test_the_arm_stands_whenever_the_program_has_given_up(
                     guard="process" if part % 2 else None,
                 ) as robot:
                     await robot.bring_up()
+                    stormy = True
                     proxy.schedule(storm(seed * 10_000 + part * 1_000 + session))
                     for _ in range(20):
                         await mover.move(robot)
             except (StopUnconfirmed, HeartbeatLost):
                 # said so: the controller stops it by itself
                 await mover.rest()
+            except DucoError:
+                # times as short as these are over before a starved machine has opened a robot
+                if stormy:
+                    raise
             else:
                 await see_it_stand(sim, "the program")
             if proxy.statistics().faults >= faults // 20:

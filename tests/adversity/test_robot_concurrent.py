@@ -88,7 +88,9 @@ async def test_every_motion_ends_truly_and_the_arm_stands(
     rng = random.Random(f"{seed}/{part}")
     with anyio.fail_after(120):
         guard: GuardKind | None = "process" if part % 2 else None
-        async with aioduco.connect(sim.host, sim.port, guard=guard) as robot:
+        # a starved machine is not what is tested
+        patience = {"connect_timeout": 20.0, "stop_timeout": 20.0, "standstill_timeout": 20.0}
+        async with aioduco.connect(sim.host, sim.port, guard=guard, **patience) as robot:
             await robot.bring_up()
             players = Players(sim, robot, rng)
             async with anyio.create_task_group() as group:
