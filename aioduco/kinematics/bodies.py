@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from aioduco.kinematics.arm import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["ROTOR", "Body", "Capsule", "bodies"]
+__all__ = ["ROTOR", "Body", "Capsule", "bodies", "cylinder_inertia"]
 
 ROTOR = 0.002
 """Inertia of a drive's rotor, seen through its gear, per torque [kg m²/(N m)].
@@ -81,7 +81,7 @@ def bodies(arm: Arm) -> tuple[Body, ...]:
             parts,
             arm.masses[i],
             np.array(arm.centres[i]),
-            _inertia(arm.masses[i], parts[0]),
+            cylinder_inertia(arm.masses[i], parts[0]),
         )
         for i, parts in enumerate(_parts(arm))
     )
@@ -133,11 +133,19 @@ def _turn(angle: float, axis: int) -> Array:
     return matrix
 
 
-def _inertia(mass: float, part: Capsule) -> Array:
+def cylinder_inertia(mass: float, part: Capsule) -> Array:
+    """Give the inertia of a solid cylinder as long and thick as a capsule, about its middle.
+
+    Args:
+        mass: kg.
+        part: the capsule.
+
+    Returns:
+        In the frame that the capsule is given in [kg m²]. Shape (3, 3).
+    """
     axis = np.array(part.end) - np.array(part.start)
     length = float(np.linalg.norm(axis))
-    axis /= length
-    # A cylinder as long as the capsule.
+    axis = axis / length if length else np.array([0.0, 0.0, 1.0])
     length += 2 * part.radius
     across = mass * (3 * part.radius**2 + length**2) / 12
     about = mass * part.radius**2 / 2
