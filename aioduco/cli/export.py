@@ -74,7 +74,7 @@ def export(
     ] = None,
     distro: Annotated[str, typer.Option(help="Release of ROS 2: jazzy or humble.")] = "jazzy",
 ) -> None:
-    """Write an arm as URDF, SRDF, MJCF, or MoveIt's configuration; files of these names go."""
+    """Write an arm as URDF, SRDF, MJCF or MoveIt's configuration, over files of the same names."""
     from aioduco import descriptions  # noqa: PLC0415 - for this command alone
     from aioduco.errors import ParameterError  # noqa: PLC0415
 

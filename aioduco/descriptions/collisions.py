@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from aioduco.descriptions.tree import ArmTree, LinkDescription
     from aioduco.models.rotation import Array
@@ -19,6 +19,7 @@ SAMPLES = 20_000
 """Configurations that are tried."""
 
 _SEED = 7
+_FEW = 500
 _CLEAR = 0.01  # nearer than this, a pair may touch between the samples [m]
 _SAME = 1e-9  # by how much a distance differs that no joint changes [m]
 
@@ -52,28 +53,38 @@ def disabled_pairs(tree: ArmTree) -> tuple[LinkPair, ...]:
     limits = np.array([limit[:2] for _, limit in tree.turning])
     random = np.random.default_rng(_SEED)
     q = random.uniform(limits[:, 0], limits[:, 1], (SAMPLES, len(limits)))
-    pairs = []
-    for (i, j), distance in pair_distances(tree, q).items():
-        near, far = float(distance.min()), float(distance.max())
-        if j == i + 1:
-            pairs.append(LinkPair(solid[i], solid[j], "Adjacent"))
-        elif near > _CLEAR or (near > 0.0 and far - near < _SAME):
-            pairs.append(LinkPair(solid[i], solid[j], "Never"))
-        elif far < 0.0:
-            pairs.append(LinkPair(solid[i], solid[j], "Always"))
-    return tuple(pairs)
+    reasons = {(i, i + 1): "Adjacent" for i in range(len(solid) - 1)}
+    left = [pair for pair in combinations(range(len(solid)), 2) if pair not in reasons]
+    # Most pairs are seen both to touch and not to touch at once, and the rest is for few.
+    for some in (q[:_FEW], q):
+        decided = {
+            pair: _reason(float(distance.min()), float(distance.max()))
+            for pair, distance in pair_distances(tree, some, left).items()
+        }
+        left = [pair for pair in left if decided[pair]]
+    reasons |= {pair: decided[pair] for pair in left}
+    return tuple(LinkPair(solid[i], solid[j], why) for (i, j), why in sorted(reasons.items()))
 
 
-def pair_distances(tree: ArmTree, q: Array) -> dict[tuple[int, int], Array]:
-    """Give the distances between the links of an arm.
+def _reason(near: float, far: float) -> str:
+    if near > _CLEAR or (near > 0.0 and far - near < _SAME):
+        return "Never"
+    return "Always" if far < 0.0 else ""
+
+
+def pair_distances(
+    tree: ArmTree, q: Array, pairs: Iterable[tuple[int, int]]
+) -> dict[tuple[int, int], Array]:
+    """Give the distances between links of an arm.
 
     Args:
         tree: the arm.
         q: joint angles [rad]. Shape (n, 6).
+        pairs: two links each, by their numbers among those that have a shape, from the base on.
 
     Returns:
-        By the numbers of two links among those that have a shape, from the base on, the distance
-        of their capsules in each configuration, negative where they overlap [m]. Shape (n,).
+        By pair, the distance of their capsules in each configuration, negative where they
+        overlap [m]. Shape (n,).
     """
     frames = tree.frames(q)
     placed = [_placed(link, frames[link.name]) for link in tree.links if link.parts]
@@ -86,7 +97,7 @@ def pair_distances(tree: ArmTree, q: Array) -> dict[tuple[int, int], Array]:
             ],
             axis=0,
         )
-        for i, j in combinations(range(len(placed)), 2)
+        for i, j in pairs
     }
 
 

@@ -94,12 +94,14 @@ def _parts(arm: Arm) -> tuple[tuple[Capsule, ...], ...]:
     # The wrist's housings follow from its lengths, and the others from the wrist's: as the
     # photographs of the arms show them, roughly.
     wrist, tube, shoulder = 0.42 * g.d5, 0.5 * g.d5, 0.7 * g.d5
+    # Into the base, and clear of what that stands on by 5 mm.
+    neck = min(0.4 * g.d1, g.d1 - 0.97 * shoulder - 0.005)
     origin = (0.0, 0.0, 0.0)
     return (
         (Capsule(origin, (0.0, 0.0, 0.5 * g.d1), shoulder, joint=True),),
         (
             Capsule(origin, (0.0, max(g.d2 + upper - shoulder, 0.0), 0.0), shoulder, joint=True),
-            Capsule((0.0, 0.0, -0.4 * g.d1), origin, 0.97 * shoulder),
+            Capsule((0.0, 0.0, -neck), origin, 0.97 * shoulder),
         ),
         (
             Capsule((0.0, 0.0, upper), (g.a2, 0.0, upper), tube),
