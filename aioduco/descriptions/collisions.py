@@ -21,7 +21,7 @@ SAMPLES = 20_000
 _SEED = 7
 _FEW = 500
 _CLEAR = 0.01  # nearer than this, a pair may touch between the samples [m]
-_SAME = 1e-9  # by how much a distance differs that no joint changes [m]
+_SAME = 1e-9  # what is only rounding of a distance [m]
 
 
 class LinkPair(NamedTuple):
@@ -67,9 +67,9 @@ def disabled_pairs(tree: ArmTree) -> tuple[LinkPair, ...]:
 
 
 def _reason(near: float, far: float) -> str:
-    if near > _CLEAR or (near > 0.0 and far - near < _SAME):
-        return "Never"
-    return "Always" if far < 0.0 else ""
+    if far - near < _SAME:
+        return "Always" if near < _SAME else "Never"
+    return "Never" if near > _CLEAR else "Always" if far < 0.0 else ""
 
 
 def pair_distances(

@@ -27,7 +27,7 @@ GRIPPER = ToolDescription(
     mass=0.9,
     centre=(0.0, 0.01, 0.06),
     tcp=Pose(0.01, 0.0, 0.18, 0.1, 0.2, 0.3),
-    parts=[Capsule((0, 0, 0.04), (0, 0, 0.1), 0.04), Capsule((0, 0, 0.15), (0, 0, 0.15), 0.02)],
+    parts=[Capsule((0, 0, 0.035), (0, 0, 0.095), 0.04), Capsule((0, 0, 0.15), (0, 0, 0.15), 0.02)],
 )
 LEFT = ArmDescription("gcr5_910", prefix="left_", mounting=(0, 0.5, 0.2, 0.1, 0.2, 0.3))
 RIGHT = ArmDescription("gcr3_618", prefix="right_", mounting="wall", tool=GRIPPER)
