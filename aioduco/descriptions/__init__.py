@@ -6,13 +6,14 @@ Made from lengths, limits, masses and simple shapes; nothing of the vendor's fil
 from __future__ import annotations
 
 from aioduco.descriptions.mjcf_text import mjcf_scene
-from aioduco.descriptions.texts import mjcf, moveit, srdf, urdf
+from aioduco.descriptions.texts import ArmLike, mjcf, moveit, srdf, urdf
 from aioduco.descriptions.tree import STATES, ArmDescription, ToolDescription
 from aioduco.kinematics.bodies import Capsule
 
 __all__ = [
     "STATES",
     "ArmDescription",
+    "ArmLike",
     "Capsule",
     "ToolDescription",
     "mjcf",

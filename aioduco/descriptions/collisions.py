@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SAMPLES", "LinkPair", "disabled_pairs", "pair_distances"]
 
-SAMPLES = 20_000
+SAMPLES = 10_000
 """Configurations that are tried."""
 
 _SEED = 7

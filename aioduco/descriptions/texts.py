@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from aioduco.descriptions.meshes import find_meshes
 from aioduco.descriptions.mjcf_text import mjcf_text
@@ -12,18 +12,18 @@ from aioduco.descriptions.srdf_text import srdf_text
 from aioduco.descriptions.tree import ArmDescription
 from aioduco.descriptions.urdf_text import urdf_text
 from aioduco.errors import ParameterError
+from aioduco.kinematics.arm import Arm
 
 if TYPE_CHECKING:
     import os
-    from typing import TypeAlias
 
     from aioduco.descriptions.moveit_files import RosDistro
     from aioduco.descriptions.tree import ArmTree
-    from aioduco.kinematics import Arm
 
-    ArmLike: TypeAlias = str | Arm | ArmDescription
+__all__ = ["ArmLike", "mjcf", "moveit", "srdf", "urdf"]
 
-__all__ = ["mjcf", "moveit", "srdf", "urdf"]
+ArmLike: TypeAlias = str | Arm | ArmDescription
+"""A model, such as "gcr5_910", an arm with numbers of its own, or one with prefix and tool."""
 
 _URDF_KINDS = (".dae", ".stl", ".obj")
 _MJCF_KINDS = (".obj", ".stl")
@@ -64,7 +64,7 @@ def srdf(*arms: ArmLike, name: str | None = None) -> str:
 
     Per arm the groups `manipulator` and `end_effector`, the configurations `home`, `ahead` and
     `up`, and the pairs of links whose collisions are disabled: neighbours, and those that never or
-    always touch in 20,000 random configurations.
+    always touch in 10,000 random configurations.
 
     Args:
         arms: as for `urdf`.

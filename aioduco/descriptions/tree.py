@@ -71,9 +71,14 @@ class ToolDescription:
         Pose.of(self.tcp)
         if not 0.0 <= self.mass < math.inf:
             raise ParameterError("mass", self.mass, "a number from 0 on [kg]")
-        for name, three in (("centre", self.centre), ("inertia", self.inertia or (0.0,) * 3)):
-            if len(three) != 3 or not all(map(math.isfinite, three)):
-                raise ParameterError(name, three, "three finite numbers")
+        if len(self.centre) != 3 or not all(map(math.isfinite, self.centre)):
+            raise ParameterError("centre", self.centre, "three finite numbers [m]")
+        if self.inertia is not None:
+            low, middle, high = sorted(self.inertia) if len(self.inertia) == 3 else (0.0,) * 3
+            if not 0.0 < low <= high <= low + middle:
+                raise ParameterError(
+                    "inertia", self.inertia, "three numbers above 0, none above the others' sum"
+                )
         for part in self.parts:
             if not part.radius > 0.0:
                 raise ParameterError("radius", part.radius, "above 0 [m]")

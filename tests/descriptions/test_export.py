@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from typer.testing import CliRunner, Result
@@ -20,6 +21,9 @@ from aioduco.descriptions import (
     urdf,
 )
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
 PAGE = Path(__file__).parents[2] / "docs" / "descriptions.md"
 
 
@@ -27,23 +31,25 @@ def run(*arguments: str) -> Result:
     return CliRunner().invoke(app, ["export", *arguments])
 
 
+def of_scene() -> dict[str, str]:
+    return {"gcr7_910.xml": mjcf("gcr7_910"), "scene.xml": mjcf_scene("gcr7_910", "gcr7_910.xml")}
+
+
 @pytest.mark.cases(4)
 @pytest.mark.parametrize(
-    ("kind", "files"),
+    ("kind", "expected"),
     [
-        ("urdf", {"gcr7_910.urdf": urdf("gcr7_910")}),
-        ("srdf", {"gcr7_910.srdf": srdf("gcr7_910")}),
-        (
-            "mjcf",
-            {
-                "gcr7_910.xml": mjcf("gcr7_910"),
-                "scene.xml": mjcf_scene("gcr7_910", "gcr7_910.xml"),
-            },
-        ),
-        ("moveit", moveit("gcr7_910", distro="humble")),
+        ("urdf", lambda: {"gcr7_910.urdf": urdf("gcr7_910")}),
+        ("srdf", lambda: {"gcr7_910.srdf": srdf("gcr7_910")}),
+        ("mjcf", of_scene),
+        ("moveit", lambda: moveit("gcr7_910", distro="humble")),
     ],
+    ids=["urdf", "srdf", "mjcf", "moveit"],
 )
-def test_files_are_written(kind: str, files: dict[str, str], tmp_path: Path) -> None:
+def test_files_are_written(
+    kind: str, expected: Callable[[], dict[str, str]], tmp_path: Path
+) -> None:
+    files = expected()
     folder = tmp_path / "new"
     options = ["--distro", "humble"] if kind == "moveit" else []
     done = run(kind, "--model", "gcr7_910", "-o", str(folder), *options)

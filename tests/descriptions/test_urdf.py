@@ -205,9 +205,18 @@ def test_what_is_wrong_is_said(tmp_path: Path) -> None:
         urdf("gcr5_910", name="my cell")
     with pytest.raises(ParameterError, match="a folder with base_link"):
         urdf("gcr5_910", meshes=tmp_path)
-    for wrong in ({"mass": -1.0}, {"centre": (0, 0)}, {"tcp": (0, 0, 0.1)}):
-        with pytest.raises(ParameterError):
-            ToolDescription(**wrong)  # type: ignore[arg-type]  # what is tested
+    wrong: dict[str, Any] = {
+        "mass": -1.0,
+        "centre": (0, 0),
+        "tcp": (0, 0, 0.1),
+        "inertia": (1, 1, 3),
+    }
+    for name, value in wrong.items():
+        with pytest.raises(ParameterError) as caught:
+            ToolDescription(**{name: value})
+        assert caught.value.parameter in {name, "pose"}
+    with pytest.raises(ParameterError, match="inertia"):
+        ToolDescription(inertia=(1, 1))
     with pytest.raises(ParameterError, match="radius"):
         ToolDescription(parts=[Capsule((0, 0, 0), (0, 0, 1), 0.0)])
 
