@@ -18,6 +18,9 @@ from aioduco.kinematics import models
 from .test_urdf import GRIPPER, configurations
 
 
+pytestmark = pytest.mark.timeout(900)  # 100,000 configurations of each arm, on a busy machine
+
+
 def disabled(text: str) -> dict[frozenset[str], str]:
     """The pairs of an SRDF with their reasons."""
     pairs = ET.fromstring(text).findall("disable_collisions")

@@ -23,7 +23,7 @@ else:
     pinocchio = pytest.importorskip("pinocchio", reason="needs pip install 'aioduco[interop]'")
     yourdfpy = pytest.importorskip("yourdfpy", reason="needs pip install 'aioduco[interop]'")
 
-pytestmark = pytest.mark.interop
+pytestmark = [pytest.mark.interop, pytest.mark.timeout(900)]
 
 
 def flange(model: Any, data: Any, q: Any, frame: str = "tool0") -> Any:
