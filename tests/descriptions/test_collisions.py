@@ -17,7 +17,6 @@ from aioduco.kinematics import models
 
 from .test_urdf import GRIPPER, configurations
 
-
 pytestmark = pytest.mark.timeout(900)  # 100,000 configurations of each arm, on a busy machine
 
 
