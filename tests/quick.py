@@ -27,6 +27,7 @@ CASES = {
     "": 8,
     "adversity/": 1,
     "client/test_examples": 2,
+    "descriptions/": 3,
     "hostile/": 1,
     "interop/": 4,
     "sim/": 2,

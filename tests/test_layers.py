@@ -38,6 +38,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "trace": {"reporting"},
     "models": {"errors", "rpc"},
     "kinematics": {"errors", "models"},
+    "descriptions": {"errors", "models", "kinematics"},
     "_wire": {"errors", "reporting", "rpc", "trace"},
     "supervision": BASE | {"models", "_wire"},
     "streaming": BASE | {"models", "_wire", "supervision"},
@@ -56,7 +57,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "recording": CLIENT | {"robot", "__init__"},
     "sync": CLIENT | {"robot", "__init__"},
     "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "sync", "testing"},
-    "cli": CLIENT | {"robot", "__init__", "sim", "recording"},
+    "cli": CLIENT | {"robot", "__init__", "sim", "recording", "descriptions"},
 }
 
 #: by folder or module of the simulator, which others of it that may import; itself always

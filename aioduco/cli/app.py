@@ -9,6 +9,7 @@ from aioduco.cli.call import call
 from aioduco.cli.check import check
 from aioduco.cli.demo.command import demo
 from aioduco.cli.doctor import doctor
+from aioduco.cli.export import export
 from aioduco.cli.plot import plot
 from aioduco.cli.sim import sim
 from aioduco.cli.sim_do import sim_do
@@ -30,6 +31,7 @@ app.command()(doctor)
 app.command()(plot)
 app.command()(check)
 app.command(context_settings={"ignore_unknown_options": True})(call)
+app.command()(export)
 
 
 def _version(wanted: bool) -> None:

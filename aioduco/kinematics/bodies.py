@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from aioduco.kinematics.arm import Arm
     from aioduco.models.rotation import Array
 
-__all__ = ["ROTOR", "Body", "Capsule", "bodies"]
+__all__ = ["ROTOR", "Body", "Capsule", "bodies", "cylinder_inertia"]
 
 ROTOR = 0.002
 """Inertia of a drive's rotor, seen through its gear, per torque [kg m²/(N m)].
@@ -81,7 +81,7 @@ def bodies(arm: Arm) -> tuple[Body, ...]:
             parts,
             arm.masses[i],
             np.array(arm.centres[i]),
-            _inertia(arm.masses[i], parts[0]),
+            cylinder_inertia(arm.masses[i], parts[0]),
         )
         for i, parts in enumerate(_parts(arm))
     )
@@ -94,12 +94,14 @@ def _parts(arm: Arm) -> tuple[tuple[Capsule, ...], ...]:
     # The wrist's housings follow from its lengths, and the others from the wrist's: as the
     # photographs of the arms show them, roughly.
     wrist, tube, shoulder = 0.42 * g.d5, 0.5 * g.d5, 0.7 * g.d5
+    # Into the base, and clear of what that stands on by 5 mm.
+    neck = min(0.4 * g.d1, g.d1 - 0.97 * shoulder - 0.005)
     origin = (0.0, 0.0, 0.0)
     return (
         (Capsule(origin, (0.0, 0.0, 0.5 * g.d1), shoulder, joint=True),),
         (
             Capsule(origin, (0.0, max(g.d2 + upper - shoulder, 0.0), 0.0), shoulder, joint=True),
-            Capsule((0.0, 0.0, -0.4 * g.d1), origin, 0.97 * shoulder),
+            Capsule((0.0, 0.0, -neck), origin, 0.97 * shoulder),
         ),
         (
             Capsule((0.0, 0.0, upper), (g.a2, 0.0, upper), tube),
@@ -133,11 +135,19 @@ def _turn(angle: float, axis: int) -> Array:
     return matrix
 
 
-def _inertia(mass: float, part: Capsule) -> Array:
+def cylinder_inertia(mass: float, part: Capsule) -> Array:
+    """Give the inertia of a solid cylinder as long and thick as a capsule, about its middle.
+
+    Args:
+        mass: kg.
+        part: the capsule.
+
+    Returns:
+        In the frame that the capsule is given in [kg m²]. Shape (3, 3).
+    """
     axis = np.array(part.end) - np.array(part.start)
     length = float(np.linalg.norm(axis))
-    axis /= length
-    # A cylinder as long as the capsule.
+    axis = axis / length if length else np.array([0.0, 0.0, 1.0])
     length += 2 * part.radius
     across = mass * (3 * part.radius**2 + length**2) / 12
     about = mass * part.radius**2 / 2

@@ -12,12 +12,13 @@ import os
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from aioduco.errors import ParameterError, SceneError
+from aioduco.kinematics.mounting import MountingLike, base_in_world
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import quaternion_from_matrix
 
@@ -56,8 +57,6 @@ _FIXED = {"solref": "0.05 0.2", "solimp": "0.5 0.5 0.001", "priority": "2"}
 _SPRUNG = {**_LOOSE, "priority": "3"}
 _PERIOD = 0.004  # of what vibrates, over 2π: a step of 1 ms still follows it [s]
 _LOWEST_PEDESTAL = 0.05  # [m]
-MountingLike: TypeAlias = Literal["floor", "wall", "ceiling"] | Sequence[float]
-"""Where the arm is: on the floor, at a wall, at the ceiling, or a pose of its base [m, rad]."""
 
 GRAVITY = 9.81
 """Acceleration of gravity [m/s²]."""
@@ -350,32 +349,24 @@ def mounting_of(mounting: MountingLike, arm: Arm, pedestal: float = 0.0) -> Pose
     """Give the pose of an arm's base in the world, whose z axis is up and whose floor is at 0.
 
     Args:
-        mounting: "floor": at the origin; "wall": as high as the arm reaches with a third to
-            spare, its z axis along the world's x axis; "ceiling": twice as high as it reaches,
-            upside down about the x axis; or six numbers [m, rad].
+        mounting: as for `base_in_world`.
         arm: the arm.
         pedestal: height of a column under an arm on the floor [m].
 
     Raises:
         SceneError: It is neither a name nor a pose, or no arm on the floor gets a pedestal.
     """
-    high = arm.reach + arm.geometry.d1
-    named = {
-        "floor": (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        "wall": (0.0, 0.0, 4.0 / 3.0 * high, 0.0, 0.5 * np.pi, 0.0),
-        "ceiling": (0.0, 0.0, 2.0 * high, np.pi, 0.0, 0.0),
-    }
     if pedestal:
         if mounting != "floor":
             raise SceneError("a pedestal is for an arm on the floor: give the height by mounting")
         if not _LOWEST_PEDESTAL <= pedestal < np.inf:
             raise SceneError(f"pedestal is {pedestal}, but must be 0 or from {_LOWEST_PEDESTAL} m")
         return Pose(0.0, 0.0, float(pedestal), 0.0, 0.0, 0.0)
-    if isinstance(mounting, str) and mounting not in named:
-        raise SceneError(f"no mounting is called {mounting!r}: floor, wall, ceiling, or a pose")
     try:
-        return Pose.of(named[mounting] if isinstance(mounting, str) else mounting)
+        return base_in_world(mounting, arm)
     except ParameterError as exc:
+        if isinstance(mounting, str):
+            raise SceneError(f"no mounting is called {mounting!r}: {exc.expected}") from None
         raise SceneError(f"mounting is {mounting!r}, but must be {exc.expected}") from None
 
 

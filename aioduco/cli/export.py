@@ -1,0 +1,162 @@
+"""`aioduco export`: descriptions of arms for other programs, as files."""
+
+from __future__ import annotations
+
+import enum
+from itertools import zip_longest
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, cast
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.descriptions import ArmDescription, ToolDescription
+    from aioduco.descriptions.moveit_files import RosDistro
+    from aioduco.kinematics.mounting import MountingLike
+
+__all__ = ["export"]
+
+
+class Format(enum.StrEnum):
+    """What can be exported."""
+
+    URDF = "urdf"
+    SRDF = "srdf"
+    MJCF = "mjcf"
+    MOVEIT = "moveit"
+
+
+def export(
+    kind: Annotated[Format, typer.Argument(help="What to write.")],
+    model: Annotated[
+        list[str] | None,
+        typer.Option(help="The arm, gcr5_910 if left out; again for another arm beside it."),
+    ] = None,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder to write to; made if it is not there.")
+    ] = Path(),
+    prefix: Annotated[
+        list[str] | None,
+        typer.Option(help="What the arm's names begin with; one for each --model."),
+    ] = None,
+    mounting: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="floor, wall, ceiling, none for no world, or the base's pose: x,y,z,rx,ry,rz "
+            "[m, rad]; one for each --model."
+        ),
+    ] = None,
+    name: Annotated[
+        str | None, typer.Option(help="What the whole is called; the models' names if left out.")
+    ] = None,
+    meshes: Annotated[
+        Path | None,
+        typer.Option(help="Folder of your own meshes, called as the links: link_1.stl."),
+    ] = None,
+    mesh_uri: Annotated[
+        str | None, typer.Option(help="Where the URDF finds them: package://my_arm/meshes.")
+    ] = None,
+    tcp: Annotated[
+        str | None, typer.Option(help="Tip of the tool from the flange: x,y,z,rx,ry,rz [m, rad].")
+    ] = None,
+    tool_mass: Annotated[float, typer.Option(min=0.0, help="Mass of the tool [kg].")] = 0.0,
+    tool_centre: Annotated[
+        str, typer.Option(help="Its centre of mass in the frame of the flange: x,y,z [m].")
+    ] = "0,0,0",
+    tool_capsule: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A part of its shape in the frame of the flange, from one point to another, with "
+            "a radius: x,y,z,x,y,z,r [m]; again for more."
+        ),
+    ] = None,
+    distro: Annotated[str, typer.Option(help="Release of ROS 2: jazzy or humble.")] = "jazzy",
+) -> None:
+    """Write an arm as URDF, SRDF, MJCF or MoveIt's configuration, over files of the same names."""
+    from aioduco import descriptions  # noqa: PLC0415 - for this command alone
+    from aioduco.errors import ParameterError  # noqa: PLC0415
+
+    try:
+        tool = _tool(tcp, tool_mass, tool_centre, tool_capsule or [])
+        arms = _arms(model or ["gcr5_910"], prefix or [], mounting or [], tool)
+        called = name or "_".join(arm.arm.name for arm in arms)
+        if kind is Format.URDF:
+            text = descriptions.urdf(*arms, name=name, meshes=meshes, mesh_uri=mesh_uri)
+            files = {f"{called}.urdf": text}
+        elif kind is Format.SRDF:
+            files = {f"{called}.srdf": descriptions.srdf(*arms, name=name)}
+        elif kind is Format.MJCF:
+            files = {
+                f"{called}.xml": descriptions.mjcf(*arms, name=name, meshes=meshes),
+                "scene.xml": descriptions.mjcf_scene(called, f"{called}.xml"),
+            }
+        else:
+            release = cast("RosDistro", distro)
+            files = descriptions.moveit(
+                *arms, name=name, meshes=meshes, mesh_uri=mesh_uri, distro=release
+            )
+        output.mkdir(parents=True, exist_ok=True)
+        for path, text in files.items():
+            target = output / path
+            target.write_text(text, encoding="utf-8")
+            typer.echo(target)
+    except (OSError, ParameterError) as error:
+        typer.echo(str(error), err=True)
+        raise typer.Exit(2) from None
+
+
+def _arms(
+    models: Sequence[str],
+    prefixes: Sequence[str],
+    mountings: Sequence[str],
+    tool: ToolDescription | None,
+) -> list[ArmDescription]:
+    from aioduco.descriptions import ArmDescription  # noqa: PLC0415
+    from aioduco.errors import ParameterError  # noqa: PLC0415
+
+    for option, given in (("prefix", prefixes), ("mounting", mountings)):
+        if len(given) > len(models):
+            raise ParameterError(option, ", ".join(given), "one for each --model at most")
+    return [
+        ArmDescription(model, prefix or "", _mounting(mounting or "floor"), tool)
+        for model, prefix, mounting in zip_longest(models, prefixes, mountings)
+    ]
+
+
+def _mounting(text: str) -> MountingLike | None:
+    if text == "none":
+        return None
+    return _numbers("mounting", text, 6) if "," in text else cast("MountingLike", text)
+
+
+def _tool(
+    tcp: str | None, mass: float, centre: str, capsules: Sequence[str]
+) -> ToolDescription | None:
+    from aioduco.descriptions import Capsule, ToolDescription  # noqa: PLC0415
+
+    if tcp is None and mass == 0.0 and not capsules:
+        return None
+    parts = []
+    for text in capsules:
+        x, y, z, x2, y2, z2, radius = _numbers("tool-capsule", text, 7)
+        parts.append(Capsule((x, y, z), (x2, y2, z2), radius))
+    return ToolDescription(
+        mass=mass,
+        centre=_numbers("tool-centre", centre, 3),
+        tcp=_numbers("tcp", tcp or "0,0,0,0,0,0", 6),
+        parts=parts,
+    )
+
+
+def _numbers(option: str, text: str, count: int) -> list[float]:
+    from aioduco.errors import ParameterError  # noqa: PLC0415
+
+    try:
+        values = [float(each) for each in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != count:
+        raise ParameterError(option, text, f"{count} numbers with commas between them")
+    return values

@@ -1,0 +1,24 @@
+"""Descriptions of the arms for other programs: URDF, SRDF, MJCF, MoveIt's configuration.
+
+Made from lengths, limits, masses and simple shapes; nothing of the vendor's files is in them.
+"""
+
+from __future__ import annotations
+
+from aioduco.descriptions.mjcf_text import mjcf_scene
+from aioduco.descriptions.texts import ArmLike, mjcf, moveit, srdf, urdf
+from aioduco.descriptions.tree import STATES, ArmDescription, ToolDescription
+from aioduco.kinematics.bodies import Capsule
+
+__all__ = [
+    "STATES",
+    "ArmDescription",
+    "ArmLike",
+    "Capsule",
+    "ToolDescription",
+    "mjcf",
+    "mjcf_scene",
+    "moveit",
+    "srdf",
+    "urdf",
+]

@@ -1,0 +1,198 @@
+"""MJCF by the conventions of MuJoCo Menagerie: defaults by class, shapes to see and to touch, home.
+
+Its pictures are in group 2, its collisions in group 3, and the keyframe `home` comes first.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from aioduco.descriptions.collisions import disabled_pairs
+from aioduco.descriptions.tree import STATES, WORLD
+from aioduco.descriptions.xml_text import numbers, pretty
+from aioduco.kinematics.bodies import ROTOR
+from aioduco.models.rotation import quaternion_from_matrix
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from aioduco.descriptions.tree import ArmTree, JointDescription, LinkDescription
+    from aioduco.models.rotation import Array
+
+__all__ = ["mjcf_scene", "mjcf_text"]
+
+_SERVO = 2 * math.pi * 25  # natural frequency of a drive that holds nothing but its rotor [rad/s]
+_COLOURS = {"light": "0.9 0.91 0.92 1", "blue": "0.16 0.36 0.62 1"}
+#: frames that are sites, with the name by which Menagerie's arms have the place for a tool
+_SITES = {"tool0": ("tool0", "attachment_site"), "tcp": ("tcp",)}
+
+
+def mjcf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Path]) -> str:
+    """Give the MJCF of some arms in one world.
+
+    Args:
+        name: of the model.
+        trees: the arms.
+        meshes: files of meshes to show instead of a link's own shape, by link.
+    """
+    root = ET.Element("mujoco", model=name)
+    ET.SubElement(root, "compiler", angle="radian", autolimits="true")
+    ET.SubElement(root, "option", integrator="implicitfast")
+    classes = ET.SubElement(root, "default")
+    asset = ET.SubElement(root, "asset")
+    world = ET.SubElement(root, "worldbody")
+    contact = ET.SubElement(root, "contact")
+    actuator = ET.SubElement(root, "actuator")
+    for tree in trees:
+        _classes(classes, tree)
+        for colour, rgba in _COLOURS.items():
+            ET.SubElement(asset, "material", name=tree.arm.prefix + colour, rgba=rgba)
+        _bodies(world, tree, meshes)
+        for pair in disabled_pairs(tree):
+            if pair.reason != "Never":
+                ET.SubElement(contact, "exclude", body1=pair.link1, body2=pair.link2)
+        for joint, limits in tree.turning:
+            drive = _drive(tree, limits.effort)
+            ET.SubElement(actuator, "position", {"class": drive}, name=joint.name, joint=joint.name)
+    for path in sorted(set(meshes.values())):
+        ET.SubElement(asset, "mesh", name=path.stem, file=str(path))
+    keys = ET.SubElement(root, "keyframe")
+    for state, q in STATES.items():
+        values = numbers(tuple(q) * len(trees))
+        ET.SubElement(keys, "key", name=state, qpos=values, ctrl=values)
+    return pretty(
+        root,
+        "Shapes are simple ones. Masses are the vendor's; inertias are those of solid cylinders; "
+        "rotors and gains are assumptions.",
+    )
+
+
+def mjcf_scene(name: str, file: str) -> str:
+    """Give a scene with a floor, light and sky around a model.
+
+    Args:
+        name: of the model.
+        file: of the model, beside this one.
+    """
+    root = ET.Element("mujoco", model=f"{name} scene")
+    ET.SubElement(root, "include", file=file)
+    visual = ET.SubElement(root, "visual")
+    ET.SubElement(
+        visual, "headlight", diffuse="0.6 0.6 0.6", ambient="0.3 0.3 0.3", specular="0 0 0"
+    )
+    ET.SubElement(visual, "global", azimuth="130", elevation="-20")
+    asset = ET.SubElement(root, "asset")
+    ET.SubElement(
+        asset, "texture", type="skybox", builtin="gradient", rgb1="0.9 0.93 0.96",
+        rgb2="0.6 0.68 0.76", width="64", height="64",
+    )  # fmt: skip
+    ET.SubElement(
+        asset, "texture", name="floor", type="2d", builtin="checker", rgb1="0.82 0.83 0.84",
+        rgb2="0.76 0.77 0.78", width="128", height="128",
+    )  # fmt: skip
+    ET.SubElement(
+        asset, "material", name="floor", texture="floor", texrepeat="8 8", texuniform="true"
+    )
+    world = ET.SubElement(root, "worldbody")
+    ET.SubElement(world, "light", pos="0 0 3", dir="0 0 -1", directional="true")
+    ET.SubElement(world, "geom", name="floor", type="plane", size="0 0 0.05", material="floor")
+    return pretty(root, "The model on a floor.")
+
+
+def _drive(tree: ArmTree, effort: float) -> str:
+    return f"{tree.arm.prefix}drive_{numbers([effort])}"
+
+
+def _classes(root: ET.Element, tree: ArmTree) -> None:
+    """Defaults of an arm, named after it, so that models can be put into one."""
+    prefix, arm = tree.arm.prefix, tree.arm.arm
+    top = ET.SubElement(root, "default", {"class": prefix + arm.name})
+    ET.SubElement(top, "joint", axis="0 0 1")
+    # Critically damped with the arm upright.
+    ET.SubElement(top, "position", inheritrange="1", dampratio="1")
+    visual = ET.SubElement(top, "default", {"class": prefix + "visual"})
+    ET.SubElement(
+        visual, "geom", type="capsule", contype="0", conaffinity="0", group="2", mass="0",
+        material=prefix + "light",
+    )  # fmt: skip
+    collision = ET.SubElement(top, "default", {"class": prefix + "collision"})
+    ET.SubElement(collision, "geom", type="capsule", group="3", mass="0")
+    site = ET.SubElement(top, "default", {"class": prefix + "frame"})
+    ET.SubElement(site, "site", group="4", size="0.005", rgba="0.9 0.3 0.1 1")
+    for effort in sorted({limits.effort for _, limits in tree.turning}):
+        size = ET.SubElement(top, "default", {"class": _drive(tree, effort)})
+        ET.SubElement(size, "joint", armature=numbers([ROTOR * effort]))
+        ET.SubElement(
+            size, "position", kp=numbers([ROTOR * effort * _SERVO**2]),
+            forcerange=numbers([-effort, effort]),
+        )  # fmt: skip
+
+
+def _bodies(world: ET.Element, tree: ArmTree, meshes: Mapping[str, Path]) -> None:
+    """Links as bodies, from the world on; frames as sites."""
+    prefix, links = tree.arm.prefix, {link.name: link for link in tree.links}
+    base = tree.links[0]
+    #: by link, the body that it is or belongs to, and its frame in that
+    made = {WORLD: (world, np.eye(4))}
+    if tree.arm.mounting is None:
+        made[base.name] = _body(world, np.eye(4), base, None, tree, meshes), np.eye(4)
+    for joint in tree.joints:
+        link = links[joint.child]
+        parent, before = made[joint.parent]
+        place = before @ joint.matrix
+        if link.parts or link.mass:
+            made[link.name] = _body(parent, place, link, joint, tree, meshes), np.eye(4)
+            continue
+        made[link.name] = parent, place
+        for site in _SITES.get(link.name.removeprefix(prefix), ()):
+            named = {"class": prefix + "frame", "name": prefix + site}
+            ET.SubElement(parent, "site", {**named, **_placed(place)})
+
+
+def _body(
+    parent: ET.Element,
+    place: Array,
+    link: LinkDescription,
+    joint: JointDescription | None,
+    tree: ArmTree,
+    meshes: Mapping[str, Path],
+) -> ET.Element:
+    prefix = tree.arm.prefix
+    body = ET.SubElement(parent, "body", {"name": link.name, **_placed(place)})
+    if link is tree.links[0]:
+        body.set("childclass", prefix + tree.arm.arm.name)
+    if link.mass > 0.0:
+        inertia = link.inertia
+        ET.SubElement(
+            body, "inertial", pos=numbers(link.centre), mass=numbers([link.mass]),
+            fullinertia=numbers([*np.diag(inertia), *inertia[[0, 0, 1], [1, 2, 2]]]),
+        )  # fmt: skip
+    if joint is not None and joint.limits is not None:
+        drive = _drive(tree, joint.limits.effort)
+        ET.SubElement(
+            body, "joint", {"class": drive}, name=joint.name, range=numbers(joint.limits[:2])
+        )
+    if link.name in meshes:
+        mesh = meshes[link.name].stem
+        ET.SubElement(body, "geom", {"class": prefix + "visual", "type": "mesh", "mesh": mesh})
+    for part in link.parts:
+        shape = {"size": numbers([part.radius]), "fromto": numbers([*part.start, *part.end])}
+        if part.start == part.end:
+            shape = {"type": "sphere", "size": shape["size"], "pos": numbers(part.start)}
+        if link.name not in meshes:
+            colour = {"material": prefix + "blue"} if part.joint else {}
+            ET.SubElement(body, "geom", {"class": prefix + "visual", **colour, **shape})
+        ET.SubElement(body, "geom", {"class": prefix + "collision", **shape})
+    return body
+
+
+def _placed(place: Array) -> dict[str, str]:
+    """Where a thing is in the body before."""
+    placed = {"pos": numbers(place[:3, 3]), "quat": numbers(quaternion_from_matrix(place[:3, :3]))}
+    unmoved = {"pos": "0 0 0", "quat": "1 0 0 0"}
+    return {name: value for name, value in placed.items() if value != unmoved[name]}

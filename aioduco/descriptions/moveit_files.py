@@ -1,0 +1,162 @@
+"""MoveIt's configuration: URDF, SRDF, and files of parameters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+from aioduco.descriptions.srdf_text import GROUP, srdf_text
+from aioduco.descriptions.urdf_text import urdf_text
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from aioduco.descriptions.tree import ArmTree
+
+__all__ = ["RosDistro", "moveit_files"]
+
+RosDistro: TypeAlias = Literal["humble", "jazzy"]
+"""Release of ROS 2; they name the steps of a planning pipeline differently."""
+
+_PLANNERS = {
+    "RRTConnect": {"type": "geometric::RRTConnect", "range": 0.0},
+    "RRTstar": {"type": "geometric::RRTstar", "range": 0.0, "goal_bias": 0.05},
+    "BiTRRT": {"type": "geometric::BiTRRT", "range": 0.0},
+    "PRM": {"type": "geometric::PRM", "max_nearest_neighbors": 10},
+    "LBKPIECE": {"type": "geometric::LBKPIECE", "range": 0.0},
+}
+_HUMBLE_STEPS = (
+    "AddTimeOptimalParameterization",
+    "ResolveConstraintFrames",
+    "FixWorkspaceBounds",
+    "FixStartStateBounds",
+    "FixStartStateCollision",
+    "FixStartStatePathConstraints",
+)
+_REQUEST_STEPS = (
+    "ResolveConstraintFrames",
+    "ValidateWorkspaceBounds",
+    "CheckStartStateBounds",
+    "CheckStartStateCollision",
+)
+_RESPONSE_STEPS = ("AddTimeOptimalParameterization", "ValidateSolution", "DisplayMotionPath")
+_SEGMENT = 0.005  # of the extent of the joints' space, that is checked as one point
+
+
+def moveit_files(
+    name: str, trees: Sequence[ArmTree], meshes: Mapping[str, str], distro: RosDistro
+) -> dict[str, str]:
+    """Give the texts of the files by their names.
+
+    Args:
+        name: of the whole, as in URDF and SRDF.
+        trees: the arms.
+        meshes: addresses of meshes, as for the URDF.
+        distro: release of ROS 2.
+    """
+    return {
+        f"{name}.urdf": urdf_text(name, trees, meshes),
+        f"{name}.srdf": srdf_text(name, trees),
+        "kinematics.yaml": _yaml({_group(tree): _KINEMATICS for tree in trees}),
+        "joint_limits.yaml": _yaml(_joint_limits(trees)),
+        "ompl_planning.yaml": _yaml(_planning(trees, distro)),
+        "moveit_controllers.yaml": _yaml(_controllers(trees)),
+    }
+
+
+def _group(tree: ArmTree) -> str:
+    return tree.arm.prefix + GROUP
+
+
+def _joint_limits(trees: Sequence[ArmTree]) -> dict[str, Any]:
+    return {
+        "default_velocity_scaling_factor": 0.1,
+        "default_acceleration_scaling_factor": 0.1,
+        "joint_limits": {
+            joint.name: {
+                "has_position_limits": True,
+                "min_position": float(limits.lower),
+                "max_position": float(limits.upper),
+                "has_velocity_limits": True,
+                "max_velocity": float(limits.velocity),
+                "has_acceleration_limits": True,
+                "max_acceleration": float(limits.acceleration),
+                "has_jerk_limits": False,
+            }
+            for tree in trees
+            for joint, limits in tree.turning
+        },
+    }
+
+
+def _planning(trees: Sequence[ArmTree], distro: RosDistro) -> dict[str, Any]:
+    if distro == "humble":
+        steps = " ".join(f"default_planner_request_adapters/{step}" for step in _HUMBLE_STEPS)
+        pipeline: dict[str, Any] = {
+            "planning_plugin": "ompl_interface/OMPLPlanner",
+            "request_adapters": steps,
+            "start_state_max_bounds_error": 0.1,
+        }
+    else:
+        pipeline = {
+            "planning_plugins": ["ompl_interface/OMPLPlanner"],
+            "request_adapters": [f"default_planning_request_adapters/{s}" for s in _REQUEST_STEPS],
+            "response_adapters": [
+                f"default_planning_response_adapters/{step}" for step in _RESPONSE_STEPS
+            ],
+        }
+    pipeline["planner_configs"] = _PLANNERS
+    for tree in trees:
+        first, second = (joint.name for joint, _ in tree.turning[:2])
+        pipeline[_group(tree)] = {
+            "default_planner_config": "RRTConnect",
+            "planner_configs": list(_PLANNERS),
+            "projection_evaluator": f"joints({first},{second})",
+            "longest_valid_segment_fraction": _SEGMENT,
+        }
+    return pipeline
+
+
+def _controllers(trees: Sequence[ArmTree]) -> dict[str, Any]:
+    names = [tree.arm.prefix + "joint_trajectory_controller" for tree in trees]
+    controllers = {
+        name: {
+            "action_ns": "follow_joint_trajectory",
+            "type": "FollowJointTrajectory",
+            "default": True,
+            "joints": [joint.name for joint, _ in tree.turning],
+        }
+        for name, tree in zip(names, trees, strict=True)
+    }
+    return {
+        "moveit_controller_manager": (
+            "moveit_simple_controller_manager/MoveItSimpleControllerManager"
+        ),
+        "moveit_simple_controller_manager": {"controller_names": names, **controllers},
+        "trajectory_execution": {
+            "allowed_execution_duration_scaling": 1.2,
+            "allowed_goal_duration_margin": 0.5,
+            "allowed_start_tolerance": 0.01,
+        },
+    }
+
+
+def _yaml(values: Mapping[str, Any], indent: str = "") -> str:
+    """Write nested mappings, lists of words, and scalars. ROS tells 1.0 from 1."""
+    lines = []
+    for key, value in values.items():
+        if isinstance(value, dict):
+            lines.append(f"{indent}{key}:\n{_yaml(value, indent + '  ')}")
+        elif isinstance(value, list):
+            items = "".join(f"{indent}  - {item}\n" for item in value)
+            lines.append(f"{indent}{key}:\n{items}")
+        else:
+            text = str(value).lower() if isinstance(value, bool) else str(value)
+            lines.append(f"{indent}{key}: {text}\n")
+    return "".join(lines)
+
+
+_KINEMATICS = {
+    "kinematics_solver": "kdl_kinematics_plugin/KDLKinematicsPlugin",
+    "kinematics_solver_search_resolution": 0.005,
+    "kinematics_solver_timeout": 0.05,
+}

@@ -1,0 +1,152 @@
+"""Descriptions of one arm, or of several in one world, as the texts of files."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, TypeAlias
+
+from aioduco.descriptions.meshes import find_meshes
+from aioduco.descriptions.mjcf_text import mjcf_text
+from aioduco.descriptions.moveit_files import moveit_files
+from aioduco.descriptions.srdf_text import srdf_text
+from aioduco.descriptions.tree import ArmDescription
+from aioduco.descriptions.urdf_text import urdf_text
+from aioduco.errors import ParameterError
+from aioduco.kinematics.arm import Arm
+
+if TYPE_CHECKING:
+    import os
+
+    from aioduco.descriptions.moveit_files import RosDistro
+    from aioduco.descriptions.tree import ArmTree
+
+__all__ = ["ArmLike", "mjcf", "moveit", "srdf", "urdf"]
+
+ArmLike: TypeAlias = str | Arm | ArmDescription
+"""A model, such as "gcr5_910", an arm with numbers of its own, or one with prefix and tool."""
+
+_URDF_KINDS = (".dae", ".stl", ".obj")
+_MJCF_KINDS = (".obj", ".stl")
+_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
+
+
+def urdf(
+    *arms: ArmLike,
+    name: str | None = None,
+    meshes: str | os.PathLike[str] | None = None,
+    mesh_uri: str | None = None,
+) -> str:
+    """Give the URDF of an arm, or of several in one world.
+
+    Links are `base_link`, `link_1` to `link_6`, and by REP 199 `base`, `flange` and `tool0`, whose
+    pose in `base` is what `Arm.fkine` and the controller give; with a tool `tool` and `tcp`. Joints
+    are `joint_1` to `joint_6`.
+
+    Args:
+        arms: each a model such as "gcr5_910", an `Arm`, or an `ArmDescription` with prefix,
+            mounting and tool.
+        name: of the whole; the models' names if left out.
+        meshes: a folder of your own meshes in metres, called as the links: `link_1.dae`, `.stl` or
+            `.obj`. They take the place of the shapes for pictures; those for collisions stay.
+        mesh_uri: where the file finds them, such as "package://my_arm/meshes"; `file://` and the
+            folder if left out.
+
+    Raises:
+        ParameterError: there is no such model or mounting; two arms have the same prefix; the name
+            or a prefix is no word; no mesh is called as a link.
+    """
+    whole, trees = _take(arms, name)
+    return urdf_text(whole, trees, _addresses(trees, meshes, mesh_uri))
+
+
+def srdf(*arms: ArmLike, name: str | None = None) -> str:
+    """Give the SRDF of an arm, or of several in one world.
+
+    Per arm the groups `manipulator` and `end_effector`, the configurations `home`, `ahead` and
+    `up`, and the pairs of links whose collisions are disabled: neighbours, and those that never or
+    always touch in 10,000 random configurations.
+
+    Args:
+        arms: as for `urdf`.
+        name: as for `urdf`, and the same.
+
+    Raises:
+        ParameterError: as for `urdf`.
+    """
+    return srdf_text(*_take(arms, name))
+
+
+def mjcf(
+    *arms: ArmLike,
+    name: str | None = None,
+    meshes: str | os.PathLike[str] | None = None,
+) -> str:
+    """Give the MJCF of an arm, or of several in one world, by the conventions of MuJoCo Menagerie.
+
+    Bodies, joints and frames are called as in the URDF, position servos as their joints. It has the
+    keyframes `home`, `ahead` and `up`, and no floor and light.
+
+    Args:
+        arms: as for `urdf`.
+        name: as for `urdf`.
+        meshes: as for `urdf`, `.obj` or `.stl`.
+
+    Raises:
+        ParameterError: as for `urdf`.
+    """
+    whole, trees = _take(arms, name)
+    return mjcf_text(whole, trees, find_meshes(meshes, trees, _MJCF_KINDS))
+
+
+def moveit(
+    *arms: ArmLike,
+    name: str | None = None,
+    meshes: str | os.PathLike[str] | None = None,
+    mesh_uri: str | None = None,
+    distro: RosDistro = "jazzy",
+) -> dict[str, str]:
+    """Give MoveIt's configuration of an arm, or of several in one world.
+
+    It has URDF, SRDF, and the parameters of kinematics, joint limits, OMPL and controllers, as
+    files of a package's folder `config`.
+
+    Args:
+        arms: as for `urdf`.
+        name: as for `urdf`.
+        meshes: as for `urdf`.
+        mesh_uri: as for `urdf`.
+        distro: release of ROS 2, "jazzy" or "humble".
+
+    Returns:
+        The texts of the files by their names.
+
+    Raises:
+        ParameterError: as for `urdf`; no release is called so.
+    """
+    if distro not in {"jazzy", "humble"}:
+        raise ParameterError("distro", distro, "jazzy or humble")
+    whole, trees = _take(arms, name)
+    return moveit_files(whole, trees, _addresses(trees, meshes, mesh_uri), distro)
+
+
+def _take(arms: tuple[ArmLike, ...], name: str | None) -> tuple[str, list[ArmTree]]:
+    described = [arm if isinstance(arm, ArmDescription) else ArmDescription(arm) for arm in arms]
+    if not described:
+        raise ParameterError("arms", "none", "at least one arm")
+    prefixes = [arm.prefix for arm in described]
+    if len(set(prefixes)) < len(prefixes):
+        raise ParameterError("prefix", prefixes, "a different one for each arm")
+    whole = "_".join(arm.arm.name for arm in described) if name is None else name
+    if not _NAME.fullmatch(whole):
+        raise ParameterError("name", whole, "a word of letters, digits and _")
+    return whole, [arm.tree() for arm in described]
+
+
+def _addresses(
+    trees: list[ArmTree], meshes: str | os.PathLike[str] | None, uri: str | None
+) -> dict[str, str]:
+    found = find_meshes(meshes, trees, _URDF_KINDS)
+    return {
+        link: path.as_uri() if uri is None else f"{uri.rstrip('/')}/{path.name}"
+        for link, path in found.items()
+    }

@@ -1,0 +1,293 @@
+"""An arm as ROS describes one: links that joints connect, with names, shapes and inertias."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from aioduco.errors import ParameterError
+from aioduco.kinematics import arm as arm_of
+from aioduco.kinematics.arm import Arm
+from aioduco.kinematics.bodies import bodies, cylinder_inertia
+from aioduco.kinematics.mounting import base_in_world
+from aioduco.models.pose import Joints, Pose, PoseLike
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from aioduco.kinematics.bodies import Capsule
+    from aioduco.kinematics.mounting import MountingLike
+    from aioduco.models.rotation import Array
+
+__all__ = [
+    "STATES",
+    "WORLD",
+    "ArmDescription",
+    "ArmTree",
+    "JointDescription",
+    "LinkDescription",
+    "ToolDescription",
+]
+
+WORLD = "world"
+"""The link that arms are mounted in."""
+
+STATES: Mapping[str, Joints] = {
+    "home": Joints.deg(30, -15, 105, 0, -90, 0),
+    "up": Joints(0, 0, 0, 0, 0, 0),
+    "ahead": Joints.deg(0, -15, 105, 0, -90, 0),
+}
+"""Configurations by name: `home` and `ahead` have the flange down, `up` is straight up."""
+
+_WORD = re.compile(r"[A-Za-z]\w*", re.ASCII)
+_DENSITY = 2700.0  # of aluminium, for tools whose size is not known [kg/m³]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToolDescription:
+    """A tool at the flange (工具), rigidly.
+
+    Attributes:
+        mass: kg.
+        centre: centre of mass in the frame of the flange [m].
+        tcp: tip of the tool (工具中心点) in the frame of the flange [m, rad].
+        parts: its shape: capsules in the frame of the flange, for pictures and collisions.
+        inertia: about the centre of mass, along the axes of the flange [kg m²], three. If left
+            out: that of a cylinder in place of the first part, or without one, of a ball of
+            aluminium.
+    """
+
+    mass: float = 0.0
+    centre: Sequence[float] = (0.0, 0.0, 0.0)
+    tcp: PoseLike = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    parts: Sequence[Capsule] = ()
+    inertia: Sequence[float] | None = None
+
+    def __post_init__(self) -> None:
+        Pose.of(self.tcp)
+        if not 0.0 <= self.mass < math.inf:
+            raise ParameterError("mass", self.mass, "a number from 0 on [kg]")
+        if len(self.centre) != 3 or not all(map(math.isfinite, self.centre)):
+            raise ParameterError("centre", self.centre, "three finite numbers [m]")
+        if self.inertia is not None:
+            low, middle, high = sorted(self.inertia) if len(self.inertia) == 3 else (0.0,) * 3
+            if not 0.0 < low <= high <= low + middle:
+                raise ParameterError(
+                    "inertia", self.inertia, "three numbers above 0, none above the others' sum"
+                )
+        for part in self.parts:
+            if not part.radius > 0.0:
+                raise ParameterError("radius", part.radius, "above 0 [m]")
+
+    def inertias(self) -> Array:
+        """Give the inertia about the centre of mass, in the frame of the flange. Shape (3, 3)."""
+        if self.inertia is not None:
+            return np.diag(np.asarray(self.inertia, dtype=np.float64))
+        if self.parts:
+            return cylinder_inertia(self.mass, self.parts[0])
+        radius = (0.75 * self.mass / (math.pi * _DENSITY)) ** (1 / 3)
+        return np.diag((0.4 * self.mass * radius**2,) * 3)
+
+
+@dataclass(frozen=True, slots=True)
+class ArmDescription:
+    """An arm, how its parts are called, where it is mounted and what it carries.
+
+    Attributes:
+        model: the model, such as "gcr5_910", or an `Arm` with numbers of your own.
+        prefix: what every name of a link, joint, group and controller begins with; arms in one
+            file need different ones.
+        mounting: "floor", "wall", "ceiling", or the pose of the base in the world [m, rad]: a fixed
+            joint from the link "world" to the base. None for a base without a world, to be joined
+            to a link of your own.
+        tool: what it carries.
+
+    Raises:
+        ParameterError: no model or mounting is called so; the prefix is no word.
+    """
+
+    model: str | Arm
+    prefix: str = ""
+    mounting: MountingLike | None = "floor"
+    tool: ToolDescription | None = None
+
+    def __post_init__(self) -> None:
+        if self.prefix and not _WORD.fullmatch(self.prefix):
+            raise ParameterError("prefix", self.prefix, "letters, digits and _, a letter first")
+        self.tree()
+
+    @property
+    def arm(self) -> Arm:
+        """The arm with its numbers."""
+        return self.model if isinstance(self.model, Arm) else arm_of(self.model)
+
+    def tree(self) -> ArmTree:
+        """Give the links and joints."""
+        arm, tool, name = self.arm, self.tool, self.prefix.__add__
+        solids = bodies(arm)
+        chain = [name("base_link"), *(name(f"link_{i}") for i in range(1, 7))]
+        links = [
+            LinkDescription(link, body.parts, body.mass, body.centre, body.inertia)
+            for link, body in zip(chain, solids, strict=True)
+        ]
+        joints = []
+        if self.mounting is not None:
+            place = base_in_world(self.mounting, arm).matrix
+            joints.append(_fixed(name("world-base_link"), WORLD, chain[0], place))
+        limits = zip(arm.lower, arm.upper, arm.velocity, arm.effort, arm.acceleration, strict=True)
+        for i, limit in enumerate(limits, start=1):
+            joints.append(
+                JointDescription(
+                    name(f"joint_{i}"),
+                    chain[i - 1],
+                    chain[i],
+                    solids[i].position,
+                    solids[i].rotation,
+                    JointLimits(*limit),
+                )
+            )
+        added = [
+            ("base_link", LinkDescription(name("base")), np.eye(4)),
+            ("link_6", LinkDescription(name("flange")), _REP_199),
+            ("flange", LinkDescription(name("tool0")), _REP_199.T),
+        ]
+        if tool is not None:
+            centre = np.asarray(tool.centre, dtype=np.float64)
+            body = LinkDescription(
+                name("tool"), tuple(tool.parts), tool.mass, centre, tool.inertias()
+            )
+            added.append(("tool0", body, np.eye(4)))
+            added.append(("tool0", LinkDescription(name("tcp")), Pose.of(tool.tcp).matrix))
+        for parent, link, pose in added:
+            called = f"{parent}-{link.name.removeprefix(self.prefix)}"
+            links.append(link)
+            joints.append(_fixed(name(called), name(parent), link.name, pose))
+        return ArmTree(self, tuple(links), tuple(joints))
+
+
+def _fixed(name: str, parent: str, child: str, pose: Array) -> JointDescription:
+    return JointDescription(name, parent, child, pose[:3, 3], pose[:3, :3])
+
+
+#: the flange of REP 199, whose x axis points away from the arm, in the frame of `Arm.fkine`
+_REP_199 = np.array(
+    [[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
+)
+
+
+class LinkDescription(NamedTuple):
+    """A link; one of no mass is a frame.
+
+    Attributes:
+        name: with the prefix.
+        parts: its shape, in its frame.
+        mass: kg.
+        centre: centre of mass in its frame [m]. Shape (3,).
+        inertia: about the centre of mass, along the axes of its frame [kg m²]. Shape (3, 3).
+    """
+
+    name: str
+    parts: tuple[Capsule, ...] = ()
+    mass: float = 0.0
+    centre: Array = np.zeros(3)
+    inertia: Array = np.zeros((3, 3))
+
+
+class JointLimits(NamedTuple):
+    """Limits of a joint.
+
+    Attributes:
+        lower: rad.
+        upper: rad.
+        velocity: rad/s.
+        effort: N m.
+        acceleration: rad/s².
+    """
+
+    lower: float
+    upper: float
+    velocity: float
+    effort: float
+    acceleration: float
+
+
+class JointDescription(NamedTuple):
+    """A joint; one that turns does so about the z axis of the link that it moves.
+
+    Attributes:
+        name: with the prefix.
+        parent: the link that carries it.
+        child: the link that it moves.
+        position: origin of the child's frame in the parent's [m]. Shape (3,).
+        rotation: of the child's frame in the parent's, at zero. Shape (3, 3).
+        limits: None for one that is fixed.
+    """
+
+    name: str
+    parent: str
+    child: str
+    position: Array
+    rotation: Array
+    limits: JointLimits | None = None
+
+    @property
+    def matrix(self) -> Array:
+        """The child's frame in the parent's, at zero. Shape (4, 4)."""
+        matrix = np.eye(4)
+        matrix[:3, :3], matrix[:3, 3] = self.rotation, self.position
+        return matrix
+
+
+class ArmTree(NamedTuple):
+    """The links and joints of an arm, each joint after the one that carries it.
+
+    Attributes:
+        arm: what they describe.
+        links: the base first, then those of the chain, then frames and the tool.
+        joints: from the world on, if there is one.
+    """
+
+    arm: ArmDescription
+    links: tuple[LinkDescription, ...]
+    joints: tuple[JointDescription, ...]
+
+    @property
+    def turning(self) -> tuple[tuple[JointDescription, JointLimits], ...]:
+        """The six joints that turn, and their limits."""
+        return tuple((joint, joint.limits) for joint in self.joints if joint.limits is not None)
+
+    @property
+    def tip(self) -> str:
+        """The link whose poses are planned: the tip of the tool, or the controller's flange."""
+        return self.arm.prefix + ("tool0" if self.arm.tool is None else "tcp")
+
+    def frames(self, q: Array) -> dict[str, Array]:
+        """Give where the links are in the frame of the base, by name.
+
+        Args:
+            q: joint angles [rad]. Shape (n, 6).
+
+        Returns:
+            Homogeneous matrices. Shape (n, 4, 4) each.
+        """
+        base = self.links[0].name
+        found = {base: np.broadcast_to(np.eye(4), (len(q), 4, 4))}
+        angles = iter(np.moveaxis(q, -1, 0))
+        for joint in self.joints:
+            if joint.child == base:
+                continue
+            frame = found[joint.parent] @ joint.matrix
+            if joint.limits is not None:
+                angle = next(angles)
+                turn = np.zeros((len(q), 4, 4))
+                turn[:, 0, 0] = turn[:, 1, 1] = np.cos(angle)
+                turn[:, 1, 0] = np.sin(angle)
+                turn[:, 0, 1] = -turn[:, 1, 0]
+                turn[:, 2, 2] = turn[:, 3, 3] = 1.0
+                frame = frame @ turn
+            found[joint.child] = frame
+        return found

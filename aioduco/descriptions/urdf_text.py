@@ -1,0 +1,124 @@
+"""URDF: links with inertias and shapes, joints with limits.
+
+URDF has no capsule, so that each is a cylinder with a sphere at both ends, as is usual.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from aioduco.descriptions.tree import WORLD
+from aioduco.descriptions.xml_text import numbers, pretty
+from aioduco.models.rotation import rpy_from_matrix
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from aioduco.descriptions.tree import ArmTree, JointDescription, LinkDescription
+    from aioduco.kinematics.bodies import Capsule
+    from aioduco.models.rotation import Array
+
+__all__ = ["urdf_text"]
+
+_COLOURS = {"duco_light": "0.9 0.91 0.92 1", "duco_blue": "0.16 0.36 0.62 1"}
+
+
+def urdf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, str]) -> str:
+    """Give the URDF of some arms in one world.
+
+    Args:
+        name: of the whole.
+        trees: the arms.
+        meshes: addresses of the meshes to show instead of a link's own shape, by link.
+    """
+    robot = ET.Element("robot", name=name)
+    for colour, rgba in _COLOURS.items():
+        ET.SubElement(ET.SubElement(robot, "material", name=colour), "color", rgba=rgba)
+    if any(joint.parent == WORLD for tree in trees for joint in tree.joints):
+        ET.SubElement(robot, "link", name=WORLD)
+    for tree in trees:
+        for link in tree.links:
+            _link(robot, link, meshes.get(link.name), flat=link is tree.links[0])
+        for joint in tree.joints:
+            _joint(robot, joint)
+    return pretty(
+        robot,
+        "Shapes are simple ones, for collisions and pictures. Masses are the vendor's, inertias "
+        "those of solid cylinders.",
+    )
+
+
+def _link(robot: ET.Element, link: LinkDescription, mesh: str | None, *, flat: bool) -> None:
+    element = ET.SubElement(robot, "link", name=link.name)
+    if link.mass > 0.0:
+        inertial = ET.SubElement(element, "inertial")
+        ET.SubElement(inertial, "origin", xyz=numbers(link.centre), rpy="0 0 0")
+        ET.SubElement(inertial, "mass", value=numbers([link.mass]))
+        ET.SubElement(
+            inertial,
+            "inertia",
+            {
+                f"i{a}{b}": numbers([link.inertia["xyz".index(a), "xyz".index(b)]])
+                for a, b in ("xx", "xy", "xz", "yy", "yz", "zz")
+            },
+        )
+    for kind in ("visual", "collision"):
+        if kind == "visual" and mesh is not None:
+            visual = ET.SubElement(element, kind)
+            ET.SubElement(visual, "origin", xyz="0 0 0", rpy="0 0 0")
+            ET.SubElement(ET.SubElement(visual, "geometry"), "mesh", filename=mesh)
+            continue
+        for number, part in enumerate(link.parts):
+            # What the base stands on is not to touch it.
+            for shape, size, xyz, rpy in _shapes(part, flat=flat and number == 0):
+                solid = ET.SubElement(element, kind)
+                ET.SubElement(solid, "origin", xyz=numbers(xyz), rpy=numbers(rpy))
+                ET.SubElement(ET.SubElement(solid, "geometry"), shape, size)
+                if kind == "visual":
+                    colour = "duco_blue" if part.joint else "duco_light"
+                    ET.SubElement(solid, "material", name=colour)
+
+
+def _shapes(part: Capsule, *, flat: bool) -> Iterator[tuple[str, dict[str, str], Array, Array]]:
+    """A capsule as shapes of URDF: kind, sizes, position, angles; with a flat start if wanted."""
+    start, end = np.array(part.start), np.array(part.end)
+    along = end - start
+    length = float(np.linalg.norm(along))
+    size = {"radius": numbers([part.radius])}
+    if length > 0.0:
+        x, y, z = along / length
+        # The z axis is turned about y, then about z.
+        rpy = np.array([0.0, math.atan2(math.hypot(x, y), z), math.atan2(y, x)])
+        yield "cylinder", {**size, "length": numbers([length])}, (start + end) / 2, rpy
+        yield "sphere", size, end, np.zeros(3)
+    if not flat:
+        yield "sphere", size, start, np.zeros(3)
+
+
+def _joint(robot: ET.Element, joint: JointDescription) -> None:
+    limits = joint.limits
+    element = ET.SubElement(
+        robot, "joint", name=joint.name, type="fixed" if limits is None else "revolute"
+    )
+    ET.SubElement(
+        element,
+        "origin",
+        xyz=numbers(joint.position),
+        rpy=numbers(rpy_from_matrix(np.asarray(joint.rotation))),
+    )
+    ET.SubElement(element, "parent", link=joint.parent)
+    ET.SubElement(element, "child", link=joint.child)
+    if limits is not None:
+        ET.SubElement(element, "axis", xyz="0 0 1")
+        ET.SubElement(
+            element,
+            "limit",
+            lower=numbers([limits.lower]),
+            upper=numbers([limits.upper]),
+            effort=numbers([limits.effort]),
+            velocity=numbers([limits.velocity]),
+        )

@@ -1,0 +1,43 @@
+"""Where the base of an arm is in the world."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from aioduco.errors import ParameterError
+from aioduco.models.pose import Pose
+
+if TYPE_CHECKING:
+    from aioduco.kinematics.arm import Arm
+
+__all__ = ["MountingLike", "base_in_world"]
+
+MountingLike: TypeAlias = Literal["floor", "wall", "ceiling"] | Sequence[float]
+"""Where the arm is: on the floor, at a wall, at the ceiling, or a pose of its base [m, rad]."""
+
+
+def base_in_world(mounting: MountingLike, arm: Arm) -> Pose:
+    """Give the pose of an arm's base in the world, whose z axis is up and whose floor is at 0.
+
+    Args:
+        mounting: "floor": at the origin; "wall": as high as the arm reaches with a third to
+            spare, its z axis along the world's x axis; "ceiling": twice as high as it reaches,
+            upside down about the x axis; or six numbers [m, rad].
+        arm: the arm.
+
+    Raises:
+        ParameterError: it is neither a name nor a pose.
+    """
+    high = arm.reach + arm.geometry.d1
+    named = {
+        "floor": Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        "wall": Pose(0.0, 0.0, 4.0 / 3.0 * high, 0.0, 0.5 * math.pi, 0.0),
+        "ceiling": Pose(0.0, 0.0, 2.0 * high, math.pi, 0.0, 0.0),
+    }
+    if not isinstance(mounting, str):
+        return Pose.of(mounting)
+    if mounting not in named:
+        raise ParameterError("mounting", mounting, "floor, wall, ceiling, or a pose")
+    return named[mounting]

@@ -1,0 +1,128 @@
+"""`aioduco export`, and the examples of the page."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from aioduco.cli.app import app
+from aioduco.descriptions import (
+    ArmDescription,
+    Capsule,
+    ToolDescription,
+    mjcf,
+    mjcf_scene,
+    moveit,
+    srdf,
+    urdf,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+PAGE = Path(__file__).parents[2] / "docs" / "descriptions.md"
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(app, ["export", *arguments])
+
+
+def of_scene() -> dict[str, str]:
+    return {"gcr7_910.xml": mjcf("gcr7_910"), "scene.xml": mjcf_scene("gcr7_910", "gcr7_910.xml")}
+
+
+@pytest.mark.cases(4)
+@pytest.mark.parametrize(
+    ("kind", "expected"),
+    [
+        ("urdf", lambda: {"gcr7_910.urdf": urdf("gcr7_910")}),
+        ("srdf", lambda: {"gcr7_910.srdf": srdf("gcr7_910")}),
+        ("mjcf", of_scene),
+        ("moveit", lambda: moveit("gcr7_910", distro="humble")),
+    ],
+    ids=["urdf", "srdf", "mjcf", "moveit"],
+)
+def test_files_are_written(
+    kind: str, expected: Callable[[], dict[str, str]], tmp_path: Path
+) -> None:
+    files = expected()
+    folder = tmp_path / "new"
+    options = ["--distro", "humble"] if kind == "moveit" else []
+    done = run(kind, "--model", "gcr7_910", "-o", str(folder), *options)
+    assert done.exit_code == 0, done.output
+    assert {path.name: path.read_text("utf-8") for path in folder.iterdir()} == files
+    assert done.stdout.split() == [str(folder / name) for name in files]
+
+
+def test_options_are_those_of_the_description(tmp_path: Path) -> None:
+    tool = ToolDescription(
+        mass=1.5,
+        centre=(0.0, 0.0, 0.05),
+        tcp=(0.0, 0.0, 0.1, 0.0, 0.0, 0.0),
+        parts=[Capsule((0.0, 0.0, 0.03), (0.0, 0.0, 0.08), 0.03)],
+    )
+    left = ArmDescription("gcr5_910", "left_", (0, 0.4, 0, 0, 0, 0), tool)
+    right = ArmDescription("gcr3_618", "right_", "wall", tool)
+    models = ["--model", "gcr5_910", "--prefix", "left_", "--mounting", "0,0.4,0,0,0,0"]
+    models += ["--model", "gcr3_618", "--prefix", "right_", "--mounting", "wall"]
+    tools = ["--tcp", "0,0,0.1,0,0,0", "--tool-mass", "1.5", "--tool-centre", "0,0,0.05"]
+    tools += ["--tool-capsule", "0,0,0.03,0,0,0.08,0.03"]
+    done = run("urdf", *models, *tools, "--name", "cell", "-o", str(tmp_path))
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "cell.urdf").read_text("utf-8") == urdf(left, right, name="cell")
+    (tmp_path / "link_1.stl").touch()
+    meshes = ["--meshes", str(tmp_path), "--mesh-uri", "package://mine"]
+    done = run("urdf", "--mounting", "none", *meshes, "-o", str(tmp_path))
+    assert done.exit_code == 0, done.output
+    written = (tmp_path / "gcr5_910.urdf").read_text("utf-8")
+    assert "package://mine/link_1.stl" in written
+    assert "world" not in written
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--model", "ur5e"], "one of gcr3_618"),
+        (["--mounting", "roof"], "floor, wall, ceiling, or a pose"),
+        (["--mounting", "0,0,1"], "6 numbers"),
+        (["--tcp", "up"], "6 numbers"),
+        (["--tool-capsule", "0,0,0,0,0,1"], "7 numbers"),
+        (["--prefix", "a_", "--prefix", "b_"], "one for each --model"),
+        (["--meshes", "."], "a folder with base_link"),
+    ],
+)
+@pytest.mark.cases(7)
+def test_what_is_wrong_is_said(
+    options: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = run("urdf", *options)
+    assert done.exit_code == 2
+    assert said in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_made_is_said(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    done = run("urdf", "-o", str(tmp_path / "file" / "below"))
+    assert done.exit_code == 2
+    assert "file" in done.stderr
+
+
+def test_examples_of_the_page_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"^```python\n(.*?)^```", PAGE.read_text("utf-8"), re.MULTILINE | re.DOTALL)
+    assert len(blocks) == 2
+    for block in blocks:
+        exec(compile(block, "example", "exec"), {})
+    assert len(list(tmp_path.iterdir())) == 7
+    shell = re.findall(
+        r"^aioduco (export \w+ .*?)\s*(?:#.*)?$", PAGE.read_text("utf-8"), re.MULTILINE
+    )
+    assert len(shell) == 4
+    for line in shell:
+        assert CliRunner().invoke(app, line.split()).exit_code == 0
