@@ -57,7 +57,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "recording": CLIENT | {"robot", "__init__"},
     "sync": CLIENT | {"robot", "__init__"},
     "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "sync", "testing"},
-    "cli": CLIENT | {"robot", "__init__", "sim", "recording", "descriptions"},
+    "cli": CLIENT | {"robot", "__init__", "sim", "sync", "recording", "descriptions"},
 }
 
 #: by folder or module of the simulator, which others of it that may import; itself always
