@@ -24,7 +24,9 @@ BASE = {
     "scheduling",
     "trace",
 }
-CLIENT = BASE | {"models", "kinematics", "_wire", "supervision", "api", "streaming"}
+CLIENT = BASE | {
+    *("models", "kinematics", "envelope", "_wire", "supervision", "api", "streaming"),
+}
 
 #: by part, the parts that it may import; itself always
 MAY_IMPORT: dict[str, set[str]] = {
@@ -38,9 +40,11 @@ MAY_IMPORT: dict[str, set[str]] = {
     "trace": {"reporting"},
     "models": {"errors", "rpc"},
     "kinematics": {"errors", "models"},
+    # limits and their check: pure, and without numpy where the worker of a stream imports it
+    "envelope": {"errors", "models", "kinematics"},
     "_wire": {"errors", "reporting", "rpc", "trace"},
-    "supervision": BASE | {"models", "_wire"},
-    "streaming": BASE | {"models", "_wire", "supervision"},
+    "supervision": BASE | {"models", "envelope", "_wire"},
+    "streaming": BASE | {"models", "envelope", "_wire", "supervision"},
     "api": BASE | {"models", "supervision", "streaming"},
     "bus": BASE | {"models", "api"},
     "status_port": {"errors", "models"},
@@ -100,6 +104,7 @@ STREAMING_MAY_IMPORT: dict[str, set[str]] = {
     "shared": {"aioduco.streaming.shared"},
     "worker": {
         *("aioduco._wire", "aioduco.errors", "aioduco.scheduling"),
+        *("aioduco.envelope.checker", "aioduco.envelope.limits"),
         *("aioduco.streaming.shared", "aioduco.streaming.worker"),
     },
 }
@@ -134,6 +139,7 @@ PURE = {
     "sim/force",
     "sim/planner",
     "sim/physics/temperature.py",
+    "envelope",
 }
 IMPURE = {"socket", "threading", "time", "queue", "anyio", "asyncio", "pathlib", "os"}
 

@@ -78,6 +78,20 @@ class Limiter:
         """Whether the last target is met, and nothing moves."""
         return self.config == self._target and self._step == _ZERO
 
+    def mark(self) -> tuple[Any, ...]:
+        """What `back` needs to undo what follows."""
+        return self.config, self._step, self._target
+
+    def back(self, mark: tuple[Any, ...]) -> None:
+        """Be again as at a mark."""
+        self.config, self._step, self._target = mark
+
+    def braking(self) -> Displacement:
+        """How far it would go on if it came to rest from here."""
+        velocity = self.velocity
+        rest = max(_length(velocity[group]) / a for group, _, a in self._rules)
+        return tuple(v * rest / 2 for v in velocity)
+
     def follow(self, target: Config) -> Config:
         """One tick towards the target of this tick; returns the set-point."""
         gap = self._space.difference(self.config, target)
@@ -183,6 +197,21 @@ class JerkLimiter:
     def at_rest(self) -> bool:
         """Whether the last target is met, and nothing moves."""
         return self.config == self._target and self.velocity == _ZERO
+
+    def mark(self) -> tuple[Any, ...]:
+        """What `back` needs to undo what follows."""
+        return self.config, self.velocity, self._acceleration, self._target
+
+    def back(self, mark: tuple[Any, ...]) -> None:
+        """Be again as at a mark."""
+        self.config, self.velocity, self._acceleration, self._target = mark
+
+    def braking(self) -> Displacement:
+        """How far each axis would go on, at the most, if it came to rest from here."""
+        plan = self._input
+        limits = zip(plan.max_acceleration, plan.max_jerk, strict=True)
+        state = zip(self.velocity, self._acceleration, limits, strict=True)
+        return tuple(_braking(v, a, top, jerk) for v, a, (top, jerk) in state)
 
     def follow(self, target: Config) -> Config:
         """One tick towards the target of this tick; returns the set-point."""
@@ -341,6 +370,18 @@ def _closing_speed(distance: float, acceleration: float, period: float) -> float
     half = period / 2
     speed = acceleration * (sqrt(half * half + 2 * distance / acceleration) - half)
     return min(speed, distance / period)
+
+
+def _braking(speed: float, acceleration: float, top: float, jerk: float) -> float:
+    """How far an axis goes on with limits of acceleration and jerk, at the most, with its sign."""
+    sign = 1.0 if speed + acceleration * abs(acceleration) / (2 * jerk) >= 0 else -1.0
+    v, a = sign * speed, max(0.0, sign * acceleration)
+    # First the acceleration is taken back; then it is as from a steady speed.
+    fade = a / jerk
+    way = v * fade + a * fade * fade / 3
+    v += a * fade / 2
+    time = v / top + top / jerk if v * jerk >= top * top else 2 * sqrt(max(v, 0.0) / jerk)
+    return sign * (way + v * time / 2)
 
 
 def _per_axis(space: Space, limits: Sequence[float]) -> list[float]:

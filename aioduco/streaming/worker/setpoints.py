@@ -15,6 +15,7 @@ There is no way back from DECELERATING or ENDED, and the first reason stays.
 
 from __future__ import annotations
 
+import json
 import time
 from typing import TYPE_CHECKING, Protocol
 
@@ -29,7 +30,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco._wire.connection import Connection
+    from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.block import Block
+    from aioduco.streaming.shared.config import EnvelopeSettings
     from aioduco.streaming.shared.ring import SetPoint
     from aioduco.streaming.shared.space import Config, Displacement, Limits, Space
     from aioduco.streaming.worker.interpolation import Reference
@@ -317,9 +320,33 @@ class SetpointFeed:
             self._follower = Rates(space, limits, self._period)
         else:
             way, start = self._config.feeding.upsample, space.decode(self._actual())
-            self._follower = Follower(way, space, limits, self._period, start)
+            if self._config.envelope is None:
+                self._follower = Follower(way, space, limits, self._period, start)
+            else:
+                self._follower = self._checked(self._config.envelope, start)
         self.source.begin(self._follower)
         return True
+
+    def _checked(self, envelope: EnvelopeSettings, start: Config) -> Follower:
+        """The same, which follows nothing beyond the robot's envelope."""
+        # imported here: a stream without an envelope has no need of it
+        from aioduco.streaming.worker.checked import CheckedFollower, EnvelopeSpace  # noqa: PLC0415
+
+        config = self._config
+        place = EnvelopeSpace(envelope, config, self._connection, self._start)
+        way = config.feeding.upsample
+        follower = CheckedFollower(
+            way, self._space, config.sent.limits, self._period, start, place, self._crossed
+        )
+        found = follower.begin()
+        if found is not None:
+            self._crossed(found)
+        return follower
+
+    def _crossed(self, found: Crossing) -> None:
+        """A set-point would have led beyond the envelope: come to rest, if the arm moves."""
+        self._block.text = json.dumps(found)
+        self.source.brake(Reason.ENVELOPE)
 
     def _actual(self) -> list[float]:
         """Where the arm is; steps count from there, so for them that is zero."""
