@@ -444,8 +444,14 @@ class EnvelopeChecker:
             start, end = self._look(start)[2], self._look_ahead(end)[2]
             if not start or not end:
                 return sag
-        turn = sum(abs(b - a) for a, b in zip(start, end, strict=True))
-        return float(self._reaches[0] * turn * turn / 8)
+        # A point's second derivative by two angles is no longer than its distance from the axis of
+        # the further one.
+        before = bend = 0.0
+        for a, b, reach in zip(start, end, self._reaches, strict=True):
+            turn = abs(b - a)
+            bend += reach * turn * (turn + 2 * before)
+            before += turn
+        return bend / 8
 
     def _sweep_joints(
         self, start: Sequence[float], end: Sequence[float], speed: float

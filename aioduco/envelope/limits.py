@@ -6,14 +6,16 @@ Plain Python without numpy, for the worker's sake: arrays and poses are taken as
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, get_args
 
 from aioduco.errors import ParameterError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from aioduco.kinematics import Arm
+    from aioduco.models.rules import VectorLike
 
 __all__ = [
     "BODIES",
@@ -31,7 +33,6 @@ __all__ = [
 
 Action: TypeAlias = Literal["refuse", "slow", "stop"]
 Body: TypeAlias = Literal["tool", "elbow", "flange"]
-Numbers: TypeAlias = Sequence[float]
 
 #: the points of the arm that zones hold for: the tool's tip, the axis of joint 3, the flange
 BODIES: tuple[str, ...] = get_args(Body)
@@ -132,8 +133,8 @@ class Zone(EnvelopeLimit):
     @classmethod
     def box(
         cls,
-        at: Numbers,
-        size: Numbers,
+        at: VectorLike,
+        size: VectorLike,
         *,
         keep: Literal["in", "out"] = "out",
         bodies: Sequence[Body] = ("tool", "elbow", "flange"),
@@ -168,7 +169,7 @@ class Zone(EnvelopeLimit):
     @classmethod
     def sphere(
         cls,
-        at: Numbers,
+        at: VectorLike,
         radius: float,
         *,
         keep: Literal["in", "out"] = "out",
@@ -200,8 +201,8 @@ class Zone(EnvelopeLimit):
     @classmethod
     def plane(
         cls,
-        point: Numbers,
-        normal: Numbers,
+        point: VectorLike,
+        normal: VectorLike,
         *,
         bodies: Sequence[Body] = ("tool", "elbow", "flange"),
         action: Action = "refuse",
@@ -354,7 +355,7 @@ class Envelope:
             found.append(title)
         return tuple(found)
 
-    def packed(self, tool: Numbers) -> dict[str, Any]:
+    def packed(self, tool: VectorLike) -> dict[str, Any]:
         """All that `EnvelopeChecker` is told: lists, numbers and texts, which JSON can carry.
 
         Args:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import anyio
 
@@ -26,13 +26,12 @@ from aioduco.reporting import BackgroundLogger
 from aioduco.supervision.events import EnvelopeLeft
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable
 
     from aioduco.envelope.ways import Way
     from aioduco.models.pose import Pose
     from aioduco.supervision.command import Command
     from aioduco.supervision.concurrency import BackgroundTasks
-    from aioduco.supervision.dispatcher import Dispatcher
     from aioduco.supervision.events import Events
     from aioduco.supervision.retry import RetryingReads
     from aioduco.supervision.settings import RobotSettings
@@ -61,6 +60,15 @@ _SLOWEST = {"movej2": 0.000175, "movej_pose2": 0.000175, "movej": 0.01, "movej_p
 _SLOWEST_LINE = 0.01
 
 
+class SendsMotions(Protocol):
+    """What sends motions, as the keeper sees it."""
+
+    #: looks at each motion before it is sent
+    check: Callable[[Command], Awaitable[Command]] | None
+    #: commands that the controller accepted
+    accepted: int
+
+
 class EnvelopeKeeper:
     """Keeps one arm within its envelope, if there is one.
 
@@ -79,7 +87,7 @@ class EnvelopeKeeper:
 
     def __init__(
         self,
-        dispatcher: Dispatcher,
+        dispatcher: SendsMotions,
         coordinator: StopCoordinator,
         reads: RetryingReads,
         feed: StateFeed,

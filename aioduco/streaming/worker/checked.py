@@ -1,9 +1,4 @@
-"""Set-points checked against the robot's envelope before each is sent.
-
-Invariant: from every set-point that is sent, the arm can come to rest within the limits of the
-stream and within the envelope. So a set-point that breaks it is not sent, and the one before it is
-braked from.
-"""
+"""Set-points of a stream as what the robot's envelope is checked for."""
 
 from __future__ import annotations
 
@@ -12,17 +7,16 @@ from typing import TYPE_CHECKING
 
 from aioduco.envelope.checker import EnvelopeChecker
 from aioduco.streaming.shared.space import POSE_SPACE
-from aioduco.streaming.worker.setpoints import Follower
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from aioduco._wire.connection import Connection
     from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.config import EnvelopeSettings, WorkerConfig
-    from aioduco.streaming.shared.space import Config, Limits, Space
+    from aioduco.streaming.shared.space import Config
 
-__all__ = ["CheckedFollower", "CheckedPath", "EnvelopeSpace"]
+__all__ = ["CheckedPath", "EnvelopeSpace"]
 
 _STEP = 0.02  # of a way between two points [m, rad]
 _MOST_STEPS = 500
@@ -74,85 +68,6 @@ class EnvelopeSpace:
             *(2 * (a * c - w * b), 2 * (b * c + w * a), 1 - 2 * (a * a + b * b)),
             *(x, y, z),
         )
-
-
-class CheckedFollower(Follower):
-    """A follower that leads nowhere from where the arm could not stop within the envelope.
-
-    Args:
-        way: one of `REFERENCES`.
-        space: the space of the set-points.
-        limits: velocity and acceleration; for "ruckig" also jerk.
-        period: time between two ticks of the stream [s].
-        start: where the arm is, at rest.
-        place: what the envelope is checked for.
-        crossed: told what would have crossed a limit; the stream is then to end.
-    """
-
-    def __init__(
-        self,
-        way: str,
-        space: Space,
-        limits: Limits,
-        period: float,
-        start: Config,
-        place: EnvelopeSpace,
-        crossed: Callable[[Crossing], None],
-    ) -> None:
-        super().__init__(way, space, limits, period, start)
-        self._space = space
-        self._period = period
-        self._place = place
-        self._checker = place.checker
-        self._crossed = crossed
-        self._seen = place.seen(start)
-
-    def begin(self) -> Crossing | None:
-        """Check where the arm is; what of it is beyond a limit, if anything is."""
-        return self._checker.begin(self._seen)
-
-    def step(self) -> Config:
-        """Go on by one tick, or brake, and return the set-point."""
-        limiter = self._limiter
-        mark = limiter.mark()
-        config = super().step()
-        here = self._place.seen(config)
-        found = self._look(config, here)
-        if found is None:
-            self._seen = here
-            return config
-        limiter.back(mark)
-        if found.action != "slow":
-            self._crossed(found)
-            return self.brake()
-        config = limiter.brake()
-        self._braked(config)
-        return config
-
-    def brake(self) -> Config:
-        """Go on by one tick of coming to rest within the limits and return the set-point."""
-        config = super().brake()
-        self._braked(config)
-        return config
-
-    def _braked(self, config: Config) -> None:
-        self._seen = self._place.seen(config)
-        self._checker.moved(self._seen)
-
-    def _look(self, config: Config, here: Sequence[float]) -> Crossing | None:
-        checker = self._checker
-        speed = math.inf
-        if checker.times:
-            # By the last place first: the checker knows it still.
-            before, now = checker.places(self._seen)[0], checker.places(here)[0]
-            speed = math.dist(before, now) / self._period
-            found = checker.too_fast(speed)
-            if found is not None:
-                return found
-        rest = self._limiter.braking()
-        if not any(rest):
-            return checker.sweep(here, here, speed)
-        return checker.sweep(here, self._place.seen(self._space.moved(config, rest)), speed)
 
 
 class CheckedPath:
