@@ -89,9 +89,17 @@ def _box(sign: float, at: Sequence[float], size: Sequence[float], turn: Sequence
         u = abs(r00 * x + r10 * y + r20 * z) - hx
         v = abs(r01 * x + r11 * y + r21 * z) - hy
         w = abs(r02 * x + r12 * y + r22 * z) - hz
-        if u <= 0.0 and v <= 0.0 and w <= 0.0:
-            return sign * max(u, v, w)
-        return sign * hypot(max(u, 0.0), max(v, 0.0), max(w, 0.0))
+        outside = 0.0
+        if u > 0.0:
+            outside = u * u
+        if v > 0.0:
+            outside += v * v
+        if w > 0.0:
+            outside += w * w
+        if outside:
+            return sign * sqrt(outside)
+        nearest = u if u > v else v
+        return sign * (w if w > nearest else nearest)
 
     return margin
 
@@ -315,10 +323,21 @@ class EnvelopeChecker:
             self.moved(start)
         way = self._way
         ahead = way if end is start else way + self._travel(start, end)
+        sag = -1.0
         for zone in self._zones:
             if ahead < zone.due or (zone.action == "slow" and speed <= zone.speed):
                 continue
-            found = self._sweep_zone(zone, start, end)
+            if sag < 0.0:
+                # Some zone may be near: see how far the bodies go indeed, mostly much less.
+                places = self._look(start)[1]
+                further = places if end is start else self._look_ahead(end)[1]
+                # How far their ways bend away from their chords.
+                sag = 0.0 if end is start else self._sag(start, end)
+                chords = [math.dist(a, b) for a, b in zip(places, further, strict=True)]
+                ahead = way + max(chord for chord in chords if not math.isnan(chord)) + sag
+                if ahead < zone.due:
+                    continue
+            found = self._sweep_zone(zone, places, further, chords, sag)
             if found is not None:
                 return found
         if self._by_joints:
@@ -358,12 +377,13 @@ class EnvelopeChecker:
         return found + (self._joint_margins(q, places[0]) if q else [])
 
     def _sweep_zone(
-        self, zone: _Zone, start: Sequence[float], end: Sequence[float]
+        self,
+        zone: _Zone,
+        places: Sequence[Point],
+        further: Sequence[Point],
+        chords: Sequence[float],
+        sag: float,
     ) -> Crossing | None:
-        places = self._look(start)[1]
-        further = places if end is start else self._look_ahead(end)[1]
-        # How far a body's way bends away from its chord: as an arc about the furthest axis does.
-        sag = 0.0 if end is start else self._sag(start, end)
         least = math.inf
         for body in zone.bodies:
             a, b = places[body], further[body]
@@ -372,7 +392,8 @@ class EnvelopeChecker:
             first = zone.margin(*a) + zone.give
             last = first if a is b else zone.margin(*b) + zone.give
             low = first if first < last else last
-            if low >= 0.0 and a is not b:
+            # Nearer than this it cannot come; only if that is not enough its way is looked at.
+            if 0.0 <= low < sag + chords[body]:
                 low = self._lowest(zone, a, b, first, last, sag)
             if low < 0.0:
                 place = a if first < last else b

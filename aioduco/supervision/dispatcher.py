@@ -243,6 +243,8 @@ class Dispatcher:
             The answer.
         """
         await self._coordinator.follower.lost_stopped()
+        if self.check is not None:
+            command = await self.check(command)
         self._admit(command)
         pending, cancelled = await self._coordinator.answered(
             lane, command.name, command.args, timeout, followed=False

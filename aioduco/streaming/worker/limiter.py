@@ -7,6 +7,7 @@ those of set-points that are speeds.
 from __future__ import annotations
 
 from math import sqrt
+from operator import mul
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ class Limiter:
         "_axes",
         "_period",
         "_rules",
+        "_slowing",
         "_space",
         "_step",
         "_target",
@@ -62,6 +64,10 @@ class Limiter:
             (v * period * _SLACK, a * period * period * _SLACK)
             for group, v, a in self._rules
             if group.stop - group.start == 1
+        )
+        #: per displacement in one tick, the ticks that it takes to come to rest
+        self._slowing = tuple(
+            1 / (a * period * period) for _, _, a in self._rules[: len(self._axes)]
         )
         self.config: Config = start
         self.limited: int = 0
@@ -88,6 +94,10 @@ class Limiter:
 
     def braking(self) -> Displacement:
         """How far it would go on if it came to rest from here."""
+        if self._slowing:
+            # `brake` in terms of steps: their number is the longest of the axes'
+            ticks = max(map(mul, map(abs, self._step), self._slowing)) / 2
+            return tuple([step * ticks for step in self._step])
         velocity = self.velocity
         rest = max(_length(velocity[group]) / a for group, _, a in self._rules)
         return tuple(v * rest / 2 for v in velocity)
