@@ -116,6 +116,7 @@ class EnvelopeChecker:
 
     Attributes:
         near: joint angles near which those of a tip are sought [rad].
+        stray: share of a sweep by which its way may leave the straight one half-way.
     """
 
     def __init__(self, packed: Mapping[str, Any], *, by_tip: bool = False) -> None:
@@ -163,6 +164,7 @@ class EnvelopeChecker:
         self._solve: Any = None
         self._nearest: Any = None
         self.near: Joints6 = ()
+        self.stray: float = 0.0
         self._way = 0.0
         self._at: Sequence[float] = ()
         self._kept: _Look = ((), (), ())
@@ -332,7 +334,7 @@ class EnvelopeChecker:
                 places = self._look(start)[1]
                 further = places if end is start else self._look_ahead(end)[1]
                 # How far their ways bend away from their chords.
-                sag = 0.0 if end is start else self._sag(start, end)
+                sag = 0.0 if end is start else self._sag(start, end) + self.stray * (ahead - way)
                 chords = [math.dist(a, b) for a, b in zip(places, further, strict=True)]
                 ahead = way + max(chord for chord in chords if not math.isnan(chord)) + sag
                 if ahead < zone.due:
