@@ -326,6 +326,9 @@ class EnvelopeChecker:
         way = self._way
         ahead = way if end is start else way + self._travel(start, end)
         sag = -1.0
+        places: tuple[Point, ...] = ()
+        further: tuple[Point, ...] = ()
+        chords: list[float] = []
         for zone in self._zones:
             if ahead < zone.due or (zone.action == "slow" and speed <= zone.speed):
                 continue

@@ -79,6 +79,8 @@ def wander(rng: np.random.Generator) -> np.ndarray:
 def test_no_set_point_is_beyond_a_zone(way: str, thorough: bool) -> None:
     """And each keeps to the stream's limits, also while it brakes before a zone."""
     rng = np.random.default_rng(sum(way.encode()))
+    # Straight ahead, where it could not stop, is not where the targets lead.
+    ahead = 0.3 if way == "ruckig" else 0.15
     ended = outside = 0
     for _ in range(1100 if thorough else 5):
         targets = wander(rng)
@@ -95,7 +97,7 @@ def test_no_set_point_is_beyond_a_zone(way: str, thorough: bool) -> None:
             # what a limiter cuts short may pass a zone by
             assert least(zones, free) > -0.05
         if crossed:
-            assert min(least(zones, targets), least(zones, free)) < 0.05, "ended for nothing"
+            assert min(least(zones, targets), least(zones, free)) < ahead, "ended for nothing"
     # Without the check many of them are beyond a zone.
     assert outside >= 1
     assert ended >= outside

@@ -226,6 +226,8 @@ class Trials:
             clear = f"{kind} refused, {nearest:.4f} m clear of all zones"
             assert nearest < REFUSED, clear
             self.counts[f"{kind} refused"] += 1
+        except aioduco.TaskUnknown:
+            self.counts[f"{kind} lost sight of"] += 1  # the arm is judged all the same
         except aioduco.TaskFailed:
             self.counts[f"{kind} ended by a collision"] += 1  # with the floor, or with itself
         else:
