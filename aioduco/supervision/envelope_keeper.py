@@ -329,10 +329,9 @@ class EnvelopeKeeper:
         now = {each.limit: each for each in checker.margins(q)}
         coordinator = self._coordinator
         # What was checked may be on its way, and not be followed yet.
-        known = coordinator.pending or coordinator.streams
-        if known or any(task.motion for task in coordinator.follower.tasks):
-            known = not self._unchecked
-        if known:
+        ours = bool(coordinator.pending) or bool(coordinator.streams)
+        ours = ours or any(task.motion for task in coordinator.follower.tasks)
+        if ours and not self._unchecked:
             beyond = (each for each in now.values() if each.margin < -_LAG)
             return next((each for each in beyond if each.action != "slow"), None)
         ahead = _PERIODS * self._period + fastest / _STOPPING / 2

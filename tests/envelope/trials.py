@@ -174,6 +174,7 @@ class Trials:
         """Stand somewhere, and have new zones around."""
         robot, rng = self._robot, self._rng
         robot.envelope = None
+        await robot.stop()  # what stopped the last one may still be under way
         await robot.bring_up()
         q = START + rng.uniform(-0.4, 0.4, 6)
         await robot.motion.movej2(q, v=3.9, a=40.0)
