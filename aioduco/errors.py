@@ -15,6 +15,7 @@ __all__ = [
     "ConnectionLost",
     "ControllerError",
     "DucoError",
+    "EnvelopeViolated",
     "FeedOverflow",
     "FirstPointTooFar",
     "GoalToleranceViolated",
@@ -44,6 +45,7 @@ __all__ = [
     "StopUnconfirmed",
     "StreamClosed",
     "StreamError",
+    "StreamLeavesEnvelope",
     "StreamLost",
     "StreamRefused",
     "StreamStarved",
@@ -399,6 +401,35 @@ class Unreachable(DucoError):
     """
 
 
+class EnvelopeViolated(DucoError):
+    """A motion would lead beyond a limit of `robot.envelope`. It was not sent.
+
+    Attributes:
+        limit: the name of the limit.
+        body: what would be beyond it: "tool", "elbow", "flange", a joint, or the arm.
+        place: where in the base frame [m]; NaN where a place says nothing.
+        margin: how far within the limit it would be, negative beyond it [m, rad, m/s, N], or
+            without a unit for a singularity.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        limit: str,
+        body: str,
+        place: tuple[float, float, float],
+        margin: float,
+    ) -> None:
+        self.limit = limit
+        self.body = body
+        self.place = place
+        self.margin = margin
+        super().__init__(message)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (str(self), self.limit, self.body, self.place, self.margin)
+
+
 class SetPointTooFar(ParameterError):
     """A set-point lies further from the one before than a stream allows. It was not sent.
 
@@ -452,6 +483,25 @@ class PathToleranceViolated(StreamError):
 
 class GoalToleranceViolated(StreamError):
     """The arm did not come close enough to the end of its trajectory in time. It stands."""
+
+
+class StreamLeavesEnvelope(StreamError, EnvelopeViolated):
+    """A set-point would lead beyond a limit of `robot.envelope`, or the arm could not stop before.
+
+    It was not sent. The arm was brought to rest before the limit, and stopped.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        limit: str,
+        body: str,
+        place: tuple[float, float, float],
+        margin: float,
+        statistics: object = None,
+    ) -> None:
+        EnvelopeViolated.__init__(self, message, limit, body, place, margin)
+        self.statistics = statistics
 
 
 class SceneError(DucoError, ValueError):

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from aioduco.api.track import Track
     from aioduco.api.version import Version
     from aioduco.controller_clock import Clock
+    from aioduco.envelope import Envelope
     from aioduco.models.state import RobotStates
     from aioduco.streaming.servo import Servo
     from aioduco.streaming.speed import Speed
@@ -399,6 +400,25 @@ class Robot(ManualNames):
     def events(self) -> Events:
         """What happens to the robot, as it is seen."""
         return self._supervisor.events
+
+    @property
+    def envelope(self) -> Envelope | None:
+        """The limits within which the arm is kept: zones, speeds, margins, forces; None for none.
+
+            robot.envelope = Envelope("gcr5_910", Zone.plane((0, 0, 0.02), (0, 0, 1)))
+
+        Motions are checked before they are sent, set-points of streams before each is sent, and
+        the rest, such as jogs and hand guiding, in the state, where the arm is stopped. It may be
+        set at any time; a stream keeps the one with which it was opened.
+
+        Raises:
+            ParameterError: what is set is no Envelope, nor None.
+        """
+        return self._supervisor.envelope.envelope
+
+    @envelope.setter
+    def envelope(self, envelope: Envelope | None) -> None:
+        self._supervisor.envelope.use(envelope)
 
     async def wait_for(
         self, predicate: Callable[[Snapshot], bool], *, timeout: float | None = None

@@ -24,7 +24,9 @@ BASE = {
     "scheduling",
     "trace",
 }
-CLIENT = BASE | {"models", "kinematics", "_wire", "supervision", "api", "streaming"}
+CLIENT = BASE | {
+    *("models", "kinematics", "envelope", "_wire", "supervision", "api", "streaming"),
+}
 
 #: by part, the parts that it may import; itself always
 MAY_IMPORT: dict[str, set[str]] = {
@@ -39,9 +41,11 @@ MAY_IMPORT: dict[str, set[str]] = {
     "models": {"errors", "rpc"},
     "kinematics": {"errors", "models"},
     "descriptions": {"errors", "models", "kinematics"},
+    # limits and their check: pure, and without numpy where the worker of a stream imports it
+    "envelope": {"errors", "models", "kinematics"},
     "_wire": {"errors", "reporting", "rpc", "trace"},
-    "supervision": BASE | {"models", "_wire"},
-    "streaming": BASE | {"models", "_wire", "supervision"},
+    "supervision": BASE | {"models", "envelope", "_wire"},
+    "streaming": BASE | {"models", "envelope", "_wire", "supervision"},
     "api": BASE | {"models", "supervision", "streaming"},
     "bus": BASE | {"models", "api"},
     "status_port": {"errors", "models"},
@@ -101,6 +105,7 @@ STREAMING_MAY_IMPORT: dict[str, set[str]] = {
     "shared": {"aioduco.streaming.shared"},
     "worker": {
         *("aioduco._wire", "aioduco.errors", "aioduco.scheduling"),
+        *("aioduco.envelope.checker", "aioduco.envelope.limits"),
         *("aioduco.streaming.shared", "aioduco.streaming.worker"),
     },
 }
@@ -135,6 +140,7 @@ PURE = {
     "sim/force",
     "sim/planner",
     "sim/physics/temperature.py",
+    "envelope",
 }
 IMPURE = {"socket", "threading", "time", "queue", "anyio", "asyncio", "pathlib", "os"}
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from aioduco.streaming.shared.config import Calls, EnvelopeSettings
 from aioduco.supervision.heartbeat import HeartbeatState
 from aioduco.supervision.motion_sources import Streams
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
+    from aioduco.streaming.shared.config import Sent
     from aioduco.supervision.supervisor import Supervisor
 
 __all__ = ["StreamEndpoint"]
@@ -34,6 +36,7 @@ class StreamEndpoint:
             stopped: it may reach the controller late [s].
         beats: whether the robot's heartbeat beats; without it the controller stops the arm, and
             the stream must not set it moving again.
+        envelope: what the set-points of a stream are checked against; it is given what is sent.
     """
 
     host: str
@@ -45,6 +48,7 @@ class StreamEndpoint:
     stall_limit: float = 1.0
     unanswered_timeout: float = 60.0
     beats: Callable[[], bool] | None = None
+    envelope: Callable[[Sent], Awaitable[EnvelopeSettings | None]] | None = None
 
     @classmethod
     def of(cls, supervisor: Supervisor) -> StreamEndpoint:
@@ -53,6 +57,15 @@ class StreamEndpoint:
         def beats() -> bool:
             heart = supervisor.heartbeat
             return heart is None or heart.state is HeartbeatState.BEATING
+
+        async def envelope(sent: Sent) -> EnvelopeSettings | None:
+            tool, wobj = _frames(sent)
+            found = await supervisor.envelope.of_stream(tool, wobj, checked=sent.meaning != "speed")
+            if found is None:
+                return None
+            packed, base = found
+            tip = ["get_tcp_pose_coord", tool, wobj]
+            return EnvelopeSettings(packed=packed, wobj=base, tip=tip)
 
         return cls(
             supervisor.host,
@@ -64,4 +77,14 @@ class StreamEndpoint:
             stall_limit=supervisor.settings.loop_stall_limit,
             unanswered_timeout=supervisor.settings.unanswered_timeout,
             beats=beats,
+            envelope=envelope,
         )
+
+
+def _frames(sent: Sent) -> tuple[str, str]:
+    """The names of the tool and of the work object in which set-points are; empty: those in use."""
+    if len(sent.read) == 3:
+        return sent.read[1], sent.read[2]
+    if sent.name == "servo_tcp" and isinstance(sent.drive, Calls):
+        return str(sent.drive.arguments[2]), ""
+    return "", ""

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
+
+from aioduco.envelope.limits import Crossing
 from aioduco.errors import (
     FirstPointTooFar,
     LaneFailed,
     StreamClosed,
     StreamError,
+    StreamLeavesEnvelope,
     StreamLost,
     StreamRefused,
     StreamStarved,
@@ -40,6 +44,10 @@ _CONNECTION = (
     "at the robot's state before you go on"
 )
 _FAILED = "the stream's lane failed; the robot was told to stop"
+_ENVELOPE = (
+    "the next set-point would have led beyond the robot's envelope, and was not sent; the arm was "
+    "brought to rest, and the robot stopped"
+)
 _DIED = (
     "the stream's lane is gone without a word; the robot was told to stop on another connection, "
     "if there was one"
@@ -61,6 +69,11 @@ _ENDS: dict[Reason, tuple[type[StreamError], str]] = {
 
 def failure(name: str, reason: Reason, text: str, statistics: object) -> StreamError | None:
     """The error for the end of a stream; None if there is none, or it was closed."""
+    if reason is Reason.ENVELOPE:
+        limit, body, place, *others = json.loads(text)
+        found = Crossing(limit, body, tuple(place), *others)
+        message = f"{name}: {_ENVELOPE}: {found}"
+        return StreamLeavesEnvelope(message, *found[:4], statistics)
     if reason not in _ENDS:
         return None
     kind, meaning = _ENDS[reason]

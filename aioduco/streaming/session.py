@@ -10,6 +10,7 @@ Guarantees:
 from __future__ import annotations
 
 import contextlib
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import anyio
@@ -162,6 +163,10 @@ class Session:
         if self.host is not None:
             raise StreamClosed("a stream is opened once: make another one")
         self._owner_loop.require(self.name)
+        if self._endpoint.envelope is not None:
+            envelope = await self._endpoint.envelope(self._config.sent)
+            if envelope is not None:
+                self._config = replace(self._config, envelope=envelope)
         if self._endpoint.admit is not None:
             await self._endpoint.admit(self.name)
         # Nothing may be awaited here, or a motion could be sent in between.

@@ -34,7 +34,7 @@ from aioduco.supervision.task_state import TaskLifecycle
 from aioduco.supervision.unanswered import PendingCommand
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Awaitable, Callable, Iterator, Sequence
     from typing import Any
 
     from aioduco._wire.lane import WireLane
@@ -63,6 +63,7 @@ class Dispatcher:
     Attributes:
         closed: why nothing is started any more; empty while something is.
         accepted: commands that the controller accepted.
+        check: looks at each motion before it is sent; it may raise, or slow the motion down.
     """
 
     def __init__(
@@ -83,6 +84,7 @@ class Dispatcher:
         self._last: Task | None = None
         self.closed = ""
         self.accepted: int = 0
+        self.check: Callable[[Command], Awaitable[Command]] | None = None
 
     async def quiet(self, timeout: float) -> None:
         """Wait until no command is on its way; after `closed` was set, none follows."""
@@ -150,6 +152,8 @@ class Dispatcher:
         async with self._order:
             await self._coordinator.follower.lost_stopped()
             stops = self._coordinator.stops
+            if self.check is not None and command.motion:
+                command = await self.check(command)
             errors = await self._coordinator.follower.error_list()
             self._admit(command)
             if command.motion and self._coordinator.stops != stops:
@@ -239,6 +243,8 @@ class Dispatcher:
             The answer.
         """
         await self._coordinator.follower.lost_stopped()
+        if self.check is not None:
+            command = await self.check(command)
         self._admit(command)
         pending, cancelled = await self._coordinator.answered(
             lane, command.name, command.args, timeout, followed=False

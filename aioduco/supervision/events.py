@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from aioduco._wire.lane import WireLane
+    from aioduco.envelope.limits import Crossing
     from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
     from aioduco.supervision.concurrency import BackgroundTasks
     from aioduco.supervision.heartbeat import HeartbeatState
@@ -27,6 +28,7 @@ __all__ = [
     "ConnectionGone",
     "EmergencyStopPressed",
     "EmergencyStopReleased",
+    "EnvelopeLeft",
     "ErrorsChanged",
     "Event",
     "Events",
@@ -142,6 +144,17 @@ class EmergencyStopPressed(Event):
 @dataclass(frozen=True, slots=True)
 class EmergencyStopReleased(Event):
     """The emergency stop was released."""
+
+
+@dataclass(frozen=True, slots=True)
+class EnvelopeLeft(Event):
+    """The arm came, or was about to come, beyond a limit of the envelope, and is stopped.
+
+    Attributes:
+        crossing: the limit, the body, the place and the margin.
+    """
+
+    crossing: Crossing
 
 
 @dataclass(frozen=True, slots=True)

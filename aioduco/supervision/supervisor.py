@@ -40,6 +40,7 @@ from aioduco.models.version import ControllerVersion
 from aioduco.reporting import FLUSH_LIMIT, BackgroundLogger, reporter
 from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
 from aioduco.supervision.dispatcher import Dispatcher
+from aioduco.supervision.envelope_keeper import EnvelopeKeeper
 from aioduco.supervision.events import Events, LoopBlocked
 from aioduco.supervision.guard.guarded import (
     GuardClient,
@@ -126,6 +127,7 @@ class Supervisor:
         guard: the robot's side of the guard; None without one.
         feed: samples of the robot's state.
         events: what happens to the robot.
+        envelope: keeps the arm within its operating envelope.
     """
 
     def __init__(self, host: str, port: int, settings: RobotSettings) -> None:
@@ -178,6 +180,15 @@ class Supervisor:
         )
         self.events: Events = Events(
             self.feed, self._feed_lane, self._background, self._heartbeat_state
+        )
+        self.envelope: EnvelopeKeeper = EnvelopeKeeper(
+            self.dispatcher,
+            self.stop_coordinator,
+            self.retrying,
+            self.feed,
+            self.events,
+            self._background,
+            settings,
         )
         self._exit_stop: ExitStop | None = None
         self._watchdog: LoopWatchdog | None = None
@@ -306,6 +317,7 @@ class Supervisor:
         for lane in self.lanes:
             lane.version = self.version.text
         self._opened = True
+        self.envelope.begin()
         self._exit_stop = ExitStop(self.stop_coordinator)
         self._background.start(self.stop_coordinator.follower.run(), "aioduco task follower")
         self._background.start(self.dispatcher.drop_claim_at_rest(), "aioduco claim")

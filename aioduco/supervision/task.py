@@ -133,6 +133,8 @@ class Task:
         self._start: Sequence[float] | None = None
         #: why it was lost sight of, or not stopped in time
         self.fault: BaseException | None = None
+        #: why this program stopped the arm, if it was not asked to
+        self.stopped_by: BaseException | None = None
         #: whether the arm was stopped because the deadline passed
         self.overdue = False
         self._errors: tuple[str, ...] = ()
@@ -222,7 +224,9 @@ class Task:
             raise TaskOverdue(
                 self.name, self.id, "did not end by its deadline: the arm was stopped"
             )
-        raise task_error(self.name, self.id, outcome, self._errors) from self.fault
+        raise task_error(self.name, self.id, outcome, self._errors) from (
+            self.fault or self.stopped_by
+        )
 
     async def wait(self) -> Outcome:
         """Wait for the end and return the outcome, whatever it is.

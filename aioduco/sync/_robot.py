@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from aioduco.controller_clock import Clock
+    from aioduco.envelope import Envelope
     from aioduco.supervision.heartbeat import HeartbeatStatistics
     from aioduco.supervision.settings import ExitLadder, GuardKind
     from aioduco.supervision.supervisor import SupervisorStatistics
@@ -232,6 +233,18 @@ class Robot(Sections):
         if self._events is None:
             self._events = Events(self._runner, self._robot.events)
         return self._events
+
+    @property
+    def envelope(self) -> Envelope | None:
+        """The limits within which the arm is kept; see `aioduco.Robot.envelope`."""
+        return self._robot.envelope
+
+    @envelope.setter
+    def envelope(self, envelope: Envelope | None) -> None:
+        def use() -> None:
+            self._robot.envelope = envelope
+
+        self._runner.look(use)
 
     def sleep(self, seconds: float) -> None:
         """Let time pass. Unlike `time.sleep` it counts as a call: see `hold_limit` of `connect`.

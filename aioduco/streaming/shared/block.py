@@ -24,7 +24,7 @@ __all__ = ["HISTOGRAMS", "Block", "ControlWord", "StatusWord", "StreamCommand", 
 
 _MAGIC = 0x61696F6475636F31
 _HEADER = struct.Struct("<QQ")
-_CONFIG = 8192
+_CONFIG = 65536  # an envelope of 100 limits takes half of it
 _TEXT = 1024
 
 #: what the worker measures; times in nanoseconds, depth in points

@@ -20,6 +20,7 @@ __all__ = [
     "UPSAMPLING",
     "Calls",
     "Drive",
+    "EnvelopeSettings",
     "FeedingSettings",
     "Meaning",
     "PoolDrive",
@@ -203,6 +204,22 @@ class Sent:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class EnvelopeSettings:
+    """What the worker checks set-points against.
+
+    Attributes:
+        packed: what `Envelope.packed` gave.
+        wobj: pose of the work object of the set-points in the base frame [m, rad].
+        tip: function of the wire that reads the tool's pose in that work object, and its
+            arguments, for set-points that count from there.
+    """
+
+    packed: dict[str, Any]
+    wobj: Sequence[float]
+    tip: Sequence[str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class WorkerConfig:
     """All that a worker is told.
 
@@ -215,6 +232,7 @@ class WorkerConfig:
         options: how the worker runs.
         feeding: how it is fed.
         sent: what it sends.
+        envelope: what set-points are checked against; None for nothing.
     """
 
     host: str
@@ -225,6 +243,7 @@ class WorkerConfig:
     options: WorkerSettings
     feeding: FeedingSettings
     sent: Sent
+    envelope: EnvelopeSettings | None = None
 
     @property
     def period(self) -> float:
@@ -249,4 +268,11 @@ class WorkerConfig:
         sent["turning"] = Turning(**sent["turning"]) if sent["turning"] else None
         options = WorkerSettings(**values.pop("options"))
         feeding = FeedingSettings(**values.pop("feeding"))
-        return cls(**values, options=options, feeding=feeding, sent=Sent(**sent))
+        envelope = values.pop("envelope")
+        return cls(
+            **values,
+            options=options,
+            feeding=feeding,
+            sent=Sent(**sent),
+            envelope=EnvelopeSettings(**envelope) if envelope else None,
+        )

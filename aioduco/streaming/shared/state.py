@@ -43,3 +43,5 @@ class Reason(IntEnum):
     LANE_DIED = 10
     #: the program's event loop hung, or the robot's heartbeat was lost
     HUNG = 11
+    #: a set-point would have led beyond a limit of the robot's envelope
+    ENVELOPE = 12

@@ -6,6 +6,7 @@ end has come. They are pure: no clock, no calls.
 
 from __future__ import annotations
 
+import json
 import time
 from enum import Enum, auto
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from aioduco.streaming.shared.block import Block
     from aioduco.streaming.shared.config import PoolDrive, QueueDrive
     from aioduco.streaming.shared.ring import SetPoint
+    from aioduco.streaming.worker.checked import CheckedPath
 
 __all__ = ["Depth", "PoolStates", "RealtimeQueueDriver", "Todo", "TrackPoolDriver"]
 
@@ -357,6 +359,7 @@ class TrackPoolDriver:
         self._age = block.histograms["age"].record
         self._task = 0
         self._sent = 0
+        self._checked: CheckedPath | None = None
 
     @property
     def state(self) -> StreamState:
@@ -394,6 +397,11 @@ class TrackPoolDriver:
         reach = tuple(self._block.config.feeding.reach)
         if not within(space, space.decode(actual), space.decode(first.values), reach):
             return self._finish(Reason.TOO_FAR, "")
+        if self._block.config.envelope is not None:
+            # imported here: a stream without an envelope has no need of it
+            from aioduco.streaming.worker.checked import CheckedPath  # noqa: PLC0415
+
+            self._checked = CheckedPath(self._block.config, self._connection, actual)
         if refused(self._connection.call("trackClearQueue", (), self._timeout)):
             return self._finish(Reason.REFUSED, "trackClearQueue was refused")
         return self._add(self._pool.high, first) >= 0 and self._go()
@@ -434,7 +442,7 @@ class TrackPoolDriver:
         """Add points of the program to the pool.
 
         Returns:
-            How many; -1: they were refused, and this is the end.
+            How many; -1: they were refused, or lead beyond the envelope, and this is the end.
         """
         point = first
         elements: list[bytes] = []
@@ -442,6 +450,10 @@ class TrackPoolDriver:
             point = point or self._block.ring.take()
             if point is None:
                 break
+            if self._checked is not None and (found := self._checked.add(point.values)):
+                self._block.text = json.dumps(found)
+                self.brake(Reason.ENVELOPE)
+                return -1
             elements.append(self._batch.element(point.values, point.extra))
             self._age(time.monotonic_ns() - point.stamp)
             point = None

@@ -7,6 +7,7 @@ those of set-points that are speeds.
 from __future__ import annotations
 
 from math import sqrt
+from operator import mul
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ class Limiter:
         "_axes",
         "_period",
         "_rules",
+        "_slowing",
         "_space",
         "_step",
         "_target",
@@ -63,6 +65,10 @@ class Limiter:
             for group, v, a in self._rules
             if group.stop - group.start == 1
         )
+        #: per displacement in one tick, the ticks that it takes to come to rest
+        self._slowing = tuple(
+            1 / (a * period * period) for _, _, a in self._rules[: len(self._axes)]
+        )
         self.config: Config = start
         self.limited: int = 0
         self._step: Displacement = _ZERO
@@ -77,6 +83,24 @@ class Limiter:
     def at_rest(self) -> bool:
         """Whether the last target is met, and nothing moves."""
         return self.config == self._target and self._step == _ZERO
+
+    def mark(self) -> tuple[Any, ...]:
+        """What `back` needs to undo what follows."""
+        return self.config, self._step, self._target
+
+    def back(self, mark: tuple[Any, ...]) -> None:
+        """Be again as at a mark."""
+        self.config, self._step, self._target = mark
+
+    def braking(self) -> Displacement:
+        """How far it would go on if it came to rest from here."""
+        if self._slowing:
+            # `brake` in terms of steps: their number is the longest of the axes'
+            ticks = max(map(mul, map(abs, self._step), self._slowing)) / 2
+            return tuple([step * ticks for step in self._step])
+        velocity = self.velocity
+        rest = max(_length(velocity[group]) / a for group, _, a in self._rules)
+        return tuple(v * rest / 2 for v in velocity)
 
     def follow(self, target: Config) -> Config:
         """One tick towards the target of this tick; returns the set-point."""
@@ -183,6 +207,21 @@ class JerkLimiter:
     def at_rest(self) -> bool:
         """Whether the last target is met, and nothing moves."""
         return self.config == self._target and self.velocity == _ZERO
+
+    def mark(self) -> tuple[Any, ...]:
+        """What `back` needs to undo what follows."""
+        return self.config, self.velocity, self._acceleration, self._target
+
+    def back(self, mark: tuple[Any, ...]) -> None:
+        """Be again as at a mark."""
+        self.config, self.velocity, self._acceleration, self._target = mark
+
+    def braking(self) -> Displacement:
+        """How far each axis would go on, at the most, if it came to rest from here."""
+        plan = self._input
+        limits = zip(plan.max_acceleration, plan.max_jerk, strict=True)
+        state = zip(self.velocity, self._acceleration, limits, strict=True)
+        return tuple(_braking(v, a, top, jerk) for v, a, (top, jerk) in state)
 
     def follow(self, target: Config) -> Config:
         """One tick towards the target of this tick; returns the set-point."""
@@ -341,6 +380,18 @@ def _closing_speed(distance: float, acceleration: float, period: float) -> float
     half = period / 2
     speed = acceleration * (sqrt(half * half + 2 * distance / acceleration) - half)
     return min(speed, distance / period)
+
+
+def _braking(speed: float, acceleration: float, top: float, jerk: float) -> float:
+    """How far an axis goes on with limits of acceleration and jerk, at the most, with its sign."""
+    sign = 1.0 if speed + acceleration * abs(acceleration) / (2 * jerk) >= 0 else -1.0
+    v, a = sign * speed, max(0.0, sign * acceleration)
+    # First the acceleration is taken back; then it is as from a steady speed.
+    fade = a / jerk
+    way = v * fade + a * fade * fade / 3
+    v += a * fade / 2
+    time = v / top + top / jerk if v * jerk >= top * top else 2 * sqrt(max(v, 0.0) / jerk)
+    return sign * (way + v * time / 2)
 
 
 def _per_axis(space: Space, limits: Sequence[float]) -> list[float]:

@@ -47,6 +47,7 @@ _STOPS = (
     Reason.REFUSED,
     Reason.CONNECTION,
     Reason.FAILED,
+    Reason.ENVELOPE,
 )
 _ANSWER = 50_000  # ns: no controller answers sooner
 _SLICE = 100_000  # ns: the shortest that the system gives

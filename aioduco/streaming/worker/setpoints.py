@@ -15,6 +15,7 @@ There is no way back from DECELERATING or ENDED, and the first reason stays.
 
 from __future__ import annotations
 
+import json
 import time
 from typing import TYPE_CHECKING, Protocol
 
@@ -22,17 +23,18 @@ from aioduco.streaming.shared.block import StatusWord
 from aioduco.streaming.shared.space import POSE_SPACE
 from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.worker.directions import Directions
-from aioduco.streaming.worker.interpolation import REFERENCES
-from aioduco.streaming.worker.limiter import JerkLimiter, Limiter, Rates
+from aioduco.streaming.worker.follower import CheckedFollower, Follower
+from aioduco.streaming.worker.limiter import Rates
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from aioduco._wire.connection import Connection
+    from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.block import Block
+    from aioduco.streaming.shared.config import EnvelopeSettings
     from aioduco.streaming.shared.ring import SetPoint
-    from aioduco.streaming.shared.space import Config, Displacement, Limits, Space
-    from aioduco.streaming.worker.interpolation import Reference
+    from aioduco.streaming.shared.space import Config, Space
 
 __all__ = ["Follower", "Follows", "SetpointFeed", "SetpointSource", "within"]
 
@@ -41,70 +43,6 @@ _FIRST = 0.05  # taken for the interval before there is one
 _LATE = 1.2  # share of the interval in which a target is met: the next one may be a bit late
 _DUE = 1.5  # share of the interval after which an unpaced set-point counts as late
 _ROUNDING = 1 - 1e-9
-
-
-class Follower:
-    """A reference and the limiter that follows it.
-
-    Args:
-        way: one of `REFERENCES`.
-        space: the space of the set-points.
-        limits: velocity and acceleration; for "ruckig" also jerk.
-        period: time between two ticks of the stream [s].
-        start: where the arm is, at rest.
-    """
-
-    def __init__(
-        self, way: str, space: Space, limits: Limits, period: float, start: Config
-    ) -> None:
-        self._reference: Reference = REFERENCES[way](space, period, start)
-        kind = JerkLimiter if way == "ruckig" else Limiter
-        self._limiter = kind(space, limits, period, start)
-
-    @property
-    def config(self) -> Config:
-        """The set-point of the last tick."""
-        return self._limiter.config
-
-    @property
-    def velocity(self) -> Displacement:
-        """Its velocity, per second."""
-        return self._limiter.velocity
-
-    @property
-    def limited(self) -> int:
-        """Ticks in which the limits kept the set-point from the reference."""
-        return self._limiter.limited
-
-    @property
-    def ready(self) -> bool:
-        """Whether the last target has had its time, so that the next one may come."""
-        return self._reference.ready
-
-    @property
-    def at_rest(self) -> bool:
-        """Whether the last target is met and nothing moves."""
-        return self._reference.ready and self._limiter.at_rest
-
-    def aim(self, target: Config, interval: float, duration: float) -> None:
-        """Take a new target, to be met if the limits allow it.
-
-        Args:
-            target: the target.
-            interval: time since the target before it [s].
-            duration: time in which to meet it [s].
-        """
-        self._reference.aim(target, interval, duration)
-
-    def step(self) -> Config:
-        """Go on by one tick and return the set-point."""
-        return self._limiter.follow(self._reference.step())
-
-    def brake(self) -> Config:
-        """Go on by one tick of coming to rest within the limits and return the set-point."""
-        config = self._limiter.brake()
-        self._reference.rest(config)
-        return config
 
 
 class Follows(Protocol):
@@ -317,9 +255,33 @@ class SetpointFeed:
             self._follower = Rates(space, limits, self._period)
         else:
             way, start = self._config.feeding.upsample, space.decode(self._actual())
-            self._follower = Follower(way, space, limits, self._period, start)
+            if self._config.envelope is None:
+                self._follower = Follower(way, space, limits, self._period, start)
+            else:
+                self._follower = self._checked(self._config.envelope, start)
         self.source.begin(self._follower)
         return True
+
+    def _checked(self, envelope: EnvelopeSettings, start: Config) -> Follower:
+        """The same, which follows nothing beyond the robot's envelope."""
+        # imported here: a stream without an envelope has no need of it
+        from aioduco.streaming.worker.checked import EnvelopeSpace  # noqa: PLC0415
+
+        config = self._config
+        place = EnvelopeSpace(envelope, config, self._connection, self._start)
+        way = config.feeding.upsample
+        follower = CheckedFollower(
+            way, self._space, config.sent.limits, self._period, start, place, self._crossed
+        )
+        found = follower.begin()
+        if found is not None:
+            self._crossed(found)
+        return follower
+
+    def _crossed(self, found: Crossing) -> None:
+        """A set-point would have led beyond the envelope: come to rest, if the arm moves."""
+        self._block.text = json.dumps(found)
+        self.source.brake(Reason.ENVELOPE)
 
     def _actual(self) -> list[float]:
         """Where the arm is; steps count from there, so for them that is zero."""

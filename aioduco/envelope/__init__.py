@@ -1,0 +1,43 @@
+"""The operating envelope: zones, speeds, margins and forces within which a program keeps an arm.
+
+    from aioduco.envelope import Envelope, ToolSpeed, Zone
+
+    robot.envelope = Envelope(
+        "gcr5_910",
+        Zone.plane((0, 0, 0.02), (0, 0, 1), name="table"),
+        Zone.sphere((0.5, 0.2, 0.3), 0.15, name="fixture"),
+        ToolSpeed(0.5),
+    )
+
+Nothing here imports more than the errors: the worker of a stream loads it, too.
+"""
+
+from __future__ import annotations
+
+from aioduco.envelope.limits import (
+    BODIES,
+    Action,
+    Body,
+    Crossing,
+    Envelope,
+    EnvelopeLimit,
+    JointMargin,
+    SingularityMargin,
+    ToolForce,
+    ToolSpeed,
+    Zone,
+)
+
+__all__ = [
+    "BODIES",
+    "Action",
+    "Body",
+    "Crossing",
+    "Envelope",
+    "EnvelopeLimit",
+    "JointMargin",
+    "SingularityMargin",
+    "ToolForce",
+    "ToolSpeed",
+    "Zone",
+]

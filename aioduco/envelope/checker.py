@@ -1,0 +1,561 @@
+"""Whether the arm is, and goes, within an envelope: in plain floats, without I/O or clock.
+
+The same code checks the way of a motion before it is sent, each set-point in a stream's worker, and
+each sample of the state. For one set-point numpy would take longer, and the worker has none.
+
+A step of the arm is checked as a sweep: from a configuration to another one, straight in joint
+angles or straight in the tool's pose. What makes that quick: a distance to a zone changes by no
+more than the body moves. So of each zone it is kept how far the arm may go before it has to be
+looked at again.
+"""
+
+from __future__ import annotations
+
+import math
+from math import cos, hypot, sin, sqrt
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from aioduco.envelope.limits import BODIES, Crossing
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+__all__ = ["EnvelopeChecker", "Tip"]
+
+Point: TypeAlias = tuple[float, float, float]
+Tip: TypeAlias = "Sequence[float]"
+"""The tool's tip in the base frame: its rotation matrix by rows, then x, y, z [m]. Shape (12,)."""
+Joints6: TypeAlias = tuple[float, ...]
+_Look: TypeAlias = tuple["Sequence[float]", tuple[Point, ...], Joints6]
+_Margin: TypeAlias = "Callable[[float, float, float], float]"
+
+_HALVINGS = 8  # of a chord, before a zone that it passes closely counts as crossed
+_BESIDE = 3e-3  # how far beyond a zone an arm may stand, and still leave it [m]
+_NOWHERE = (math.nan, math.nan, math.nan)
+
+
+class _Zone:
+    """A zone as the checker keeps it."""
+
+    __slots__ = ("action", "bodies", "bulges", "due", "give", "margin", "name", "speed")
+
+    def __init__(self, name: str, action: str, speed: float, *shape: Any) -> None:
+        kind, keep_in, bodies, at, size, turn = shape
+        self.name, self.action, self.speed = name, action, speed
+        self.bodies: tuple[int, ...] = tuple(bodies)
+        #: whether a chord may be nearer to it than both its ends
+        self.bulges = not keep_in
+        sign = -1.0 if keep_in else 1.0
+        self.margin: _Margin
+        if kind == "plane":
+            self.margin = _plane(at, size)
+        elif kind == "sphere":
+            self.margin = _sphere(sign, at, size[0])
+        else:
+            self.margin = _box(sign, at, size, turn)
+        #: the arm's way at which it is to be looked at next [m]
+        self.due = 0.0
+        #: how far the arm stood beyond it at the beginning, by a little: no further from there [m]
+        self.give = 0.0
+
+
+def _plane(at: Sequence[float], normal: Sequence[float]) -> _Margin:
+    a, b, c = normal
+    d = a * at[0] + b * at[1] + c * at[2]
+    return lambda x, y, z: a * x + b * y + c * z - d
+
+
+def _sphere(sign: float, at: Sequence[float], radius: float) -> _Margin:
+    a, b, c = at
+
+    def margin(x: float, y: float, z: float) -> float:
+        x -= a
+        y -= b
+        z -= c
+        return sign * (sqrt(x * x + y * y + z * z) - radius)
+
+    return margin
+
+
+def _box(sign: float, at: Sequence[float], size: Sequence[float], turn: Sequence[float]) -> _Margin:
+    a, b, c = at
+    hx, hy, hz = (length / 2 for length in size)
+    r00, r01, r02, r10, r11, r12, r20, r21, r22 = turn
+
+    def margin(x: float, y: float, z: float) -> float:
+        x -= a
+        y -= b
+        z -= c
+        u = abs(r00 * x + r10 * y + r20 * z) - hx
+        v = abs(r01 * x + r11 * y + r21 * z) - hy
+        w = abs(r02 * x + r12 * y + r22 * z) - hz
+        outside = 0.0
+        if u > 0.0:
+            outside = u * u
+        if v > 0.0:
+            outside += v * v
+        if w > 0.0:
+            outside += w * w
+        if outside:
+            return sign * sqrt(outside)
+        nearest = u if u > v else v
+        return sign * (w if w > nearest else nearest)
+
+    return margin
+
+
+class EnvelopeChecker:
+    """Checks configurations, and sweeps from one to another, against an envelope.
+
+    A configuration is six joint angles [rad], or the pose of the tool's tip (`Tip`). From a tip the
+    joints are found by inverse kinematics, near those of the last one, if a limit needs them.
+
+    Args:
+        packed: what `Envelope.packed` gave.
+        by_tip: whether configurations are poses of the tip.
+
+    Attributes:
+        near: joint angles near which those of a tip are sought [rad].
+        stray: share of a sweep by which its way may leave the straight one half-way.
+    """
+
+    def __init__(self, packed: Mapping[str, Any], *, by_tip: bool = False) -> None:
+        self._geometry = tuple(packed["geometry"])
+        self._lower, self._upper = packed["lower"], packed["upper"]
+        self._turn, self._offset = packed["tool"][:9], tuple(packed["tool"][9:])
+        self._by_tip = by_tip
+        self._zones: list[_Zone] = []
+        #: name, action, speed and what it limits to
+        self._speeds: list[tuple[str, str, float, float]] = []
+        self._joints: list[tuple[str, str, float, float]] = []
+        self._singular: list[tuple[str, str, float, float]] = []
+        for name, action, speed, kind, *rest in packed["limits"]:
+            if kind == "speed":
+                self._speeds.append((name, action, speed, *rest))
+            elif kind == "joints":
+                self._joints.append((name, action, speed, *rest))
+            elif kind == "singular":
+                self._singular.append((name, action, speed, *rest))
+            else:
+                self._zones.append(_Zone(name, action, speed, kind, *rest))
+        self._by_joints = bool(self._joints or self._singular)
+        #: whether the speed of the tool matters at all
+        self.times: bool = bool(self._speeds) or any(
+            action == "slow"
+            for action in [
+                *(zone.action for zone in self._zones),
+                *(each[1] for each in self._joints + self._singular),
+            ]
+        )
+        self._needs_joints = self._by_joints or any(1 in zone.bodies for zone in self._zones)
+        _, d2, a2, a3, d5, d6 = self._geometry
+        tip = hypot(*self._offset)
+        forearm = d5 + d6 + tip
+        #: how far the tip is from the axis of each joint, at the most [m]
+        self._reaches = (
+            abs(d2) + a2 + a3 + forearm,
+            a2 + a3 + forearm,
+            a3 + forearm,
+            forearm,
+            d6 + tip,
+            hypot(self._offset[0], self._offset[1]),
+        )
+        self._lever = tip
+        self._solve: Any = None
+        self._nearest: Any = None
+        self.near: Joints6 = ()
+        self.stray: float = 0.0
+        self._way = 0.0
+        self._at: Sequence[float] = ()
+        self._kept: _Look = ((), (), ())
+        self._ahead: _Look = ((), (), ())
+
+    # -- where the bodies are ------------------------------------------------------------------
+
+    def places(self, config: Sequence[float]) -> tuple[Point, ...]:
+        """Where tool, elbow and flange are [m]; the elbow is NaN where it is not known."""
+        return self._look(config)[1]
+
+    def places_ahead(self, config: Sequence[float]) -> tuple[Point, ...]:
+        """The same of a configuration to which the next sweep leads."""
+        return self._look_ahead(config)[1]
+
+    def _look(self, config: Sequence[float]) -> _Look:
+        """What is known of the configuration from which a sweep starts."""
+        if self._kept[0] is not config:
+            self._kept = self._ahead if self._ahead[0] is config else self._seen(config)
+            if self._kept[2]:
+                self.near = self._kept[2]
+        return self._kept
+
+    def _look_ahead(self, config: Sequence[float]) -> _Look:
+        """What is known of the one to which it leads."""
+        if self._kept[0] is config:
+            return self._kept
+        if self._ahead[0] is not config:
+            self._ahead = self._seen(config)
+        return self._ahead
+
+    def _seen(self, config: Sequence[float]) -> _Look:
+        if self._by_tip:
+            return (config, *self._from_tip(config))
+        q = tuple(config)
+        return config, self._from_joints(q), q
+
+    def _from_joints(self, q: Joints6) -> tuple[Point, ...]:
+        q1, q2, q3, q4, q5, q6 = q
+        d1, d2, a2, a3, d5, d6 = self._geometry
+        q23 = q2 + q3
+        q234 = q23 + q4
+        c1, s1, c, s = cos(q1), sin(q1), cos(q234), sin(q234)
+        c5, s5 = cos(q5), sin(q5)
+        # Along the horizontal of the arm's plane, its normal, and up.
+        eh, eu = a2 * sin(q2), d1 + a2 * cos(q2)
+        zh, za, zu = -s5 * c, c5, s5 * s
+        fh = eh + a3 * sin(q23) + d5 * s + d6 * zh
+        fa = d2 + d6 * za
+        fu = eu + a3 * cos(q23) + d5 * c + d6 * zu
+        flange = (c1 * fh - s1 * fa, s1 * fh + c1 * fa, fu)
+        elbow = (c1 * eh - s1 * d2, s1 * eh + c1 * d2, eu)
+        x, y, z = self._offset
+        th, ta, tu = fh + z * zh, fa + z * za, fu + z * zu
+        if x or y:
+            c6, s6 = cos(q6), sin(q6)
+            # what x and y come to along the wrist's own axes
+            u, v = c6 * x - s6 * y, s6 * x + c6 * y
+            th += u * c5 * c - v * s
+            ta += u * s5
+            tu += -u * c5 * s - v * c
+        return (c1 * th - s1 * ta, s1 * th + c1 * ta, tu), elbow, flange
+
+    def _from_tip(self, tip: Tip) -> tuple[tuple[Point, ...], Joints6]:
+        r00, r01, r02, r10, r11, r12, r20, r21, r22, x, y, z = tip
+        t00, t01, t02, t10, t11, t12, t20, t21, t22 = self._turn
+        # The flange's axes: the tip's, turned back.
+        f00, f01, f02 = (
+            r00 * t00 + r01 * t01 + r02 * t02,
+            r00 * t10 + r01 * t11 + r02 * t12,
+            r00 * t20 + r01 * t21 + r02 * t22,
+        )
+        f10, f11, f12 = (
+            r10 * t00 + r11 * t01 + r12 * t02,
+            r10 * t10 + r11 * t11 + r12 * t12,
+            r10 * t20 + r11 * t21 + r12 * t22,
+        )
+        f20, f21, f22 = (
+            r20 * t00 + r21 * t01 + r22 * t02,
+            r20 * t10 + r21 * t11 + r22 * t12,
+            r20 * t20 + r21 * t21 + r22 * t22,
+        )
+        u, v, w = self._offset
+        flange = (
+            x - (f00 * u + f01 * v + f02 * w),
+            y - (f10 * u + f11 * v + f12 * w),
+            z - (f20 * u + f21 * v + f22 * w),
+        )
+        q: Joints6 = ()
+        elbow = _NOWHERE
+        if self._needs_joints and self.near:
+            rows = (
+                (f00, f01, f02, flange[0]),
+                (f10, f11, f12, flange[1]),
+                (f20, f21, f22, flange[2]),
+            )
+            q = self._inverse(rows)
+            if q:
+                elbow = self._from_joints(q)[1]
+        return ((x, y, z), elbow, flange), q
+
+    def _inverse(self, rows: Sequence[Sequence[float]]) -> Joints6:
+        """The joints that reach a pose of the flange, near the last ones; empty if none do."""
+        if self._solve is None:
+            # Imported here: it brings numpy, and only poses of the tool need it.
+            from aioduco.kinematics.geometry import Geometry  # noqa: PLC0415
+            from aioduco.kinematics.single import nearest_turns, solutions  # noqa: PLC0415
+
+            geometry = Geometry(*self._geometry)
+            self._solve = lambda flange, q6: solutions(geometry, flange, q6)
+            self._nearest = nearest_turns
+        near = self.near
+        best, least = None, math.inf
+        for found in self._solve(rows, near[5]):
+            turned = self._nearest(found, near, self._lower, self._upper)
+            if turned is not None and (off := math.dist(turned, near)) < least:
+                best, least = tuple(turned), off
+        if best is None:
+            return ()
+        return best
+
+    # -- whether they are within the limits ----------------------------------------------------
+
+    def begin(self, config: Sequence[float]) -> Crossing | None:
+        """Take where the arm is. A little beyond a zone it may be, by its lag or by rounding.
+
+        Returns:
+            What of it is beyond a limit, if anything is.
+        """
+        self._way, self._at = 0.0, config
+        places = self._look(config)[1]
+        for zone in self._zones:
+            zone.due = 0.0
+            depths = [-zone.margin(*places[body]) for body in zone.bodies if _known(places[body])]
+            depth = max(depths, default=0.0)
+            zone.give = depth if 0.0 < depth <= _BESIDE else 0.0
+        return self.sweep(config, config)
+
+    def moved(self, config: Sequence[float]) -> None:
+        """Take where the arm goes next, without a check: it is known to be within the limits."""
+        self._way += self._travel(self._at, config)
+        self._at = config
+
+    def sweep(
+        self, start: Sequence[float], end: Sequence[float], speed: float = math.inf
+    ) -> Crossing | None:
+        """Check the straight way from a configuration to another one, both included.
+
+        Args:
+            start: a configuration, at or near the last one.
+            end: where it leads to.
+            speed: of the tool meanwhile [m/s]: a limit that slows lets slower ones pass.
+
+        Returns:
+            What would cross a limit, if anything does.
+        """
+        if start is not self._at:
+            self.moved(start)
+        way = self._way
+        ahead = way if end is start else way + self._travel(start, end)
+        sag = -1.0
+        places: tuple[Point, ...] = ()
+        further: tuple[Point, ...] = ()
+        chords: list[float] = []
+        for zone in self._zones:
+            if ahead < zone.due or (zone.action == "slow" and speed <= zone.speed):
+                continue
+            if sag < 0.0:
+                # Some zone may be near: see how far the bodies go indeed, mostly much less.
+                places = self._look(start)[1]
+                further = places if end is start else self._look_ahead(end)[1]
+                # How far their ways bend away from their chords.
+                sag = 0.0 if end is start else self._sag(start, end) + self.stray * (ahead - way)
+                chords = [math.dist(a, b) for a, b in zip(places, further, strict=True)]
+                ahead = way + max(chord for chord in chords if not math.isnan(chord)) + sag
+                if ahead < zone.due:
+                    continue
+            found = self._sweep_zone(zone, places, further, chords, sag)
+            if found is not None:
+                return found
+        if self._by_joints:
+            return self._sweep_joints(start, end, speed)
+        return None
+
+    def too_fast(self, speed: float) -> Crossing | None:
+        """Check a speed of the tool [m/s]; the margin is in m/s."""
+        for name, action, _, most in self._speeds:
+            if speed > most:
+                return Crossing(name, "tool", self._tool_place(), most - speed, "m/s", action)
+        return None
+
+    def _tool_place(self) -> Point:
+        return self._kept[1][0] if self._kept[1] else _NOWHERE
+
+    def slow_speed(self, name: str) -> float:
+        """The speed that a limit allows beyond it [m/s]."""
+        for zone in self._zones:
+            if zone.name == name:
+                return zone.speed
+        for title, _, _, most in self._speeds:
+            if title == name:
+                return most
+        return next(each[2] for each in self._joints + self._singular if each[0] == name)
+
+    def margins(self, config: Sequence[float]) -> list[Crossing]:
+        """How far within each zone and margin a configuration is: for each the nearest body."""
+        _, places, q = self._look(config)
+        found = []
+        for zone in self._zones:
+            nearest = min(
+                (zone.margin(*places[body]), body) for body in zone.bodies if _known(places[body])
+            )
+            margin, body = nearest
+            found.append(Crossing(zone.name, BODIES[body], places[body], margin, "m", zone.action))
+        return found + (self._joint_margins(q, places[0]) if q else [])
+
+    def _sweep_zone(
+        self,
+        zone: _Zone,
+        places: Sequence[Point],
+        further: Sequence[Point],
+        chords: Sequence[float],
+        sag: float,
+    ) -> Crossing | None:
+        least = math.inf
+        for body in zone.bodies:
+            a, b = places[body], further[body]
+            if a[0] != a[0] or b[0] != b[0]:
+                continue  # not known, since no joints reach it
+            first = zone.margin(*a) + zone.give
+            last = first if a is b else zone.margin(*b) + zone.give
+            low = first if first < last else last
+            # Nearer than this it cannot come; only if that is not enough its way is looked at.
+            if 0.0 <= low < sag + chords[body]:
+                low = self._lowest(zone, a, b, first, last, sag)
+            if low < 0.0:
+                place = a if first < last else b
+                return Crossing(zone.name, BODIES[body], place, low, "m", zone.action)
+            least = min(least, first)
+        zone.due = self._way + least
+        return None
+
+    def _lowest(
+        self, zone: _Zone, a: Point, b: Point, first: float, last: float, sag: float
+    ) -> float:
+        """A margin that the way between two places does not fall below; only its sign is exact."""
+        low = first if first < last else last
+        if not zone.bulges:
+            # Nowhere below the straight line between the two margins, less an arc's height.
+            rise = last - first
+            if sag <= 0.0 or abs(rise) >= 4 * sag:
+                return low
+            return first - (4 * sag - rise) ** 2 / (16 * sag)
+        todo = [(a, b, first, last, 0.0, 1.0, _HALVINGS)]
+        while todo:
+            a, b, first, last, begin, end, left = todo.pop()
+            # The arc leaves its chord by most half-way, and not at all at its ends.
+            half = min(max(0.5, begin), end)
+            off = 4 * sag * half * (1 - half)
+            bound = (first + last - math.dist(a, b)) / 2 - off
+            if bound >= 0.0:
+                continue
+            middle = (begin + end) / 2
+            mid = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2)
+            between = zone.margin(*mid) + zone.give
+            if left == 0 or between < 4 * sag * middle * (1 - middle):
+                return min(bound, between)
+            todo.append((a, mid, first, between, begin, middle, left - 1))
+            todo.append((mid, b, between, last, middle, end, left - 1))
+        return low
+
+    def _travel(self, start: Sequence[float], end: Sequence[float]) -> float:
+        """How far any body moves between two configurations, at the most [m]."""
+        if self._by_tip:
+            if self._needs_joints:
+                a, b = self._look(start)[2], self._look_ahead(end)[2]
+                if not a or not b:
+                    return math.inf
+                return self._travel_joints(a, b)
+            return math.dist(start[9:], end[9:]) + self._lever * _turned(start, end)
+        return self._travel_joints(start, end)
+
+    def _travel_joints(self, a: Sequence[float], b: Sequence[float]) -> float:
+        a1, a2, a3, a4, a5, a6 = a
+        b1, b2, b3, b4, b5, b6 = b
+        r1, r2, r3, r4, r5, r6 = self._reaches
+        travel: float = (
+            r1 * abs(b1 - a1)
+            + r2 * abs(b2 - a2)
+            + r3 * abs(b3 - a3)
+            + r4 * abs(b4 - a4)
+            + r5 * abs(b5 - a5)
+            + r6 * abs(b6 - a6)
+        )
+        return travel
+
+    def _sag(self, start: Sequence[float], end: Sequence[float]) -> float:
+        if self._by_tip:
+            turn = _turned(start, end)
+            sag = self._lever * turn * turn / 8
+            if not self._needs_joints:
+                return sag
+            start, end = self._look(start)[2], self._look_ahead(end)[2]
+            if not start or not end:
+                return sag
+        # A point's second derivative by two angles is no longer than its distance from the axis of
+        # the further one.
+        before = bend = 0.0
+        for a, b, reach in zip(start, end, self._reaches, strict=True):
+            turn = abs(b - a)
+            bend += reach * turn * (turn + 2 * before)
+            before += turn
+        return bend / 8
+
+    def _sweep_joints(
+        self, start: Sequence[float], end: Sequence[float], speed: float
+    ) -> Crossing | None:
+        q = self._look(start)[2]
+        places = self._kept[1]
+        found = self._joint_margins(q, places[0]) if q else []
+        if end is not start:
+            _, further, ahead = self._look_ahead(end)
+            if ahead:
+                found += self._joint_margins(ahead, further[0])
+                if q:
+                    found += self._passed(q, ahead, further[0])
+        for crossing in found:
+            if crossing.margin < 0.0 and not (
+                crossing.action == "slow" and speed <= self.slow_speed(crossing.limit)
+            ):
+                return crossing
+        return None
+
+    def sweep_places(self, start: Sequence[Point], end: Sequence[Point]) -> Crossing | None:
+        """Check the chords of the bodies between two looks, for the corner that a blend cuts."""
+        for zone in self._zones:
+            if zone.action == "slow":
+                continue
+            for body in zone.bodies:
+                a, b = start[body], end[body]
+                if _known(a) and _known(b):
+                    first, last = (zone.margin(*each) + zone.give for each in (a, b))
+                    low = self._lowest(zone, a, b, first, last, 0.0)
+                    if low < 0.0:
+                        return Crossing(zone.name, BODIES[body], b, low, "m", zone.action)
+        return None
+
+    def _joint_margins(self, q: Joints6, place: Point) -> list[Crossing]:
+        found = []
+        for name, action, _, least in self._joints:
+            inside = [
+                min(angle - low, high - angle)
+                for angle, low, high in zip(q, self._lower, self._upper, strict=True)
+            ]
+            nearest = min(inside)
+            joint = f"joint {inside.index(nearest) + 1}"
+            found.append(Crossing(name, joint, _NOWHERE, nearest - least, "rad", action))
+        if self._singular:
+            distance = min(map(abs, self._distances(q)))
+            found += [
+                Crossing(name, "arm", place, distance - least, "", action)
+                for name, action, _, least in self._singular
+            ]
+        return found
+
+    def _passed(self, q: Joints6, ahead: Joints6, place: Point) -> list[Crossing]:
+        """What a sweep that leads through a singularity crosses."""
+        if not self._singular:
+            return []
+        if all(
+            a * b >= 0.0 for a, b in zip(self._distances(q), self._distances(ahead), strict=True)
+        ):
+            return []
+        return [
+            Crossing(name, "arm", place, -least, "", action)
+            for name, action, _, least in self._singular
+        ]
+
+    def _distances(self, q: Joints6) -> tuple[float, float, float]:
+        """Signed distances from the singularities of shoulder, elbow and wrist."""
+        _, _, a2, a3, d5, _ = self._geometry
+        q23 = q[1] + q[2]
+        ahead = a2 * sin(q[1]) + a3 * sin(q23) + d5 * sin(q23 + q[3])
+        return ahead / (a2 + a3 + d5), sin(q[2]), sin(q[4])
+
+
+def _known(place: Point) -> bool:
+    return place[0] == place[0]
+
+
+def _turned(start: Tip, end: Tip) -> float:
+    """The angle between two orientations [rad]."""
+    trace = sum(a * b for a, b in zip(start[:9], end[:9], strict=True))
+    return math.acos(max(-1.0, min(1.0, (trace - 1) / 2)))

@@ -1,0 +1,263 @@
+"""The ways that motions take, as far as they are known before they are sent, and their check.
+
+A joint motion goes straight in joint angles, a line straight with the tool's tip while the tool
+turns at a constant rate about one axis, an arc likewise on a circle. Of other motions the way is
+the controller's, and the state shows what becomes of it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from aioduco.errors import Unreachable
+from aioduco.models.pose import Pose
+from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.envelope.checker import EnvelopeChecker
+    from aioduco.envelope.limits import Crossing
+    from aioduco.kinematics import Arm
+    from aioduco.models.rotation import Array
+
+__all__ = ["WAYS", "Start", "Way", "check_way", "cut_corner", "slower", "way_of"]
+
+#: by function of the wire: the indices of speed, blend radius, tool and work object among its
+#: arguments; the speed in percent, if it is
+WAYS: dict[str, tuple[int, int, int | None, int | None, bool]] = {
+    "movej2": (1, 3, None, None, False),
+    "movej": (1, 3, None, None, True),
+    "movej_pose2": (1, 3, 5, 6, False),
+    "movej_pose": (1, 3, 5, 6, True),
+    "movel": (1, 3, 5, 6, False),
+    "movec": (2, 4, 7, 8, False),
+    "move_circle": (2, 4, 7, 8, False),
+    "tcp_move": (1, 3, 4, None, False),
+    "wobj_move": (1, 3, None, 4, False),
+}
+_STEP = 0.02  # between two places of a way [rad, m]
+_TURN = 0.05  # between two orientations [rad]
+_MOST = 1000  # places
+_LOOKS = 12  # at the joints, on the way to its end
+_SAME = 1e-6  # [m]
+_CUTS = (0.25, 0.5, 0.75, 1.0)  # of a blend radius: where the corner's chords are
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Where a motion begins.
+
+    Attributes:
+        joints: joint angles [rad].
+        tool: the tool's tip in the frame of the flange [m, rad].
+        wobj: the work object in the base frame [m, rad].
+    """
+
+    joints: tuple[float, ...]
+    tool: Pose
+    wobj: Pose
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """The places of a motion, from its start to its end.
+
+    Attributes:
+        configs: joint angles [rad], or poses of the tip (`checker.Tip`).
+        by_tip: whether they are poses of the tip.
+        v: speed that was asked for: of the leading joint [rad/s], or of the tip [m/s].
+        end: joint angles at the end [rad].
+        radius: blend radius at the end [m].
+    """
+
+    configs: list[tuple[float, ...]]
+    by_tip: bool
+    v: float
+    end: tuple[float, ...]
+    radius: float
+
+
+def way_of(arm: Arm, name: str, args: Sequence[Any], start: Start) -> Way | None:
+    """The way of a motion.
+
+    Args:
+        arm: the arm.
+        name: the function of the wire.
+        args: its arguments.
+        start: where it begins, and its frames.
+
+    Returns:
+        The way; None if the pose cannot be reached: the controller says so.
+    """
+    speed, radius, _, _, percent = WAYS[name]
+    v, r = float(args[speed]), float(args[radius])
+    if percent:
+        v *= max(arm.velocity) / 100
+    if name in ("movej2", "movej"):
+        return _joint_way(start.joints, tuple(args[0]), v, r)
+    back = start.tool.inverse().matrix
+    base, tip = start.wobj.matrix, start.tool.matrix
+    here = arm.fkine(start.joints) @ tip
+    if name in ("movej_pose2", "movej_pose"):
+        near = args[4] or start.joints
+        try:
+            target = arm.ikine(base @ Pose.of(args[0]).matrix @ back, near)
+        except Unreachable:
+            return None
+        return _joint_way(start.joints, tuple(target.tolist()), v, r)
+    if name == "movel":
+        poses = _line(here, base @ Pose.of(args[0]).matrix)
+    elif name == "tcp_move":
+        poses = _line(here, here @ Pose.of(args[0]).matrix)
+    elif name == "wobj_move":
+        inside = np.linalg.inv(base) @ here
+        offset = Pose.of(args[0]).matrix
+        moved = inside.copy()
+        moved[:3, 3] += offset[:3, 3]
+        moved[:3, :3] = offset[:3, :3] @ inside[:3, :3]
+        poses = _line(here, base @ moved)
+    else:
+        first, second = (base @ Pose.of(args[n]).matrix for n in (0, 1))
+        poses = _arc(here, first, second, int(args[5]), full=name == "move_circle")
+    configs = [(*m[:3, :3].ravel().tolist(), *m[:3, 3].tolist()) for m in poses]
+    return Way(configs, True, v, _followed(arm, poses @ back, start.joints), r)
+
+
+def _followed(arm: Arm, flange: Array, q: tuple[float, ...]) -> tuple[float, ...]:
+    """The joints at the end of a way of the flange, or as far as it can be reached."""
+    for pose in flange[:: max(1, len(flange) // _LOOKS)].tolist() + flange[-1:].tolist():
+        try:
+            q = tuple(arm.ikine(np.array(pose), q).tolist())
+        except Unreachable:
+            break
+    return q
+
+
+def _joint_way(q0: Sequence[float], q1: Sequence[float], v: float, r: float) -> Way:
+    start, end = np.array(q0), np.array(q1)
+    count = min(_MOST, max(1, math.ceil(float(np.abs(end - start).max()) / _STEP)))
+    shares = np.linspace(0.0, 1.0, count + 1)[:, None]
+    configs = [tuple(row) for row in (start + shares * (end - start)).tolist()]
+    return Way(configs, False, v, configs[-1], r)
+
+
+def _count(length: float, turn: float) -> int:
+    return min(_MOST, max(1, math.ceil(max(length / _STEP, turn / _TURN))))
+
+
+def _line(start: Array, end: Array) -> Array:
+    turn = rotvec_from_matrix(start[:3, :3].T @ end[:3, :3])
+    length = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
+    shares = np.linspace(0.0, 1.0, _count(length, float(np.linalg.norm(turn))) + 1)[:, None]
+    poses = np.tile(np.eye(4), (len(shares), 1, 1))
+    poses[:, :3, :3] = start[:3, :3] @ matrix_from_rotvec(shares * turn)
+    poses[:, :3, 3] = start[:3, 3] + shares * (end[:3, 3] - start[:3, 3])
+    return poses
+
+
+def _arc(start: Array, first: Array, second: Array, mode: int, *, full: bool) -> Array:
+    """Poses on the circle through three points: to the third one, or once round."""
+    a, b, c = (pose[:3, 3] for pose in (start, first, second))
+    ab, ac = b - a, c - a
+    normal = np.cross(ab, ac)
+    size = float(normal @ normal)
+    if size < _SAME**2 * max(float(ab @ ab), float(ac @ ac), _SAME**2):
+        return _line(start, second)  # no circle: the controller refuses it
+    centre = a + (np.cross(normal, ab) * (ac @ ac) + np.cross(ac, normal) * (ab @ ab)) / (2 * size)
+    axis = normal / math.sqrt(size)
+    x, y = a - centre, np.cross(axis, a - centre)
+    to_c = c - centre
+    angle = 2 * math.pi if full else math.atan2(float(to_c @ y), float(to_c @ x)) % (2 * math.pi)
+    if mode == 2:
+        turn = axis * angle
+    elif mode == 1 or full:
+        turn = np.zeros(3)
+    else:
+        turn = rotvec_from_matrix(second[:3, :3] @ start[:3, :3].T)
+    length = angle * float(np.linalg.norm(x))
+    # An arc's chords bend away from it by the square of their angle: closer than on a line.
+    count = max(_count(length, float(np.linalg.norm(turn))), math.ceil(angle / _TURN))
+    angles = np.linspace(0.0, angle, count + 1)[:, None]
+    poses = np.tile(np.eye(4), (count + 1, 1, 1))
+    poses[:, :3, :3] = matrix_from_rotvec(angles / angle * turn) @ start[:3, :3]
+    poses[:, :3, 3] = centre + np.cos(angles) * x + np.sin(angles) * y
+    return poses
+
+
+def check_way(checker: EnvelopeChecker, way: Way) -> tuple[Crossing | None, float]:
+    """Check a way, and find how much slower it has to be gone.
+
+    Args:
+        checker: of the kind of the way's configurations; `near` is where the arm is.
+        way: the way.
+
+    Returns:
+        What it would cross, if anything; and the share of the speed asked for at which the
+        limits that slow are kept.
+    """
+    share = 1.0
+    here = way.configs[0]
+    found = checker.begin(here)
+    if found is not None and found.action != "slow":
+        return found, share
+    for there in way.configs[1:]:
+        speed = 0.0
+        if checker.times:
+            speed = way.v
+            if not way.by_tip:
+                moved = math.dist(checker.places(here)[0], checker.places_ahead(there)[0])
+                speed *= moved / max(*(abs(b - a) for a, b in zip(here, there, strict=True)), 1e-12)
+            elif math.dist(here[9:], there[9:]) < _SAME:
+                speed = 0.0  # it only turns
+        while found := checker.too_fast(share * speed) or checker.sweep(here, there, share * speed):
+            if found.action != "slow":
+                return found, share
+            most = checker.slow_speed(found.limit)
+            share *= most / (share * speed) * (1 - 1e-9)
+        here = there
+    return None, share
+
+
+def slower(name: str, args: Sequence[Any], share: float) -> tuple[Any, ...]:
+    """The arguments of a motion with a share of its speed."""
+    at = WAYS[name][0]
+    return (*args[:at], args[at] * share, *args[at + 1 :])
+
+
+def cut_corner(
+    before: EnvelopeChecker, way: Way, after: EnvelopeChecker, following: Way
+) -> Crossing | None:
+    """Check the corner that a blend cuts: the chords between the legs, within the blend radius.
+
+    Args:
+        before: a checker for the way that blends.
+        way: that way, with a blend radius.
+        after: a checker for the one that follows.
+        following: the way that follows.
+    """
+    if way.radius <= 0.0:
+        return None
+    coming = _leg(before, reversed(way.configs), way.radius)
+    going = _leg(after, iter(following.configs), way.radius)
+    for share in _CUTS:
+        a = coming[min(len(coming) - 1, round(share * (len(coming) - 1)))]
+        b = going[min(len(going) - 1, round(share * (len(going) - 1)))]
+        if found := after.sweep_places(a, b):
+            return found
+    return None
+
+
+def _leg(checker: EnvelopeChecker, configs: Any, radius: float) -> list[Any]:
+    """The bodies on a leg of a corner, as far as the blend radius."""
+    found: list[Any] = []
+    for config in configs:
+        places = checker.places(config)
+        found.append(places)
+        if math.dist(places[0], found[0][0]) > radius:
+            break
+    return found

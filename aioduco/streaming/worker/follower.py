@@ -1,0 +1,180 @@
+"""What follows the program's targets tick by tick, within the limits, and within an envelope."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Protocol
+
+from aioduco.streaming.worker.interpolation import REFERENCES
+from aioduco.streaming.worker.limiter import JerkLimiter, Limiter
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from aioduco.envelope.checker import EnvelopeChecker
+    from aioduco.envelope.limits import Crossing
+    from aioduco.streaming.shared.space import Config, Displacement, Limits, Space
+    from aioduco.streaming.worker.interpolation import Reference
+
+__all__ = ["CheckedFollower", "Follower"]
+
+#: how far axes that brake each in its own time leave the straight way: 7 % of it for two of them
+_STRAY = 0.1
+
+
+class Follower:
+    """A reference and the limiter that follows it.
+
+    Args:
+        way: one of `REFERENCES`.
+        space: the space of the set-points.
+        limits: velocity and acceleration; for "ruckig" also jerk.
+        period: time between two ticks of the stream [s].
+        start: where the arm is, at rest.
+    """
+
+    def __init__(
+        self, way: str, space: Space, limits: Limits, period: float, start: Config
+    ) -> None:
+        self._reference: Reference = REFERENCES[way](space, period, start)
+        kind = JerkLimiter if way == "ruckig" else Limiter
+        self._limiter = kind(space, limits, period, start)
+
+    @property
+    def config(self) -> Config:
+        """The set-point of the last tick."""
+        return self._limiter.config
+
+    @property
+    def velocity(self) -> Displacement:
+        """Its velocity, per second."""
+        return self._limiter.velocity
+
+    @property
+    def limited(self) -> int:
+        """Ticks in which the limits kept the set-point from the reference."""
+        return self._limiter.limited
+
+    @property
+    def ready(self) -> bool:
+        """Whether the last target has had its time, so that the next one may come."""
+        return self._reference.ready
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the last target is met and nothing moves."""
+        return self._reference.ready and self._limiter.at_rest
+
+    def aim(self, target: Config, interval: float, duration: float) -> None:
+        """Take a new target, to be met if the limits allow it.
+
+        Args:
+            target: the target.
+            interval: time since the target before it [s].
+            duration: time in which to meet it [s].
+        """
+        self._reference.aim(target, interval, duration)
+
+    def step(self) -> Config:
+        """Go on by one tick and return the set-point."""
+        return self._limiter.follow(self._reference.step())
+
+    def brake(self) -> Config:
+        """Go on by one tick of coming to rest within the limits and return the set-point."""
+        config = self._limiter.brake()
+        self._reference.rest(config)
+        return config
+
+
+class SeenInEnvelope(Protocol):
+    """How set-points are seen by the checker of an envelope."""
+
+    checker: EnvelopeChecker
+
+    def seen(self, config: Config) -> Sequence[float]:
+        """A set-point as the configuration that is checked."""
+        ...
+
+
+class CheckedFollower(Follower):
+    """A follower that leads nowhere from where the arm could not stop within the envelope.
+
+    From every set-point the arm can come to rest within the limits of the stream and within the
+    envelope. One that breaks this is not sent, and the one before it is braked from.
+
+    Args:
+        way: one of `REFERENCES`.
+        space: the space of the set-points.
+        limits: velocity and acceleration; for "ruckig" also jerk.
+        period: time between two ticks of the stream [s].
+        start: where the arm is, at rest.
+        place: what the envelope is checked for.
+        crossed: told what would have crossed a limit; the stream is then to end.
+    """
+
+    def __init__(
+        self,
+        way: str,
+        space: Space,
+        limits: Limits,
+        period: float,
+        start: Config,
+        place: SeenInEnvelope,
+        crossed: Callable[[Crossing], None],
+    ) -> None:
+        super().__init__(way, space, limits, period, start)
+        self._space = space
+        self._period = period
+        self._place = place
+        self._checker = place.checker
+        # With a limit of jerk each axis comes to rest in its own time, and so not straight.
+        self._checker.stray = _STRAY if way == "ruckig" else 0.0
+        self._crossed = crossed
+        self._seen = place.seen(start)
+
+    def begin(self) -> Crossing | None:
+        """Check where the arm is; what of it is beyond a limit, if anything is."""
+        return self._checker.begin(self._seen)
+
+    def step(self) -> Config:
+        """Go on by one tick, or brake, and return the set-point."""
+        limiter = self._limiter
+        mark = limiter.mark()
+        config = super().step()
+        here = self._place.seen(config)
+        found = self._look(config, here)
+        if found is None:
+            self._seen = here
+            return config
+        limiter.back(mark)
+        if found.action != "slow":
+            self._crossed(found)
+            return self.brake()
+        config = limiter.brake()
+        self._braked(config)
+        return config
+
+    def brake(self) -> Config:
+        """Go on by one tick of coming to rest within the limits and return the set-point."""
+        config = super().brake()
+        self._braked(config)
+        return config
+
+    def _braked(self, config: Config) -> None:
+        self._seen = self._place.seen(config)
+        self._checker.moved(self._seen)
+
+    def _look(self, config: Config, here: Sequence[float]) -> Crossing | None:
+        checker = self._checker
+        speed = math.inf
+        if checker.times:
+            # By the last place first: the checker knows it still.
+            before, now = checker.places(self._seen)[0], checker.places(here)[0]
+            speed = math.dist(before, now) / self._period
+            found = checker.too_fast(speed)
+            if found is not None:
+                return found
+        rest = self._limiter.braking()
+        if not any(rest):
+            return checker.sweep(here, here, speed)
+        return checker.sweep(here, self._place.seen(self._space.moved(config, rest)), speed)

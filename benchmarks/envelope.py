@@ -1,0 +1,163 @@
+"""The operating envelope: what the check of one set-point costs the worker of a stream.
+
+    python benchmarks/envelope.py [--quick] [--save]
+
+A stream of 500 set-points a second goes about between random zones, as `CheckedFollower` carries
+it out in the worker: with 20 zones, of boxes, spheres and planes, each for tool, elbow and flange,
+in three settings. "about the arm": zones of a cell, at random places. "close": all 20 within 5 cm
+of the tool at some time, so that most have to be looked at again and again. "no envelope": the
+same stream without one. Figures are processor time of single ticks, less that of the clock.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from _common import arguments, percentile, print_table, write_results
+
+from aioduco.envelope import Envelope, Zone
+from aioduco.envelope.checker import EnvelopeChecker
+from aioduco.kinematics import arm
+from aioduco.streaming.shared.space import JOINT_SPACE, Limits
+from aioduco.streaming.worker.follower import CheckedFollower, Follower
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.models.rotation import Array
+
+ARM = arm("gcr5_910")
+START = np.array([0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0])
+TOOL = (0.02, -0.01, 0.12, 0.0, 0.3, 0.0)
+PERIOD = 0.002
+LIMITS = Limits((2.0,) * 6, (10.0,) * 6, (100.0,) * 6)
+ZONES = 20
+
+
+class Joints:
+    """Set-points that are joints."""
+
+    def __init__(self, zones: Sequence[Zone]) -> None:
+        self.checker = EnvelopeChecker(Envelope(ARM, *zones).packed(TOOL))
+
+    def seen(self, config: Any) -> Any:
+        return config
+
+
+def about(rng: np.random.Generator) -> list[Zone]:
+    """Zones at random places about an arm, of which it is clear where it begins."""
+    found: list[Zone] = []
+    while len(found) < ZONES:
+        at = rng.uniform([-0.8, -0.8, 0.0], [0.8, 0.8, 1.0])
+        kind = len(found) % 4
+        if kind == 0:
+            zone = Zone.sphere(at, 0.1)
+        elif kind == 1:
+            zone = Zone.box([*at, *rng.uniform(-1, 1, 3)], (0.2, 0.2, 0.2))
+        elif kind == 2:
+            zone = Zone.box((0, 0, 0.5), rng.uniform(1.4, 2.4, 3), keep="in")
+        else:
+            zone = Zone.plane(at, at - np.array([0.3, 0.0, 0.5]))
+        if Joints([zone]).checker.begin(tuple(START.tolist())) is None:
+            found.append(zone)
+    return found
+
+
+def close(rng: np.random.Generator, way: Array) -> list[Zone]:
+    """Zones that the tool comes near to on its way, and does not cross."""
+    look = Joints([]).checker
+    tool = np.array([look.places(tuple(q.tolist()))[0] for q in way])
+    found: list[Zone] = []
+    for number in range(ZONES):
+        normal = rng.normal(size=3)
+        normal /= np.linalg.norm(normal)
+        furthest = float((tool @ -normal).max())
+        if number % 2:
+            point = -normal * (furthest + rng.uniform(0.02, 0.05))
+            found.append(Zone.plane(point, normal, bodies=("tool",)))
+        else:
+            radius = float(np.linalg.norm(tool - tool.mean(axis=0), axis=1).max())
+            size = 2 * (radius + rng.uniform(0.02, 0.05))
+            pose = [*tool.mean(axis=0), *rng.uniform(-1, 1, 3)]
+            found.append(Zone.box(pose, (size, size, size), keep="in", bodies=("tool",)))
+    return found
+
+
+def wander(rng: np.random.Generator, count: int) -> Array:
+    """A smooth way about the start."""
+    t = np.arange(count) * PERIOD
+    rates, phases = rng.uniform(0.5, 2.0, 6), rng.uniform(0, 2 * math.pi, 6)
+    swing = 0.25 * np.sin(t[:, None] * rates + phases) * np.minimum(t, 1.0)[:, None] ** 2
+    return np.asarray(START + swing)
+
+
+def ticks(follower: Follower, way: Array, crossed: Sequence[object]) -> list[float]:
+    """Processor time of each tick [s], until a zone is in the way."""
+    clock, found = time.thread_time_ns, []
+    for target in way.tolist():
+        follower.aim(tuple(target), PERIOD, PERIOD)
+        begin = clock()
+        follower.step()
+        found.append((clock() - begin) * 1e-9)
+        if crossed:
+            break
+    return found
+
+
+def nothing(count: int) -> float:
+    """What the clock itself takes [s]."""
+    clock, found = time.thread_time_ns, []
+    for _ in range(count):
+        begin = clock()
+        found.append(clock() - begin)
+    return percentile(sorted(found), 50) * 1e-9
+
+
+def figures(seconds: list[float], idle: float) -> dict[str, float]:
+    ordered = sorted(max(0.0, each - idle) * 1e6 for each in seconds)
+    return {
+        "mean_us": round(sum(ordered) / len(ordered), 2),
+        **{f"p{p:g}_us": round(percentile(ordered, p), 2) for p in (50, 90, 99)},
+    }
+
+
+def main() -> None:
+    options = arguments(__doc__, "envelope")
+    streams, count = (3, 1000) if options.quick else (20, 5000)
+    rng = np.random.default_rng(1)
+    spent: dict[str, list[float]] = {"no envelope": [], "20 zones about the arm": []}
+    spent["20 zones close to the tool"] = []
+    ended = 0
+    for _ in range(streams):
+        way = wander(rng, count)
+        start = tuple(way[0].tolist())
+        settings = zip(spent, ([], about(rng), close(rng, way)), strict=True)
+        for name, zones in settings:
+            crossed: list[object] = []
+            follower: Follower = Follower("none", JOINT_SPACE, LIMITS, PERIOD, start)
+            if zones:
+                follower = CheckedFollower(
+                    "none", JOINT_SPACE, LIMITS, PERIOD, start, Joints(zones), crossed.append
+                )
+                assert follower.begin() is None
+            spent[name] += ticks(follower, way, crossed)
+            ended += bool(crossed)
+    idle = nothing(10_000)
+    table = {name: figures(seconds, idle) for name, seconds in spent.items()}
+    bare = table["no envelope"]["mean_us"]
+    rows = [[name, *row.values(), row["mean_us"] - bare] for name, row in table.items()]
+    columns = ["µs a set-point", "mean", "p50", "p90", "p99", "mean of the check"]
+    least = min(map(len, spent.values()))
+    print_table(f"One tick of the worker's follower, of {least} ticks or more", columns, rows)
+    if options.save:
+        for row in table.values():
+            row["check_mean_us"] = round(row["mean_us"] - bare, 2)
+        results = {"set_point": table, "least_ticks": least, "ended_at_a_zone": ended}
+        print(f"written: {write_results('envelope', results)}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,136 @@
+"""Random streams through the worker's follower, without a controller: every set-point is judged."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from aioduco.envelope import Envelope, ToolSpeed, Zone
+from aioduco.envelope.checker import EnvelopeChecker
+from aioduco.streaming.shared.space import JOINT_SPACE, Limits
+from aioduco.streaming.worker.follower import CheckedFollower, Follower
+
+from .trials import ARM, ROUNDING, START, TOOL, least, places, random_zones
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.envelope import Crossing
+    from aioduco.streaming.shared.space import Config
+
+PERIOD = 0.004
+LIMITS = Limits((2.0,) * 6, (10.0,) * 6, (100.0,) * 6)
+
+
+class Joints:
+    """Set-points that are joints."""
+
+    def __init__(self, *limits: Any) -> None:
+        packed = json.loads(json.dumps(Envelope(ARM, *limits).packed(TOOL)))
+        self.checker = EnvelopeChecker(packed)
+
+    def seen(self, config: Config) -> Sequence[float]:
+        return config
+
+
+def stream(way: str, targets: np.ndarray, *limits: Any) -> tuple[np.ndarray, list[Crossing]]:
+    """The set-points on the way along the targets, until it comes to rest; and what it crossed.
+
+    Without limits it is followed wherever it leads.
+    """
+    start = tuple(targets[0].tolist())
+    crossed: list[Crossing] = []
+    follower: Follower
+    if limits:
+        follower = CheckedFollower(
+            way, JOINT_SPACE, LIMITS, PERIOD, start, Joints(*limits), crossed.append
+        )
+        assert follower.begin() is None
+    else:
+        follower = Follower(way, JOINT_SPACE, LIMITS, PERIOD, start)
+    sent = [start]
+    for target in targets[1:]:
+        follower.aim(tuple(target.tolist()), PERIOD, PERIOD)
+        sent.append(follower.step())
+        if crossed:
+            break
+    while not follower.at_rest:
+        sent.append(follower.brake())
+        assert len(sent) < 10_000
+    return np.array(sent), crossed
+
+
+def wander(rng: np.random.Generator) -> np.ndarray:
+    """Targets that wander off, now and then by a jump."""
+    here = START + rng.uniform(-0.4, 0.4, 6)
+    shares = (1 - np.cos(np.linspace(0, math.pi, 150))) / 2
+    one, two = rng.uniform(-0.8, 0.8, (2, 6))
+    targets = np.concatenate([here + shares[:, None] * one, here + one + shares[:, None] * two])
+    if rng.random() < 0.3:
+        targets[rng.integers(50, 250) :] += rng.uniform(-0.3, 0.3, 6)
+    return targets
+
+
+@pytest.mark.parametrize("way", ["none", "cubic", "ruckig"])
+def test_no_set_point_is_beyond_a_zone(way: str, thorough: bool) -> None:
+    """And each keeps to the stream's limits, also while it brakes before a zone."""
+    rng = np.random.default_rng(sum(way.encode()))
+    # Straight ahead, where it could not stop, is not where the targets lead.
+    ahead = 0.3 if way == "ruckig" else 0.15
+    ended = outside = 0
+    for _ in range(1100 if thorough else 5):
+        targets = wander(rng)
+        zones = random_zones(rng, targets[0])
+        sent, crossed = stream(way, targets, *zones)
+        assert least(zones, sent) >= -ROUNDING, zones
+        speed = np.diff(sent, axis=0) / PERIOD
+        assert np.abs(speed).max() <= LIMITS.velocity[0] * (1 + 1e-6)
+        assert np.abs(np.diff(speed, axis=0)).max() / PERIOD <= LIMITS.acceleration[0] * (1 + 1e-6)
+        free, _ = stream(way, targets)
+        outside += least(zones, free) < -0.01
+        ended += bool(crossed)
+        if least(zones, targets) < -0.01 and not crossed:
+            # what a limiter cuts short may pass a zone by
+            assert least(zones, free) > -0.05
+        if crossed:
+            assert min(least(zones, targets), least(zones, free)) < ahead, "ended for nothing"
+    # Without the check many of them are beyond a zone.
+    assert outside >= 1
+    assert ended >= outside
+
+
+def test_it_comes_near_to_a_wall_before_it_ends() -> None:
+    targets = START + np.linspace(0, 1, 250)[:, None] * np.array([1.0, 0, 0, 0, 0, 0])
+    at = places(START)[0, 0]
+    wall = Zone.plane((0, at[1] + 0.1, 0), (0, -1, 0), bodies=("tool",))
+    sent, crossed = stream("none", targets, wall)
+    assert len(crossed) == 1
+    assert 0 <= least((wall,), sent) < 0.005
+    assert crossed[0].limit == "plane to keep in"
+
+
+def test_a_tool_that_is_too_fast_is_slowed() -> None:
+    targets = START + np.linspace(0, 0.5, 250)[:, None] * np.array([1.0, 0, 0, 0, 0, 0])
+    sent, crossed = stream("none", targets, ToolSpeed(0.1, action="slow"))
+    assert not crossed
+    speed = np.linalg.norm(np.diff(places(sent)[:, 0], axis=0), axis=1) / PERIOD
+    assert speed.max() <= 0.1 + 1e-9
+    assert speed.mean() > 0.05
+
+
+def test_a_stream_is_slowed_beyond_a_zone_alone() -> None:
+    targets = START + np.linspace(0, 0.5, 250)[:, None] * np.array([1.0, 0, 0, 0, 0, 0])
+    wall = places(START)[0, 0, 1] + 0.08
+    zone = Zone.plane((0, wall, 0), (0, -1, 0), action="slow", speed=0.1, bodies=("tool",))
+    sent, crossed = stream("none", targets, zone)
+    assert not crossed
+    tool = places(sent)[:, 0]
+    speed = np.linalg.norm(np.diff(tool, axis=0), axis=1) / PERIOD
+    beyond = tool[1:, 1] > wall
+    assert beyond.any()
+    assert speed[~beyond].max() > 0.2
+    assert speed[beyond].max() <= 0.1 + 1e-9

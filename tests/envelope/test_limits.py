@@ -1,0 +1,184 @@
+"""The limits of an envelope: what they refuse, and what they say."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from aioduco.envelope import (
+    Crossing,
+    Envelope,
+    JointMargin,
+    SingularityMargin,
+    ToolForce,
+    ToolSpeed,
+    Zone,
+)
+from aioduco.envelope.checker import EnvelopeChecker
+from aioduco.errors import ParameterError
+from aioduco.kinematics import arm
+from aioduco.kinematics.forward import frames
+from aioduco.models.pose import Pose
+from aioduco.models.rotation import quaternion_from_matrix
+
+ARM = arm("gcr5_910")
+START = (0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
+TOOL = Pose(0.02, -0.03, 0.15, 0.1, 0.2, 0.3)
+NONE = Pose(0, 0, 0, 0, 0, 0)
+
+
+def checker(*limits: Any, tool: Pose = TOOL, by_tip: bool = False) -> EnvelopeChecker:
+    """A checker, with what it is told as it passes the process border."""
+    packed = json.loads(json.dumps(Envelope(ARM, *limits).packed(tool)))
+    return EnvelopeChecker(packed, by_tip=by_tip)
+
+
+def tip_of(matrix: np.ndarray) -> tuple[float, ...]:
+    return (*matrix[:3, :3].ravel().tolist(), *matrix[:3, 3].tolist())
+
+
+def test_places_are_those_of_the_kinematics() -> None:
+    rng = np.random.default_rng(1)
+    by_joints = checker(tool=TOOL)
+    by_tip = checker(Zone.plane((0, 0, -2), (0, 0, 1)), tool=TOOL, by_tip=True)
+    for q in rng.uniform(-3, 3, (50, 6)):
+        chain = frames(ARM.geometry, q)
+        tip = chain[6] @ TOOL.matrix
+        wanted = np.array([tip[:3, 3], chain[2][:3, 3], chain[6][:3, 3]])
+        np.testing.assert_allclose(by_joints.places(tuple(q.tolist())), wanted, atol=1e-12)
+        by_tip.near = tuple((q + rng.uniform(-0.01, 0.01, 6)).tolist())
+        np.testing.assert_allclose(by_tip.places(tip_of(tip)), wanted, atol=1e-9)
+
+
+SHAPES = {
+    "sphere": Zone.sphere((0.3, -0.2, 0.5), 0.2, bodies=("tool",)),
+    "box": Zone.box((0.3, -0.2, 0.5, 0.4, -0.8, 1.2), (0.2, 0.4, 0.6), bodies=("tool",)),
+    "plane": Zone.plane((0.3, -0.2, 0.5), (0.3, -0.8, 0.5), bodies=("tool",)),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_margins_are_the_distances_that_mujoco_finds(shape: str) -> None:
+    zone, radius = SHAPES[shape], 1e-6
+    turn = np.array(zone.turn).reshape(3, 3)
+    if shape == "plane":
+        normal = np.array(zone.size)
+        side = np.cross(normal, [1.0, 0.0, 0.0])
+        side /= np.linalg.norm(side)
+        turn = np.stack([side, np.cross(normal, side), normal], axis=1)
+    quaternion = " ".join(map(str, quaternion_from_matrix(turn)))
+    size = {"sphere": zone.size, "box": np.array(zone.size) / 2, "plane": (9, 9, 1)}[shape]
+    model = mujoco.MjModel.from_xml_string(
+        f"""<mujoco><worldbody>
+        <geom type="{shape}" pos="{" ".join(map(str, zone.at))}" quat="{quaternion}"
+              size="{" ".join(map(str, size))}"/>
+        <body mocap="true"><geom type="sphere" size="{radius}"/></body>
+        </worldbody></mujoco>"""
+    )
+    data, seen = mujoco.MjData(model), checker(zone, tool=NONE)
+    for q in np.random.default_rng(2).uniform(-3, 3, (60, 6)):
+        found = seen.margins(tuple(q.tolist()))[0]
+        data.mocap_pos[0] = found.place
+        mujoco.mj_kinematics(model, data)
+        distance = mujoco.mj_geomDistance(model, data, 0, 1, 5.0, None) + radius
+        if distance > 0.01 or shape != "box":  # how deep it is in a box is another's convention
+            assert found.margin == pytest.approx(distance, abs=1e-5)
+        else:
+            assert found.margin <= 0.01
+
+
+def test_a_crossing_between_two_places_is_found() -> None:
+    """Neither end is beyond the zone, and no corner of it is near."""
+    needle = Zone.sphere((0.492, 0.1445 + 0.02, 0.442), 0.001, bodies=("tool",))
+    look = checker(needle, tool=NONE)
+    ends = [tuple(ARM.ikine(Pose(0.492, y, 0.442, math.pi, 0, -math.pi / 2), START).tolist())
+            for y in (0.1445, 0.1845)]  # fmt: skip
+    assert look.begin(ends[0]) is None
+    found = look.sweep(ends[0], ends[1])
+    assert found is not None
+    assert (found.body, found.limit) == ("tool", "sphere to keep out")
+    clear = checker(Zone.sphere((0.492, 0.1645, 0.46), 0.001, bodies=("tool",)), tool=NONE)
+    assert clear.begin(ends[0]) is None
+    assert clear.sweep(ends[0], ends[1]) is None
+
+
+def test_a_joint_near_its_limit_is_named() -> None:
+    look = checker(JointMargin(0.2, name="turns"))
+    found = look.begin((0.0, 0.0, 1.5, 0.0, -1.5, 2 * math.pi - 0.1))
+    assert found is not None
+    assert (found.limit, found.body, found.unit) == ("turns", "joint 6", "rad")
+    assert found.margin == pytest.approx(-0.1)
+
+
+def test_a_sweep_through_a_singularity_is_found_though_its_ends_are_far_from_it() -> None:
+    look = checker(SingularityMargin(0.05))
+    assert look.begin(START) is None
+    before = (0.0, 0.0, math.pi / 2, 0.0, -0.3, 0.0)
+    behind = (0.0, 0.0, math.pi / 2, 0.0, 0.3, 0.0)
+    assert look.begin(before) is None
+    found = look.sweep(before, behind)
+    assert found is not None
+    assert (found.body, found.unit) == ("arm", "")
+
+
+def test_slow_speed_passes_a_limit_that_slows() -> None:
+    zone = Zone.box((0.492, 0.3, 0.442), (0.4, 0.2, 0.4), action="slow", speed=0.05)
+    look = checker(zone, tool=NONE)
+    assert look.times
+    assert look.begin(START) is None
+    inside = (0.4, *START[1:])
+    found = look.sweep(START, inside, 0.06)
+    assert found is not None
+    assert (found.action, look.slow_speed(found.limit)) == ("slow", 0.05)
+    assert look.sweep(START, inside, 0.05) is None
+
+
+def test_where_it_stands_a_little_beyond_it_may_leave_and_not_go_further() -> None:
+    at = ARM.fkine(START)[:3, 3]
+    wall = Zone.plane((0, at[1] - 0.001, 0), (0, -1, 0), bodies=("tool",))
+    look = checker(wall, tool=NONE)
+    assert look.begin(START) is None
+    assert look.sweep(START, (0.01, *START[1:])) is not None
+    assert look.sweep(START, (-0.01, *START[1:])) is None
+    deep = checker(Zone.plane((0, at[1] - 0.01, 0), (0, -1, 0), bodies=("tool",)), tool=NONE)
+    assert deep.begin(START) is not None
+
+
+def test_limits_of_one_name_are_numbered() -> None:
+    envelope = Envelope("gcr5_910", ToolSpeed(0.5), ToolSpeed(0.2), ToolForce(50.0, name="push"))
+    assert envelope.titles == ("tool speed", "tool speed 2", "push")
+    assert "push" in repr(envelope)
+
+
+def test_a_crossing_says_what_and_where() -> None:
+    found = Crossing("table", "elbow", (0.1, 0.2, 0.3), -0.0123, "m", "refuse")
+    assert str(found) == "'table': elbow at (0.100, 0.200, 0.300) m has a margin of -0.0123 m"
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Zone.sphere((0, 0, 0), 0.0),
+        lambda: Zone.sphere((0, 0), 1.0),
+        lambda: Zone.box((0, 0, math.nan), (1, 1, 1)),
+        lambda: Zone.box((0, 0, 0), (1, -1, 1)),
+        lambda: Zone.plane((0, 0, 0), (0, 0, 0)),
+        lambda: Zone.plane((0, 0, 0), (0, 0, 1), bodies=("wrist",)),  # type: ignore[arg-type]  # it is refused
+        lambda: Zone.plane((0, 0, 0), (0, 0, 1), bodies=()),
+        lambda: ToolSpeed(0.0),
+        lambda: ToolSpeed(0.1, action="ignore"),  # type: ignore[arg-type]  # it is refused
+        lambda: SingularityMargin(1.5),
+        lambda: JointMargin("5°"),  # type: ignore[arg-type]  # it is refused
+        lambda: Envelope("gcr5_911"),
+        lambda: Envelope("gcr5_910", 0.5),  # type: ignore[arg-type]  # it is refused
+        lambda: Envelope("gcr5_910", *[ToolSpeed(0.5)] * 101),
+    ],
+)
+def test_what_is_no_limit_is_refused(make: Any) -> None:
+    with pytest.raises(ParameterError):
+        make()

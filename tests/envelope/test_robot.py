@@ -1,0 +1,295 @@
+"""The envelope of a robot, on a simulated arm: motions, streams, jogs, forces."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+import aioduco
+import aioduco.sync
+from aioduco import EnvelopeViolated, Joints, LaneOptions, Pose, StreamLeavesEnvelope, TaskStopped
+from aioduco.envelope import Envelope, SingularityMargin, ToolForce, ToolSpeed, Zone
+from aioduco.events import EnvelopeLeft
+from aioduco.sim import Simulator
+from aioduco.streaming.shared.state import Reason
+
+from .trials import ARM, LAG, Seen, least, watched
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+
+    from aioduco.envelope import Action
+    from aioduco.events import Event
+    from aioduco.streaming.stream import Stream
+    from aioduco.supervision.state_feed import Subscription
+
+START = Joints(0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
+TOOL = Pose(0, 0, 0, 0, 0, 0)
+#: simulated seconds in a real one
+SPEED = 10.0
+#: the tool at START
+AT = (0.492, 0.1445, 0.442)
+#: the wall of most tests; there is no tool, so its tip is the flange
+FLAT = (Zone.plane((0, AT[1] + 0.1, 0), (0, -1, 0), bodies=("flange",)),)
+
+
+@pytest.fixture(scope="module")
+def seen() -> Iterator[Seen]:
+    with watched() as seen:
+        yield seen
+
+
+@pytest.fixture(scope="module")
+def sim(seen: Seen) -> Iterator[Simulator]:
+    with Simulator(speed=SPEED, joints=START) as sim:
+        yield sim
+
+
+@pytest.fixture
+async def robot(sim: Simulator, seen: Seen) -> AsyncIterator[aioduco.Robot]:
+    connected = aioduco.connect(
+        sim.host, sim.port, clock=sim.clock, state_rate=150.0, lag_limit=None
+    )
+    async with connected as robot:
+        await robot.bring_up()
+        await robot.motion.movej2(START, v=3.9, a=40.0)
+        seen.clear()
+        yield robot
+
+
+def wall(off: float = 0.1, action: Action = "refuse", speed: float = 0.1) -> Zone:
+    """A wall beside the tool, so far to its left [m]."""
+    return Zone.plane(
+        (0, AT[1] + off, 0), (0, -1, 0), bodies=("tool",), action=action, speed=speed, name="wall"
+    )
+
+
+async def test_a_joint_motion_beyond_a_zone_is_not_sent(robot: aioduco.Robot, seen: Seen) -> None:
+    robot.envelope = Envelope("gcr5_910", wall())
+    with pytest.raises(EnvelopeViolated, match=r"was not sent.*'wall'.*tool") as refused:
+        await robot.motion.movej2((0.6, *START[1:]), v=1.0, a=5.0)
+    error = refused.value
+    assert (error.limit, error.body) == ("wall", "tool")
+    assert error.margin < 0
+    assert error.place[1] > AT[1] + 0.1
+    assert not robot.tasks
+    assert await robot.state.get_actual_joints_position() == pytest.approx(START, abs=1e-4)
+    robot.envelope = None
+    await robot.motion.movej2((0.6, *START[1:]), v=3.0, a=20.0)
+    assert least((wall(),), seen.q) < 0
+
+
+async def test_the_ways_of_lines_and_arcs_are_known(robot: aioduco.Robot) -> None:
+    """Their ends are within the envelope; only what lies between them is not."""
+    here = await robot.state.get_tcp_pose()
+    pillar = Zone.box((AT[0], AT[1] + 0.1, AT[2]), (0.05, 0.05, 0.05), name="pillar")
+    robot.envelope = Envelope("gcr5_910", pillar)
+    behind = Pose(here.x, here.y + 0.2, *here[2:])
+    with pytest.raises(EnvelopeViolated, match="movel"):
+        await robot.motion.movel(behind, v=0.5, a=2.0)
+    beside = Pose(here.x + 0.1, here.y + 0.1, *here[2:])
+    await robot.motion.movec(beside, behind, v=1.0, a=5.0)
+    with pytest.raises(EnvelopeViolated, match="tcp_move"):
+        # the tool's y axis points to the base's x, its x axis to -y
+        await robot.motion.tcp_move(Pose(0.2, 0, 0, 0, 0, 0), v=0.5, a=2.0)
+
+
+async def test_names_of_tool_and_work_object_are_taken_into_account(robot: aioduco.Robot) -> None:
+    await robot.frames.set_wobj("bench", Pose(0.1, 0.2, 0.3, 0, 0, 0.5))
+    await robot.frames.set_tool_data("long", Pose(0, 0, 0.2, 0, 0, 0), [0.1, 0, 0, 0])
+    await robot.frames.set_wobj("base", TOOL)
+    await robot.frames.set_tool_data("none", TOOL, [0.1, 0, 0, 0])
+    table = Zone.plane((0, 0, AT[2] - 0.15), (0, 0, 1), bodies=("tool",), name="table")
+    robot.envelope = Envelope("gcr5_910", table)
+    short = await robot.state.get_tcp_pose_coord("none", "bench")
+    down = Pose(short.x, short.y, short.z - 0.1, *short[3:])
+    await robot.motion.movel(down, v=1.0, a=5.0, tool="none", wobj="bench")
+    await robot.motion.movel(short, v=1.0, a=5.0, tool="none", wobj="bench")
+    # the tip of the long tool is below the table already
+    long = await robot.state.get_tcp_pose_coord("long", "bench")
+    with pytest.raises(EnvelopeViolated, match="'table'"):
+        await robot.motion.movel(long, v=1.0, a=5.0, tool="long", wobj="bench")
+
+
+async def test_a_motion_is_sent_more_slowly(robot: aioduco.Robot, seen: Seen) -> None:
+    robot.envelope = Envelope("gcr5_910", ToolSpeed(0.2, action="slow"), wall(0.1, "slow", 0.1))
+    await robot.motion.movej2((0.15, *START[1:]), v=3.0, a=20.0)
+    target = Pose(AT[0], AT[1] + 0.15, AT[2], math.pi, 0, -math.pi / 2)
+    speeds = [_fastest(seen)]
+    seen.clear()
+    await robot.motion.movel(target, v=1.0, a=5.0)
+    speeds.append(_fastest(seen))
+    assert speeds[0] <= 0.2 * 1.02
+    assert speeds[0] > 0.15
+    assert speeds[1] <= 0.1 * 1.02
+    robot.envelope = Envelope("gcr5_910", ToolSpeed(0.2))
+    with pytest.raises(EnvelopeViolated, match="m/s"):
+        await robot.motion.movel(Pose(*AT, math.pi, 0, -math.pi / 2), v=0.25, a=5.0)
+
+
+def _fastest(seen: Seen) -> float:
+    tool = ARM.fkine(np.array(seen.q))[:, :3, 3]
+    return float(np.linalg.norm(np.diff(tool, axis=0), axis=1).max() / 0.001)
+
+
+async def test_stop_ends_what_runs_before_it(robot: aioduco.Robot) -> None:
+    robot.envelope = Envelope("gcr5_910", wall(0.1, "stop"))
+    first = await robot.motion.movej2((-3.0, *START[1:]), v=0.05, a=1.0).start()
+    with pytest.raises(EnvelopeViolated, match="the arm was stopped"):
+        await robot.motion.movej2((0.6, *START[1:]), v=1.0, a=5.0)
+    with pytest.raises(TaskStopped):
+        await first
+
+
+async def test_the_corner_that_a_blend_cuts_is_checked(robot: aioduco.Robot) -> None:
+    here = await robot.state.get_tcp_pose()
+    corner = Pose(here.x, here.y + 0.2, *here[2:])
+    end = Pose(here.x - 0.2, here.y + 0.2, *here[2:])
+    edge = Zone.sphere((here.x - 0.05, here.y + 0.15, here.z), 0.03, bodies=("tool",), name="edge")
+    robot.envelope = Envelope("gcr5_910", edge)
+    with pytest.raises(EnvelopeViolated, match="'edge'"):
+        await robot.motion.run(
+            robot.motion.movel(corner, v=0.5, a=2.0, r=0.15), robot.motion.movel(end, v=0.5, a=2.0)
+        )
+    await robot.motion.movel(here, v=1.0, a=5.0)
+    outcomes = await robot.motion.run(
+        robot.motion.movel(corner, v=0.5, a=2.0, r=0.03), robot.motion.movel(end, v=0.5, a=2.0)
+    )
+    assert len(outcomes) == 2
+
+
+async def test_a_stream_in_a_process_ends_before_the_wall(robot: aioduco.Robot, seen: Seen) -> None:
+    robot.envelope = Envelope("gcr5_910", wall())
+    points = START.array + np.linspace(0, 1, 400)[:, None] * np.array([0.8, 0, 0, 0, 0, 0])
+    stream = robot.servo.joints(v=1.5, a=10.0, rate=250, options=LaneOptions(timeout=10.0))
+    with pytest.raises(StreamLeavesEnvelope, match="'wall'") as ended:
+        async with stream:
+            await stream.play(points)
+    assert (ended.value.limit, ended.value.body) == ("wall", "tool")
+    assert stream.reason is Reason.ENVELOPE
+    assert seen.setpoints
+    assert 0 <= least(FLAT, seen.setpoints) < 0.01
+    assert least(FLAT, seen.q) >= -LAG
+    assert not await robot.state.robotmoving()
+
+
+async def lead(stream: Stream, points: list[list[float]]) -> None:
+    """Send points in a stream, until it ends."""
+    async with stream:
+        for point in points:
+            await stream.send(point)
+
+
+@pytest.mark.parametrize("kind", ["servoj_pose", "servo_tcp", "servo_tcp base", "track"])
+@pytest.mark.cases(3)
+async def test_each_stream_of_places_ends_before_the_wall(
+    robot: aioduco.Robot, seen: Seen, kind: str
+) -> None:
+    robot.envelope = Envelope("gcr5_910", wall())
+    x, y, *others = await robot.state.get_tcp_pose()
+    thread = LaneOptions(lane="thread", timeout=10.0)
+    step, points = 0.0025, [[x, y + 0.0025 * number, *others] for number in range(1, 60)]
+    if kind == "servoj_pose":
+        stream = robot.servo.pose(v=1.5, a=10.0, rate=100, options=thread)
+    elif kind == "servo_tcp":
+        stream = robot.servo.tcp_offset(v=1.5, a=10.0, rate=100, options=thread)
+        points = [[-step, 0, 0, 0, 0, 0]] * 60
+    elif kind == "servo_tcp base":
+        stream = robot.servo.tcp_offset(v=1.5, a=10.0, rate=100, frame="base", options=thread)
+        points = [[0, step, 0, 0, 0, 0]] * 60
+    else:
+        stream = robot.track.stream("pose", speed=0.3, acc=2.0, options=thread)
+    with pytest.raises(StreamLeavesEnvelope, match="'wall'"):
+        await lead(stream, points)
+    nearest = least(FLAT, seen.q)
+    assert nearest >= -LAG
+    # Points of a track are checked before it begins, as far as they are there.
+    assert nearest < 0.03 or kind == "track"
+
+
+async def test_the_realtime_queue_ends_before_the_wall(
+    robot: aioduco.Robot, sim: Simulator, seen: Seen
+) -> None:
+    robot.envelope = Envelope("gcr5_910", wall(0.03))
+    x, y, *others = await robot.state.get_tcp_pose()
+    thread = LaneOptions(lane="thread", timeout=10.0)
+    points = [[x, y + 0.0003 * number, *others] for number in range(1, 200)]
+    sim.speed = 1.0  # the queue is emptied by the controller's clock
+    stream = robot.realtime.stream("pose", v=(0.3, 1.0), a=(2.0, 4.0), options=thread)
+    try:
+        with pytest.raises(StreamLeavesEnvelope, match="'wall'"):
+            await lead(stream, points)
+    finally:
+        sim.speed = SPEED
+    assert 0.07 - LAG <= least(FLAT, seen.q) < 0.095
+
+
+async def until_left(events: Subscription[Event]) -> AsyncIterator[EnvelopeLeft]:
+    async for event in events:
+        if isinstance(event, EnvelopeLeft):
+            yield event
+            return
+
+
+async def test_a_jog_is_stopped_before_the_wall(robot: aioduco.Robot, seen: Seen) -> None:
+    robot.envelope = Envelope("gcr5_910", wall())
+    with robot.events.subscribe() as events:
+        with pytest.raises(TaskStopped) as stopped:
+            await robot.motion.speedl([0, 0.3, 0, 0, 0, 0], a=2.0, time=3.0, frame="base")
+        told = [each async for each in until_left(events)]
+    assert told[-1].crossing.limit == "wall"
+    assert isinstance(stopped.value.__cause__, EnvelopeViolated)
+    assert 0 <= least(FLAT, seen.q) < 0.09
+
+
+async def test_a_stream_of_speeds_is_stopped(robot: aioduco.Robot, seen: Seen) -> None:
+    robot.envelope = Envelope("gcr5_910", wall())
+    thread = LaneOptions(lane="thread", timeout=10.0)
+    stream = robot.speed.joints(a=5.0, dead_man=5.0, hold=5.0, latest=False, options=thread)
+    with pytest.raises(aioduco.StreamStopped):
+        await lead(stream, [[0.5, 0, 0, 0, 0, 0]] * 10_000)
+    assert least(FLAT, seen.q) >= 0
+
+
+async def test_a_force_stops_the_arm(robot: aioduco.Robot, sim: Simulator) -> None:
+    robot.envelope = Envelope("gcr5_910", ToolForce(40.0, name="push"))
+    move = await robot.motion.movej2((-3.0, *START[1:]), v=0.02, a=1.0).start()
+    sim.push([0, 0, 60.0, 0, 0, 0])
+    try:
+        with pytest.raises(TaskStopped) as stopped:
+            await move
+    finally:
+        sim.push([0.0] * 6)
+    cause = stopped.value.__cause__
+    assert isinstance(cause, EnvelopeViolated)
+    assert (cause.limit, cause.body) == ("push", "tool")
+
+
+async def test_singularities_are_kept_away_from(robot: aioduco.Robot) -> None:
+    robot.envelope = Envelope("gcr5_910", SingularityMargin(0.1))
+    with pytest.raises(EnvelopeViolated, match="singularities"):
+        await robot.motion.movej2((0, 0, 1.5, 0, 0.5, 0), v=1.0, a=5.0)
+
+
+async def test_without_an_envelope_nothing_is_asked_or_checked(robot: aioduco.Robot) -> None:
+    assert robot.envelope is None
+    supervisor = robot._supervisor
+    assert supervisor.dispatcher.check is None
+    samples = robot.feed.statistics().samples
+    await robot.motion.movej2((0.1, *START[1:]), v=3.0, a=20.0)
+    assert robot.feed.statistics().samples == samples == 0
+    with pytest.raises(aioduco.ParameterError):
+        robot.envelope = "table"  # type: ignore[assignment]  # it is refused
+
+
+def test_programs_that_wait_have_it_too(sim: Simulator) -> None:
+    with aioduco.sync.connect(sim.host, sim.port, clock=sim.clock, lag_limit=None) as robot:
+        robot.bring_up()
+        robot.motion.movej2(START, v=3.9, a=40.0)
+        robot.envelope = Envelope("gcr5_910", wall())
+        assert robot.envelope is not None
+        with pytest.raises(EnvelopeViolated):
+            robot.motion.movej2((0.6, *START[1:]), v=1.0, a=5.0)

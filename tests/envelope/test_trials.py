@@ -1,0 +1,15 @@
+"""Random motions, streams and jogs within random zones: a few here, thousands by the script."""
+
+from __future__ import annotations
+
+import pytest
+
+from .trials import run
+
+
+@pytest.mark.parametrize("kind", ["motion", "stream", "jog"])
+async def test_the_arm_stays_within_random_zones(kind: str, thorough: bool) -> None:
+    """What was told to the controller and where the arm was is judged in the trials."""
+    number = 60 if thorough else 1
+    trials = await run({kind: number}, seed=1)
+    assert sum(each for what, each in trials.counts.items() if what != "set-points") >= number

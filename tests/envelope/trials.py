@@ -1,0 +1,340 @@
+"""Random motions, streams and jogs of a simulated arm, each within random zones, and what they do.
+
+    python tests/envelope/trials.py --count 10000 [--seed 1]
+
+Everything is judged by code of its own: margins by numpy, ways of refused motions by the
+simulator's planner, set-points as the simulator's handler gets them, and the arm as it stands in
+every cycle of the physics.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import contextlib
+import math
+import sys
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+import aioduco
+from aioduco.envelope import BODIES, Envelope, Zone
+from aioduco.kinematics import arm as arm_of
+from aioduco.kinematics.forward import frames
+from aioduco.models.pose import Pose
+from aioduco.sim import Simulator
+from aioduco.sim.handlers.servo import ServoHandlers
+from aioduco.sim.handlers.system import SystemHandlers
+from aioduco.sim.physics.world import World
+from aioduco.sim.planner.path import PlanError
+from aioduco.sim.planner.segments import arc_move, joint_move, line_move
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from aioduco.streaming.options import Upsampling
+
+ARM = arm_of("gcr5_910")
+START = np.array([0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0])
+TOOL = Pose(0.02, -0.01, 0.12, 0.0, 0.3, 0.0)
+UPSAMPLING: tuple[Upsampling, ...] = ("none", "cubic", "ruckig")
+#: how far the arm may be from what it is told to follow [m]: what it lags on the simulator
+LAG = 2.5e-3
+ROUNDING = 1e-9
+#: how near to a zone the way of a motion that was refused comes at least [m]: a chord of its
+#: check is a little apart from the way
+REFUSED = 5e-4
+
+
+def places(q: Any) -> np.ndarray:
+    """Tool, elbow and flange for joints of shape (n, 6). Shape (n, 3, 3)."""
+    chain = frames(ARM.geometry, np.atleast_2d(np.asarray(q, dtype=float)))
+    tip = (chain[:, 6] @ TOOL.matrix)[:, :3, 3]
+    return np.stack([tip, chain[:, 2, :3, 3], chain[:, 6, :3, 3]], axis=1)
+
+
+def margins(zone: Zone, points: np.ndarray) -> np.ndarray:
+    """How far points of shape (n, 3) are within what a zone allows [m]."""
+    off = points - np.array(zone.at)
+    if zone.shape == "plane":
+        return np.asarray(off @ np.array(zone.size))
+    if zone.shape == "sphere":
+        outside = np.linalg.norm(off, axis=1) - zone.size[0]
+    else:
+        beyond = np.abs(off @ np.array(zone.turn).reshape(3, 3)) - np.array(zone.size) / 2
+        outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
+        outside += np.minimum(beyond.max(axis=1), 0.0)
+    return np.asarray(-outside if zone.keep == "in" else outside)
+
+
+def least(zones: tuple[Zone, ...], q: Any) -> float:
+    """The least margin of any body to any zone, over joints of shape (n, 6)."""
+    at = places(q)
+    return min(
+        float(margins(zone, at[:, BODIES.index(body)]).min())
+        for zone in zones
+        for body in zone.bodies
+    )
+
+
+def random_zones(rng: np.random.Generator, q: np.ndarray, room: float = 0.01) -> tuple[Zone, ...]:
+    """Zones of which the arm at q is clear by some room [m]."""
+    found: list[Zone] = []
+    wanted = int(rng.integers(3, 10))
+    while len(found) < wanted:
+        at = rng.uniform([-0.6, -0.6, 0.0], [0.8, 0.8, 1.0])
+        bodies = tuple(rng.permutation(BODIES)[: rng.integers(1, 4)])
+        kind = rng.integers(4)
+        if kind == 0:
+            zone = Zone.sphere(at, rng.uniform(0.05, 0.3), bodies=bodies)
+        elif kind == 1:
+            pose = [*at, *rng.uniform(-1.5, 1.5, 3)]
+            zone = Zone.box(pose, rng.uniform(0.05, 0.5, 3), bodies=bodies)
+        elif kind == 2:
+            zone = Zone.box(at, rng.uniform(0.3, 1.2, 3), keep="in", bodies=bodies)
+        else:
+            zone = Zone.plane(at, rng.normal(size=3), bodies=bodies)
+        if least((zone,), q) > room:
+            found.append(zone)
+    return tuple(found)
+
+
+@dataclass
+class Seen:
+    """What the simulated controller was told, and what its arm did.
+
+    Attributes:
+        setpoints: of servoj, as the handler gets them.
+        q: joints in each cycle.
+        stopped: cycles at which a stop came.
+    """
+
+    setpoints: list[list[float]]
+    q: list[np.ndarray]
+    stopped: list[int]
+
+    def clear(self) -> None:
+        """Begin anew."""
+        del self.setpoints[:], self.q[:], self.stopped[:]
+
+
+@contextlib.contextmanager
+def watched() -> Iterator[Seen]:
+    """Note what every simulator of this process is told and does."""
+    seen = Seen([], [], [])
+    step, servoj, stop = World.step, ServoHandlers.servoj, SystemHandlers.stop
+
+    def stepped(world: World, setpoint: Any) -> None:
+        step(world, setpoint)
+        seen.q.append(world.q)
+
+    def told(handlers: ServoHandlers, joints_list: Any, *rest: Any) -> int:
+        seen.setpoints.append(list(joints_list))
+        return servoj(handlers, joints_list, *rest)
+
+    def halted(handlers: SystemHandlers, block: bool) -> int:
+        seen.stopped.append(len(seen.q))
+        return stop(handlers, block)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(World, "step", stepped)
+        patch.setattr(ServoHandlers, "servoj", told)
+        patch.setattr(SystemHandlers, "stop", halted)
+        yield seen
+
+
+class Trials:
+    """Random trials of one robot.
+
+    Args:
+        robot: the robot, ready to move, with `TOOL` in use.
+        seen: what the simulator is told and does.
+        seed: of what is random.
+
+    Attributes:
+        counts: what became of the trials.
+    """
+
+    def __init__(self, robot: aioduco.Robot, seen: Seen, seed: int) -> None:
+        self._robot = robot
+        self._seen = seen
+        self._rng = np.random.default_rng(seed)
+        self.counts: Counter[str] = Counter()
+        self.deepest = 0.0
+
+    async def begin(self) -> tuple[Zone, ...]:
+        """Stand somewhere, and have new zones around."""
+        robot, rng = self._robot, self._rng
+        robot.envelope = None
+        await robot.stop()  # what stopped the last one may still be under way
+        await robot.bring_up()
+        q = START + rng.uniform(-0.4, 0.4, 6)
+        await robot.motion.movej2(q, v=3.9, a=40.0)
+        here = np.array(await robot.state.get_actual_joints_position())
+        zones = random_zones(rng, here)
+        robot.envelope = Envelope(ARM, *zones)
+        self._seen.clear()
+        return zones
+
+    def _judge(self, zones: tuple[Zone, ...], allowed: float, what: str) -> None:
+        depth = -least(zones, self._seen.q[::2]) if self._seen.q else 0.0
+        self.deepest = max(self.deepest, depth)
+        assert depth <= allowed, f"{what}: {depth:.6f} m beyond a zone, {allowed:.6f} allowed"
+
+    async def motion(self) -> None:
+        """A joint motion, a line or an arc."""
+        robot, rng = self._robot, self._rng
+        zones = await self.begin()
+        q = np.array(await robot.state.get_actual_joints_position())
+        pose = await robot.state.get_tcp_pose()
+        kind = ("movej2", "movel", "movec")[rng.integers(3)]
+        target = q + rng.uniform(-0.8, 0.8, 6)
+        points = [
+            Pose(*(np.array(pose)[:3] + rng.uniform(-0.25, 0.25, 3)), *np.array(pose)[3:])
+            for _ in range(2)
+        ]
+        back = TOOL.inverse().matrix
+        flange = [point.matrix @ back for point in points]
+        try:
+            if kind == "movej2":
+                motion = robot.motion.movej2(target, v=3.0, a=20.0)
+                segment = joint_move(ARM, q, target, 3.0, 20.0)
+            elif kind == "movel":
+                motion = robot.motion.movel(points[0], v=1.0, a=5.0)
+                segment = line_move(ARM, q, flange[0], 1.0, 5.0, tool=TOOL.matrix)
+            else:
+                via, end = points
+                motion = robot.motion.movec(via, end, v=1.0, a=5.0)
+                segment = arc_move(ARM, q, flange[0], flange[1], 1.0, 5.0, tool=TOOL.matrix)
+        except PlanError:
+            motion.hand_over()
+            self.counts[f"{kind} impossible"] += 1
+            return
+        assert segment.path is not None
+        path = segment.path.sample(np.linspace(0, segment.path.end, 1500))[:, 0]
+        nearest = least(zones, path)
+        try:
+            await motion
+        except aioduco.EnvelopeViolated:
+            clear = f"{kind} refused, {nearest:.4f} m clear of all zones"
+            assert nearest < REFUSED, clear
+            self.counts[f"{kind} refused"] += 1
+        except aioduco.TaskUnknown:
+            self.counts[f"{kind} lost sight of"] += 1  # the arm is judged all the same
+        except aioduco.TaskFailed:
+            self.counts[f"{kind} ended by a collision"] += 1  # with the floor, or with itself
+        else:
+            assert nearest >= -1e-6, f"{kind} sent, though its way is {-nearest:.6f} m beyond"
+            self.counts[f"{kind} sent"] += 1
+        self._judge(zones, LAG, kind)
+
+    async def stream(self) -> None:
+        """A stream of joint positions that wanders off."""
+        robot, rng = self._robot, self._rng
+        zones = await self.begin()
+        here = np.array(await robot.state.get_actual_joints_position())
+        rate, count = 500, 250
+        way = rng.uniform(-1.0, 1.0, 6)
+        shares = (1 - np.cos(np.linspace(0, math.pi, count))) / 2
+        points = here + 0.8 * shares[:, None] * way
+        upsample = UPSAMPLING[rng.integers(3)]
+        options = aioduco.LaneOptions(lane="thread", timeout=10.0)
+        stream = robot.servo.joints(
+            v=3.0, a=15.0, rate=rate, source_rate=rate, upsample=upsample, options=options
+        )
+        try:
+            async with stream:
+                await stream.play(points)
+        except aioduco.StreamLeavesEnvelope:
+            self.counts["streams ended before a zone"] += 1
+            nearest = least(zones, points)
+            clear = f"{upsample} ended, {nearest:.4f} m clear of all zones"
+            # Straight ahead, where it could not stop, is not where the points lead.
+            assert nearest < (0.3 if upsample == "ruckig" else 0.15), clear
+        except aioduco.StreamRefused:
+            self.counts["streams ended by a collision"] += 1  # with the floor, or with itself
+        else:
+            self.counts["streams within the zones"] += 1
+            assert least(zones, points) >= -ROUNDING, "the way is beyond a zone, and was followed"
+        sent = self._seen.setpoints
+        if sent:
+            assert least(zones, sent) >= -ROUNDING, "a set-point beyond a zone was sent"
+            self.counts["set-points"] += len(sent)
+        self._judge(zones, LAG, "stream")
+
+    async def jog(self) -> None:
+        """A velocity of the joints or of the tool, whose way nobody knows."""
+        robot, rng = self._robot, self._rng
+        zones = await self.begin()
+        if rng.random() < 0.5:
+            motion = robot.motion.speedj(rng.uniform(-1.0, 1.0, 6), a=5.0, time=1.0)
+        else:
+            twist = [*rng.uniform(-0.4, 0.4, 3), 0.0, 0.0, 0.0]
+            motion = robot.motion.speedl(twist, a=2.0, time=1.0)
+        try:
+            await motion
+        except aioduco.TaskStopped as exc:
+            if isinstance(exc.__cause__, aioduco.EnvelopeViolated):
+                self.counts["jogs stopped"] += 1
+            else:
+                raise
+        except aioduco.TaskError:
+            self.counts["jogs ended by the controller"] += 1  # at a singularity or a joint's limit
+        else:
+            self.counts["jogs to their end"] += 1
+        rows = self._seen.q
+        stopping = 0.0
+        if self._seen.stopped:
+            after = places(rows[max(0, self._seen.stopped[0] - 1) :])
+            stopping = float(np.linalg.norm(np.diff(after, axis=0), axis=2).sum(axis=0).max())
+        self._judge(zones, stopping + 1e-4, "jog")
+        if least(zones, rows) >= 0.0:
+            self.counts["jogs that stayed within"] += 1
+
+
+async def run(counts: dict[str, int], seed: int, *, speed: float = 25.0) -> Trials:
+    """Carry out so many motions, streams and jogs on a simulator of their own."""
+    with watched() as seen, Simulator(speed=speed, seed=seed, pedestal=1.0) as sim:
+        async with aioduco.connect(
+            sim.host,
+            sim.port,
+            clock=sim.clock,
+            state_rate=300.0,
+            lag_limit=None,
+            heartbeat=20.0,
+            loop_stall_limit=15.0,
+            call_timeout=10.0,
+        ) as robot:
+            await robot.bring_up()
+            await robot.frames.set_tool_data("probe", TOOL, [0.1, 0, 0, 0.05])
+            trials = Trials(robot, seen, seed)
+            for kind, number in counts.items():
+                for _ in range(number):
+                    await getattr(trials, kind)()
+            return trials
+
+
+def main() -> None:
+    """Run as many as were asked for, and print what came of them."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--count", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    third = options.count // 3
+    counts = {"motion": options.count - 2 * third, "stream": third, "jog": third}
+    trials = asyncio.run(run(counts, options.seed))
+    for what, number in sorted(trials.counts.items()):
+        sys.stdout.write(f"{number:8} {what}\n")
+    sys.stdout.write(f"deepest beyond a zone: {trials.deepest * 1000:.3f} mm\n")
+
+
+if __name__ == "__main__":
+    main()
