@@ -1,0 +1,1 @@
+"""A program tried against its cell before the arm moves."""

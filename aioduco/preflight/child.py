@@ -1,0 +1,217 @@
+"""`python -m aioduco.preflight.child OPTIONS`: the process in which the program runs.
+
+OPTIONS is a JSON object, see `aioduco.preflight.runner`. Nothing else starts this module, so that a
+program on a real arm cannot come to run like this.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+import json
+import os
+import random
+import runpy
+import sys
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from aioduco.kinematics import arm as arm_of
+from aioduco.preflight import lines, patches
+from aioduco.preflight.program_clock import ProgramClock
+from aioduco.preflight.run_recorder import CallRecord, RunRecorder
+from aioduco.preflight.variation import Variation
+from aioduco.sim.simulator import READY, Simulator
+
+__all__ = ["main"]
+
+#: between two looks at whether the program goes on [s of the wall]
+_LOOK = 0.05
+
+
+class _Child:
+    """One run of the program.
+
+    Args:
+        options: what to run, and in what.
+    """
+
+    def __init__(self, options: dict[str, Any]) -> None:
+        self.options = options
+        self.clock = ProgramClock()
+        self.recorder = RunRecorder(self.clock)
+        self.variation = Variation.of(options.get("vary", ()), options.get("seed", 0))
+        self._random = random.Random(options.get("seed", 0))
+        self._cell = patches.Cell(self._make, self._attached)
+        self._served = 0
+        self._spawned: list[Simulator] = []
+        self._over = threading.Event()
+        self._written = threading.Lock()
+
+    def run(self) -> int:
+        """Run the program to its end, and write what was found."""
+        self.clock.start()
+        patches.install(self.clock, self.recorder, self._cell, self._serve)
+        self._own_simulators()
+        threading.Thread(target=self._watch, name="preflight-watch", daemon=True).start()
+        status = self._program()
+        gc.collect()
+        self._over.set()
+        self._write(status)
+        self.clock.close()
+        self._cell.close()
+        return 0
+
+    def _program(self) -> int:
+        program, arguments = self.options["program"], self.options["arguments"]
+        sys.argv = [program, *arguments]
+        try:
+            if self.options["module"]:
+                sys.path.insert(0, str(Path.cwd()))
+                runpy.run_module(program, run_name="__main__", alter_sys=True)
+            else:
+                sys.path.insert(0, str(Path(program).resolve().parent))
+                if self.options["vendor"]:
+                    from aioduco.compat._runner import run  # noqa: PLC0415
+
+                    run(Path(program), arguments)
+                else:
+                    runpy.run_path(program, run_name="__main__")
+        except SystemExit as exc:
+            code = exc.code if isinstance(exc.code, int) else int(exc.code is not None)
+            if code:
+                self.recorder.failed(exc)
+            return code
+        except BaseException as exc:
+            self.recorder.failed(exc)
+            sys.excepthook(type(exc), exc, exc.__traceback__)
+            return 1
+        return 0
+
+    # -- the simulator ------------------------------------------------------------------------
+
+    def _make(self) -> Simulator:
+        keys = ("model", "scene", "tool", "mounting", "pedestal", "joints")
+        given = {key: self.options[key] for key in keys if self.options.get(key) is not None}
+        return Simulator(**given).start()
+
+    def _attached(self, simulator: Simulator) -> None:
+        self.clock.attach(simulator)
+        self.recorder.attach(simulator)
+        if self.variation.payload:
+            simulator.load(self.variation.payload)
+
+    def _own_simulators(self) -> None:
+        """A simulator that the program starts is the cell, however it is started."""
+        simulator: Any = Simulator
+        init, start, close = simulator.__init__, simulator.start, simulator.close
+
+        def made(sim: Any, model: str = "gcr5_910", **options: Any) -> None:
+            options["cycle"] = self.options["cycle"]
+            options["speed"] = 1.0
+            if self.variation.start:
+                joints = options.get("joints")
+                options["joints"] = self.variation.started(
+                    READY if joints is None else joints, arm_of(model)
+                )
+            self.options["used"] = {
+                "model": model,
+                **{key: options.get(key) for key in ("scene", "tool", "mounting", "pedestal")},
+            }
+            init(sim, model, **options)
+
+        def started(sim: Any) -> Any:
+            start(sim)
+            if self._cell.own is None:
+                self._cell.attach(sim)
+            return sim
+
+        def closed(sim: Any) -> None:
+            if self._cell.simulator is sim:
+                self.clock.detach()
+                sim.observe(None)
+            close(sim)
+
+        simulator.__init__, simulator.start, simulator.close = made, started, closed
+        simulator.spawn = staticmethod(lambda **options: Simulator(**options))
+        simulator.__enter__ = lambda sim: sim.start()
+
+    def _serve(self, record: CallRecord | None, name: str, answer: Any) -> Any:
+        """Answer a call in the simulator, with what the variation does to the network."""
+        if record is None or not (self.variation.latency or self.variation.faults):
+            return answer()
+        if self.variation.latency:
+            self.clock.call_ends()
+            try:
+                self.clock.sleep(self._random.uniform(0.0, self.variation.latency))
+            finally:
+                self.clock.call_begins()
+        self._served += 1
+        if self._served in self.variation.faults:
+            if self._random.random() < 0.5:
+                answer()
+            raise ConnectionAbortedError(f"preflight cuts the connection at {name}")
+        return answer()
+
+    # -- while it runs ------------------------------------------------------------------------
+
+    def _watch(self) -> None:
+        """See that the program goes on; end it if it does not."""
+        patience = self.options["patience"]
+        while not self._over.wait(_LOOK):
+            now, since = self.clock.passed, self.recorder.progress
+            if not self._cell.simulator or now - since < patience:
+                continue
+            if self.clock.sleeps_since(since + 0.1 * patience):
+                continue  # it sleeps for longer than that
+            for where, text in self._waits():
+                self.recorder.hung(where, f"{text}: for {patience:g} s nothing moved or changed")
+            self._write(1)
+            sys.stdout.flush()
+            os._exit(0)
+
+    def _waits(self) -> list[tuple[lines.ProgramLine | None, str]]:
+        """Where the program waits: its tasks, or its main thread."""
+        found: list[tuple[lines.ProgramLine | None, str]] = []
+        for task in _all_tasks():
+            if (where := lines.awaited(task.get_coro())) is not None:
+                found.append((where, f"waits in {where.function}"))
+        if found:
+            return found
+        frame = sys._current_frames().get(threading.main_thread().ident or 0)
+        while frame is not None and not lines.is_program(frame.f_code.co_filename):
+            frame = frame.f_back
+        if frame is None:
+            return [(None, "the program waits")]
+        code = frame.f_code
+        where = lines.ProgramLine(code.co_filename, frame.f_lineno, code.co_name)
+        return [(where, f"waits in {where.function}")]
+
+    def _write(self, status: int) -> None:
+        with self._written:
+            folder = Path(self.options["folder"])
+            result = {
+                **self.recorder.as_json(), "status": status, "duration": self.clock.passed,
+                "used": self.options.get("used"), "touched": self._cell.simulator is not None,
+                "variation": self.variation.as_json(),
+            }  # fmt: skip
+            np.savez(folder / "samples.npz", **self.recorder.arrays())
+            (folder / "run.json").write_text(json.dumps(result, default=str), encoding="utf-8")
+
+
+def _all_tasks() -> list[asyncio.Task[Any]]:
+    tasks = getattr(asyncio.tasks, "_all_tasks", ())
+    return [task for task in list(tasks) if not task.done()]
+
+
+def main(argument: str) -> int:
+    """Run the program that the options name; the process's exit status."""
+    sys.setswitchinterval(0.0005)
+    return _Child(json.loads(argument)).run()
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))
