@@ -7,6 +7,7 @@ program on a real arm cannot come to run like this.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import gc
 import json
 import os
@@ -60,6 +61,8 @@ class _Child:
         status = self._program()
         gc.collect()
         self._over.set()
+        with contextlib.suppress(RuntimeError):  # its simulator is closed
+            self.recorder.finish()
         self._write(status)
         self.clock.close()
         self._cell.close()
@@ -181,14 +184,8 @@ class _Child:
                 found.append((where, f"waits in {where.function}"))
         if found:
             return found
-        frame = sys._current_frames().get(threading.main_thread().ident or 0)
-        while frame is not None and not lines.is_program(frame.f_code.co_filename):
-            frame = frame.f_back
-        if frame is None:
-            return [(None, "the program waits")]
-        code = frame.f_code
-        where = lines.ProgramLine(code.co_filename, frame.f_lineno, code.co_name)
-        return [(where, f"waits in {where.function}")]
+        where = lines.of_main_thread()
+        return [(where, f"waits in {where.function}" if where else "the program waits")]
 
     def _write(self, status: int) -> None:
         with self._written:

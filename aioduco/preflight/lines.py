@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from types import CodeType, FrameType, TracebackType
 
-__all__ = ["MARK", "ProgramLine", "Mark", "awaited", "current", "innermost", "is_program", "of_error"]
+__all__ = ["MARK", "ProgramLine", "Mark", "awaited", "current", "innermost", "is_program", "of_error", "of_main_thread"]
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _PROGRAMS = _PACKAGE / "cli"
@@ -102,6 +102,14 @@ def awaited(coroutine: Any) -> ProgramLine | None:
             found = _line(frame.f_code, frame.f_lineno)
         coroutine = getattr(coroutine, "cr_await", None) or getattr(coroutine, "gi_yieldfrom", None)
     return found
+
+
+def of_main_thread() -> ProgramLine | None:
+    """Where the main thread is in the program now, if a frame of it is there."""
+    frame = sys._current_frames().get(threading.main_thread().ident or 0)
+    while frame is not None and not is_program(frame.f_code.co_filename):
+        frame = frame.f_back
+    return None if frame is None else _line(frame.f_code, frame.f_lineno)
 
 
 def _line(code: CodeType, number: int) -> ProgramLine:

@@ -314,16 +314,23 @@ def _addresses(clock: ProgramClock, cell: Cell) -> None:
 
     robot.__init__, wire.__init__ = made, opened
     runner: Any = Runner
-    open_robot = runner.open
+    open_runner, open_robot = runner.open, robot.open
 
-    def opened_robot(self: Any) -> None:
+    def opened_runner(self: Any) -> None:
         clock.call_begins()  # until the robot's thread has a loop that waits
         try:
-            open_robot(self)
+            open_runner(self)
         finally:
             clock.call_ends()
 
-    runner.open = opened_robot
+    async def opened_robot(self: Any) -> None:
+        clock.call_begins()
+        try:
+            await open_robot(self)
+        finally:
+            clock.call_ends()
+
+    runner.open, robot.open = opened_runner, opened_robot
     worker: Any = WorkerHandle
     start = worker.start
 

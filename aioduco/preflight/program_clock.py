@@ -2,8 +2,8 @@
 
 Guarantees:
 - While the program computes, or a call of it is under way, simulated time stands. So the program
-  reacts as fast as on a quick computer, however slow or busy this one is. A program that computes
-  for longer than `STALL` has the time of the wall from then on.
+  reacts as fast as on a quick computer, however slow or busy this one is. Where simulated time
+  would fall behind the wall's by more than `STALL`, it goes with the wall's until it need not.
 - While it waits, time goes as fast as this computer can simulate, up to exactly the next moment at
   which one of its waits is over.
 - While a stream's worker runs, a process with a schedule of its own, time is that of the wall.
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ProgramClock", "Timer", "Wait"]
 
-#: time for which a program may compute while simulated time stands [s of the wall]
+#: most by which a program that computes holds simulated time up [s of the wall]
 STALL = 0.05
 #: time for which the program must have waited before simulated time goes on [s of the wall]:
 #: between an event and the thread that it wakes, nobody seems to run
@@ -36,8 +36,6 @@ _STEP = 0.2
 _FAST = 1e5
 #: time between two looks at a program that computes, or does not wake [s of the wall]
 _LOOK = 0.02
-#: a program that looks at the clock so often without a wait waits for it to go on
-_READS = 200
 
 # the program's own functions of this name are replaced
 _monotonic = time.monotonic
@@ -103,8 +101,9 @@ class ProgramClock:
         self._held_at = math.inf
         self._quiet = False
         self._epoch = 0
-        self._since = _monotonic()
-        self._reads = 0
+        #: times of the wall and of the simulator since which it has not fallen behind
+        self._level = (_monotonic(), 0.0)
+        self._behind = False
         self._closed = False
         self._thread = threading.Thread(target=self._run, name="preflight-clock", daemon=True)
 
@@ -128,10 +127,6 @@ class ProgramClock:
         simulator = self._simulator
         if simulator is None:
             return _monotonic() + self._offset
-        self._reads += 1
-        if self._reads > _READS and not self._quiet:
-            with self._state:
-                self._release(1.0)
         return simulator.clock.now() + self._offset
 
     @property
@@ -146,7 +141,9 @@ class ProgramClock:
             now = self.now()
             self._simulator = simulator
             self._offset = now - simulator.clock.now()
-            self._change()
+            self._level = (_monotonic(), simulator.clock.now())
+            if not self._quiet:
+                self._hold(simulator.clock.now())
 
     def detach(self) -> None:
         """Go by the wall."""
@@ -261,11 +258,9 @@ class ProgramClock:
             return
         self._quiet = quiet
         self._epoch += 1
-        self._reads = 0
-        self._since = _monotonic()
         if quiet:
             self._state.notify_all()
-        elif self._simulator is not None and not self._streams:
+        elif self._simulator is not None and not self._streams and not self._behind:
             self._hold(self._simulator.clock.now())
 
     def _hold(self, at: float) -> None:
@@ -323,8 +318,13 @@ class ProgramClock:
                 self._held_at = self._next() - self._offset
                 self._state.wait(_LOOK)
                 return
+        wall, simulated = _monotonic(), self._simulator.clock.now()
+        late = (wall - self._level[0]) - (simulated - self._level[1])
+        self._behind = late > STALL and not self._quiet
+        if late < 0.0:
+            self._level = (wall, simulated)
         if not self._quiet:
-            if self._let_go is not None and _monotonic() - self._since > STALL:
+            if self._behind:
                 self._release(1.0)
             self._fire()
             self._state.wait(_LOOK)

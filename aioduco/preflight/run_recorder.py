@@ -47,6 +47,7 @@ class CallRecord:
         state: how the task ended; empty as long as it has not.
         message: why, as the simulator says it.
         started, ended: when the task ran [s]; -1 for never.
+        meanwhile: where the program was when the task ended by an error.
     """
 
     name: str
@@ -63,6 +64,7 @@ class CallRecord:
     message: str = ""
     started: float = -1.0
     ended: float = -1.0
+    meanwhile: ProgramLine | None = None
     taken: bool = field(default=False, repr=False)
 
 
@@ -219,6 +221,8 @@ class RunRecorder:
             if task.state.ended:
                 record.ended = now
                 record.state, record.message = task.state.name, task.message
+                if task.state is TaskState.ERROR:
+                    record.meanwhile = lines.of_main_thread()
                 del self._open[number]
                 self.progress = now
 
@@ -253,6 +257,11 @@ class RunRecorder:
                     self._levels[key] = level
                     self.io.append({"time": now, "signal": key, "value": level})
 
+    def finish(self) -> None:
+        """Take what became of the tasks since the last cycle."""
+        if self._simulator is not None and self._simulator.connections >= 0 and self._open:
+            self._follow(self._clock.passed)
+
     # -- at the end ---------------------------------------------------------------------------
 
     def as_json(self) -> dict[str, Any]:
@@ -261,7 +270,7 @@ class RunRecorder:
             calls = [
                 {
                     **{key: value for key, value in vars(call).items() if key != "taken"},
-                    "where": _where(call.where),
+                    "where": _where(call.where), "meanwhile": _where(call.meanwhile),
                     "result": call.result if isinstance(call.result, int | float | str) else None,
                 }
                 for call in self.calls
