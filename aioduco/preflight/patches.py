@@ -176,12 +176,13 @@ class _Selector(selectors.EpollSelector):
     """Tells the clock when its loop waits."""
 
     clock: ProgramClock
+    wait: Wait | None = None
 
     def select(self, timeout: float | None = None) -> Any:
         self.clock.join()
         if timeout is not None and timeout <= 0:
             return super().select(timeout)
-        with self.clock.waiting():
+        with self.clock.waiting() as self.wait:
             return super().select(timeout)
 
     def close(self) -> None:
@@ -193,6 +194,7 @@ def _loops(clock: ProgramClock) -> None:
     _Selector.clock = clock
     base: Any = asyncio.base_events.BaseEventLoop
     selecting: Any = asyncio.selector_events.BaseSelectorEventLoop
+    soon_from_thread = base.call_soon_threadsafe
     loop_time, call_at, create_task = base.time, base.call_at, base.create_task
     init = selecting.__init__
     inside = threading.local()
@@ -234,6 +236,12 @@ def _loops(clock: ProgramClock) -> None:
         clock.at(when, lambda: alive() and loop.call_soon_threadsafe(run), alive)
         return handle
 
+    def from_thread(self: Any, *args: Any, **options: Any) -> Any:
+        wait = getattr(self._selector, "wait", None)
+        if wait is not None:
+            clock.wake(wait)
+        return soon_from_thread(self, *args, **options)
+
     def task(self: Any, coro: Any, *, name: Any = None, context: Any = None) -> Any:
         mark = lines.current()
         if mark is not None:
@@ -242,6 +250,7 @@ def _loops(clock: ProgramClock) -> None:
         return create_task(self, coro, name=name, context=context)
 
     selecting.__init__ = new_loop
+    base.call_soon_threadsafe = from_thread
     base.time, base.call_later, base.call_at, base.create_task = time_of, later, at, task
 
     portal: Any = anyio.from_thread.BlockingPortal
@@ -330,7 +339,16 @@ def _addresses(clock: ProgramClock, cell: Cell) -> None:
         finally:
             clock.call_ends()
 
-    runner.open, robot.open = opened_runner, opened_robot
+    async def closed_lane(self: Any) -> None:
+        clock.call_begins()
+        try:
+            await close_lane(self)
+        finally:
+            clock.call_ends()
+
+    lanes: Any = lane.WireLane
+    close_lane = lanes.aclose
+    runner.open, robot.open, lanes.aclose = opened_runner, opened_robot, closed_lane
     worker: Any = WorkerHandle
     start = worker.start
 

@@ -27,9 +27,6 @@ __all__ = ["ProgramClock", "Timer", "Wait"]
 
 #: most by which a program that computes holds simulated time up [s of the wall]
 STALL = 0.05
-#: time for which the program must have waited before simulated time goes on [s of the wall]:
-#: between an event and the thread that it wakes, nobody seems to run
-_GRACE = 0.0005
 #: without anything to wait for, time goes on by steps of this [s]
 _STEP = 0.2
 #: simulated seconds in a real one while the program waits: more than any computer reaches
@@ -100,7 +97,6 @@ class ProgramClock:
         self._let_go: Callable[[], None] | None = None
         self._held_at = math.inf
         self._quiet = False
-        self._epoch = 0
         #: times of the wall and of the simulator since which it has not fallen behind
         self._level = (_monotonic(), 0.0)
         self._behind = False
@@ -176,7 +172,6 @@ class ProgramClock:
             heapq.heappush(self._timers, (when, self._count, timer))
             if self._quiet:
                 self._hold_until_next()
-            self._state.notify_all()
         return timer
 
     def sleep(self, seconds: float) -> None:
@@ -257,9 +252,9 @@ class ProgramClock:
         if quiet is self._quiet:
             return
         self._quiet = quiet
-        self._epoch += 1
         if quiet:
-            self._state.notify_all()
+            if not self._fire():
+                self._hold_until_next()
         elif self._simulator is not None and not self._streams and not self._behind:
             self._hold(self._simulator.clock.now())
 
@@ -329,10 +324,6 @@ class ProgramClock:
             self._fire()
             self._state.wait(_LOOK)
             return
-        epoch = self._epoch
-        self._state.wait(_GRACE)
-        if self._quiet and epoch == self._epoch and not self._fire():
-            self._hold_until_next()
-            while self._quiet and epoch == self._epoch and not self._closed:
-                if not self._state.wait(_LOOK) or self._streams:
-                    break
+        if not self._fire() and simulated + 1e-9 >= self._held_at:
+            self._hold_until_next()  # what was woken had nothing to do
+        self._state.wait(_LOOK)

@@ -43,7 +43,7 @@ class Clearance:
         model = self._model = world.model
         self._data: Any = mujoco.MjData(model)
         self._world = world
-        root = model.body("base").id
+        root, turning = model.body("base").id, model.body("link1").id
         arm, rest = [], []
         for geom in range(model.ngeom):
             body = int(model.geom_bodyid[geom])
@@ -51,7 +51,7 @@ class Clearance:
                 continue
             if int(model.body_rootid[body]) != root:
                 rest.append(geom)
-            elif body != root:
+            elif body not in (root, turning):  # which stay where they are
                 arm.append(geom)
         self._pairs = [(one, other) for one in arm for other in rest]
 
