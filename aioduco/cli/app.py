@@ -9,6 +9,7 @@ from aioduco.cli.check import check
 from aioduco.cli.demo.command import demo
 from aioduco.cli.doctor import doctor
 from aioduco.cli.plot import plot
+from aioduco.cli.preflight import preflight
 from aioduco.cli.sim import sim
 from aioduco.cli.sim_do import sim_do
 
@@ -28,6 +29,7 @@ app.command()(demo)
 app.command()(doctor)
 app.command()(plot)
 app.command()(check)
+app.command()(preflight)
 
 
 def _version(wanted: bool) -> None:

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 __all__ = ["KINDS", "PreflightFinding", "findings"]
 
@@ -70,19 +70,24 @@ class PreflightFinding:
 
 
 def findings(
-    run: Mapping[str, Any], *, allowed: Sequence[str] = ()
+    run: Mapping[str, Any],
+    *,
+    allowed: Sequence[str] = (),
+    more: Iterable[PreflightFinding] = (),
 ) -> tuple[PreflightFinding, ...]:
     """Find what would have gone wrong.
 
     Args:
         run: what was written down, as the child process gives it.
         allowed: names of bodies that the arm may touch.
+        more: what was found elsewhere.
 
     Returns:
         The findings, in the order of time; one for each cause.
     """
     found = [
         *_contacts(run, allowed), *_failures(run), *_blends(run), *_after_stops(run), *_notes(run),
+        *more,
     ]  # fmt: skip
     found.sort(key=lambda one: one.time)
     seen: dict[tuple[str, int, str], PreflightFinding] = {}

@@ -9,7 +9,7 @@ import numpy as np
 
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.forward import singular_values
-from aioduco.preflight.findings import running
+from aioduco.preflight.findings import PreflightFinding, running
 from aioduco.sim.physics.clearance import FARTHEST, Clearance
 
 if TYPE_CHECKING:
@@ -19,10 +19,14 @@ if TYPE_CHECKING:
 
     from aioduco.sim.physics.world import World
 
-__all__ = ["Margin", "margins"]
+__all__ = ["Margin", "margins", "near_singularities"]
 
 #: at most so many samples are compared with the scene
 _LOOKS = 400
+#: measure of a singularity below which a path of the tool is a finding: a controller that takes
+#: it turns joints as fast as they can
+_NEAR = 0.02
+_PATHS = frozenset({"movel", "movec", "move_circle", "move_spiral", "spline", "tcp_move"})
 _SINGULAR = ("shoulder", "elbow", "wrist")
 
 
@@ -55,6 +59,35 @@ class Margin:
     def as_json(self) -> dict[str, Any]:
         """As JSON takes it."""
         return asdict(self)
+
+
+def near_singularities(
+    run: Mapping[str, Any], samples: Mapping[str, NDArray[np.float64]], model: str
+) -> tuple[PreflightFinding, ...]:
+    """Find the straight and round paths of the tool that pass close by a singularity.
+
+    Args:
+        run: what was written down.
+        samples: where the arm was.
+        model: name of the arm.
+    """
+    times, q = samples["time"], samples["q"]
+    if not len(times):
+        return ()
+    values = np.abs(singular_values(arm_of(model).geometry, q))
+    found: dict[int, PreflightFinding] = {}
+    for sample in np.flatnonzero(values.min(axis=1) < _NEAR):
+        call = running(run["calls"], float(times[sample]))
+        if call is None or call["name"] not in _PATHS or call["ended"] < times[sample]:
+            continue
+        kind = _SINGULAR[int(values[sample].argmin())]
+        text = f"{call['text']} passes the {kind} singularity at {values[sample].min():.3f} of 1"
+        if call["task"] not in found:
+            at = float(times[sample])
+            found[call["task"]] = PreflightFinding(
+                "singularity", text, at, **call["where"], sample=int(sample)
+            )
+    return tuple(found.values())
 
 
 def margins(

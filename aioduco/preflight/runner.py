@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,7 @@ import numpy as np
 from aioduco.errors import DucoError
 from aioduco.kinematics import arm as arm_of
 from aioduco.preflight.findings import PreflightFinding, findings
-from aioduco.preflight.margins import Margin, margins
+from aioduco.preflight.margins import Margin, margins, near_singularities
 from aioduco.sim.physics.world import World
 from aioduco.sim.scene import mjcf_of, mounting_of
 
@@ -177,7 +177,8 @@ def preflight(
     if not run["touched"] and not run["notes"]:
         raise PreflightError(f"{name} ended without connecting to a robot by aioduco")
     cell = {**options, **(run["used"] or {})}
-    found = findings(run, allowed=settings.allowed)
+    near_by = near_singularities(run, samples, cell["model"])
+    found = findings(run, allowed=settings.allowed, more=near_by)
     near = margins(run, samples, cell["model"], _world(cell))
     return PreflightReport(
         name, tuple(arguments), found, near, tuple(run["calls"]), tuple(run["contacts"]),
@@ -226,8 +227,3 @@ def _run(
     with np.load(folder / "samples.npz") as arrays:
         samples = {name: arrays[name] for name in arrays.files}
     return json.loads(result.read_text(encoding="utf-8")), samples
-
-
-def plain(settings: PreflightSettings) -> dict[str, Any]:
-    """Settings as a dictionary; for processes elsewhere."""
-    return {**asdict(settings), **settings.plain()}
