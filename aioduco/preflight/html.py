@@ -32,7 +32,7 @@ body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;max-width:980px;paddin
 h1{font-size:1.5rem;margin-bottom:.2rem}h2{font-size:1.1rem;margin-top:2rem}
 .ok{color:#17723a}.bad{color:#b3261e}table{border-collapse:collapse;width:100%;font-size:.86rem}
 td,th{padding:.3rem .5rem;border-bottom:1px solid #dde3e8;text-align:left;vertical-align:top}
-code{font-family:ui-monospace,monospace;font-size:.86em}figure{display:inline-block;margin:.4rem}
+code{font-family:ui-monospace,monospace;font-size:.86em}figure{display:inline-block;margin:.4rem;vertical-align:top}
 figcaption{font-size:.8rem;max-width:460px}svg text{font:11px system-ui,sans-serif;fill:#3b4a57}
 @media(prefers-color-scheme:dark){body{background:#14191e;color:#dbe3ea}td,th{border-color:#2c3640}
 svg text{fill:#aab7c2}}
@@ -222,7 +222,7 @@ def _pictures(report: PreflightReport) -> str:
     studio = PictureProcess(world.model)
     try:
         figures = [
-            f'<figure><img width="{_SIZE[0] // 2 * 2 - 20}" alt="the arm" src="data:image/png;base64,'
+            f'<figure><img width="{_SIZE[0] - 20}" alt="the arm" src="data:image/png;base64,'
             f'{_png(studio.picture(positions[sample], *_SIZE, camera))}">'
             f"<figcaption>{escape(text)}</figcaption></figure>"
             for sample, text in shown

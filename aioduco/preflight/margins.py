@@ -75,19 +75,21 @@ def near_singularities(
     if not len(times):
         return ()
     values = np.abs(singular_values(arm_of(model).geometry, q))
-    found: dict[int, PreflightFinding] = {}
-    for sample in np.flatnonzero(values.min(axis=1) < _NEAR):
+    nearest: dict[int, tuple[float, int, Mapping[str, Any]]] = {}
+    for sample in np.flatnonzero(values.min(axis=1) < _NEAR).tolist():
         call = running(run["calls"], float(times[sample]))
         if call is None or call["name"] not in _PATHS or call["ended"] < times[sample]:
             continue
+        value = float(values[sample].min())
+        if value < nearest.get(call["task"], (_NEAR,))[0]:
+            nearest[call["task"]] = value, sample, call
+    found = []
+    for value, sample, call in nearest.values():
         kind = _SINGULAR[int(values[sample].argmin())]
-        text = f"{call['text']} passes the {kind} singularity at {values[sample].min():.3f} of 1"
-        if call["task"] not in found:
-            at = float(times[sample])
-            found[call["task"]] = PreflightFinding(
-                "singularity", text, at, **call["where"], sample=int(sample)
-            )
-    return tuple(found.values())
+        text = f"{call['text']} passes the {kind} singularity at {value:.3f} of 1"
+        at = float(times[sample])
+        found.append(PreflightFinding("singularity", text, at, **call["where"], sample=sample))
+    return tuple(found)
 
 
 def margins(
