@@ -36,7 +36,9 @@ def preflight(
     tool: Annotated[
         Path | None, typer.Option(exists=True, dir_okay=False, help="What it carries: MJCF.")
     ] = None,
-    mounting: Annotated[str, typer.Option(help="floor, wall, ceiling, or x,y,z,rx,ry,rz.")] = "floor",
+    mounting: Annotated[
+        str, typer.Option(help="floor, wall, ceiling, or x,y,z,rx,ry,rz.")
+    ] = "floor",
     pedestal: Annotated[float, typer.Option(help="Height of a column under the arm [m].")] = 0.0,
     allow: Annotated[
         list[str] | None, typer.Option(help="Body that the arm may touch; may be repeated.")
@@ -118,7 +120,9 @@ def _show(console: Console, report: PreflightReport) -> None:
     for call in report.motions:
         took = f"{call['ended'] - call['started']:.2f}" if call["ended"] >= 0.0 else ""
         where = f"{Path(call['where']['file']).name}:{call['where']['line']}"
-        table.add_row(where, _plain(call["text"]), f"{call['begin']:.2f}", took, call["state"].lower())
+        table.add_row(
+            where, _plain(call["text"]), f"{call['begin']:.2f}", took, call["state"].lower()
+        )
     console.print(table)
     for margin in report.margins:
         console.print(f"smallest margin, {margin}", highlight=False, markup=False)

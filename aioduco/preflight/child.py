@@ -16,7 +16,7 @@ import runpy
 import sys
 import threading
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from aioduco.preflight import lines, patches
 from aioduco.preflight.program_clock import ProgramClock
 from aioduco.preflight.run_recorder import CallRecord, RunRecorder
 from aioduco.preflight.variation import Variation
+from aioduco.sim.scene import mjcf_of
 from aioduco.sim.simulator import READY, Simulator
 
 __all__ = ["main"]
@@ -52,21 +53,24 @@ class _Child:
         self._over = threading.Event()
         self._written = threading.Lock()
 
-    def run(self) -> int:
-        """Run the program to its end, and write what was found."""
+    def run(self) -> NoReturn:
+        """Run the program to its end, write what was found, and end this process."""
         self.clock.start()
         patches.install(self.clock, self.recorder, self._cell, self._serve)
         self._own_simulators()
         threading.Thread(target=self._watch, name="preflight-watch", daemon=True).start()
         status = self._program()
+        for thread in threading.enumerate():
+            if not thread.daemon and thread is not threading.current_thread():
+                if not thread.name.startswith("aioduco"):
+                    with self.clock.waiting():
+                        thread.join()
         gc.collect()
         self._over.set()
         with contextlib.suppress(RuntimeError):  # its simulator is closed
             self.recorder.finish()
         self._write(status)
-        self.clock.close()
-        self._cell.close()
-        return 0
+        _end()
 
     def _program(self) -> int:
         program, arguments = self.options["program"], self.options["arguments"]
@@ -122,7 +126,12 @@ class _Child:
                 )
             self.options["used"] = {
                 "model": model,
-                **{key: options.get(key) for key in ("scene", "tool", "mounting", "pedestal")},
+                **{key: options.get(key) for key in ("mounting", "pedestal")},
+                **{
+                    key: mjcf_of(options[key], free=key == "scene")
+                    for key in ("scene", "tool")
+                    if options.get(key) is not None
+                },
             }
             init(sim, model, **options)
 
@@ -134,12 +143,13 @@ class _Child:
 
         def closed(sim: Any) -> None:
             if self._cell.simulator is sim:
+                self.recorder.finish()
                 self.clock.detach()
                 sim.observe(None)
             close(sim)
 
         simulator.__init__, simulator.start, simulator.close = made, started, closed
-        simulator.spawn = staticmethod(lambda **options: Simulator(**options))
+        simulator.spawn = staticmethod(Simulator)
         simulator.__enter__ = lambda sim: sim.start()
 
     def _serve(self, record: CallRecord | None, name: str, answer: Any) -> Any:
@@ -173,17 +183,14 @@ class _Child:
             for where, text in self._waits():
                 self.recorder.hung(where, f"{text}: for {patience:g} s nothing moved or changed")
             self._write(1)
-            sys.stdout.flush()
-            os._exit(0)
+            _end()
 
     def _waits(self) -> list[tuple[lines.ProgramLine | None, str]]:
         """Where the program waits: its tasks, or its main thread."""
-        found: list[tuple[lines.ProgramLine | None, str]] = []
-        for task in _all_tasks():
-            if (where := lines.awaited(task.get_coro())) is not None:
-                found.append((where, f"waits in {where.function}"))
+        waiting = (lines.awaited(task.get_coro()) for task in _all_tasks())
+        found = [(where, f"waits in {where.function}") for where in waiting if where is not None]
         if found:
-            return found
+            return list(found)
         where = lines.of_main_thread()
         return [(where, f"waits in {where.function}" if where else "the program waits")]
 
@@ -204,11 +211,19 @@ def _all_tasks() -> list[asyncio.Task[Any]]:
     return [task for task in list(tasks) if not task.done()]
 
 
-def main(argument: str) -> int:
-    """Run the program that the options name; the process's exit status."""
+def _end() -> NoReturn:
+    """End the process at once: threads of the simulator and of the program may wait for ever."""
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(0)
+
+
+def main(argument: str) -> NoReturn:
+    """Run the program that the options name."""
     sys.setswitchinterval(0.0005)
-    return _Child(json.loads(argument)).run()
+    _Child(json.loads(argument)).run()
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    main(sys.argv[1])

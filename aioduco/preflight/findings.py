@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -118,8 +119,10 @@ def _contacts(run: Mapping[str, Any], allowed: Sequence[str]) -> Iterator[Prefli
         if contact["meant"] or one in allowed or other in allowed:
             continue
         call = running(run["calls"], contact["time"])
-        if other.startswith("link") or other in ("base", "the flange") or (
-            one.startswith("link") and other == "the tool"
+        if (
+            other.startswith("link")
+            or other in ("base", "the flange")
+            or (one.startswith("link") and other == "the tool")
         ):
             kind = "self-collision"
         else:
@@ -147,7 +150,7 @@ def _touched(run: Mapping[str, Any], time: float) -> bool:
 
 def _blends(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
     motions = [call for call in run["calls"] if call["started"] >= 0.0 and call["where"]]
-    for call, after in zip(motions, motions[1:], strict=False):
+    for call, after in pairwise(motions):
         both = call["name"].startswith("move") and after["name"].startswith("move")
         if both and call["radius"] > 0.0 and call["state"] == "FINISHED":
             text = (
@@ -171,7 +174,9 @@ def _after_stops(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
             }  # fmt: skip
         elif call["name"] in _AGAIN:
             stop = None
-        elif stop and call["started"] >= 0.0 and call["name"].startswith(("move", "servo", "speed")):
+        elif (
+            stop and call["started"] >= 0.0 and call["name"].startswith(("move", "servo", "speed"))
+        ):
             if call["actor"] not in told:
                 line = stop["where"]["line"]
                 text = f"{call['text']} moves the arm again, which line {line} has stopped"

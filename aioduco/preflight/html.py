@@ -28,11 +28,13 @@ _WIDTH, _LEFT, _ROW = 960, 210, 22
 _PICTURES, _SIZE = 8, (480, 360)
 _COLOURS = ("#0b6e99", "#c2571a", "#3a8f3a", "#8a3fa0", "#b8860b", "#555555")
 _STYLE = """
-body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;max-width:980px;padding:0 1rem;color:#1c2733}
+body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;
+max-width:980px;padding:0 1rem;color:#1c2733}
 h1{font-size:1.5rem;margin-bottom:.2rem}h2{font-size:1.1rem;margin-top:2rem}
 .ok{color:#17723a}.bad{color:#b3261e}table{border-collapse:collapse;width:100%;font-size:.86rem}
 td,th{padding:.3rem .5rem;border-bottom:1px solid #dde3e8;text-align:left;vertical-align:top}
-code{font-family:ui-monospace,monospace;font-size:.86em}figure{display:inline-block;margin:.4rem;vertical-align:top}
+code{font-family:ui-monospace,monospace;font-size:.86em}
+figure{display:inline-block;margin:.4rem;vertical-align:top}
 figcaption{font-size:.8rem;max-width:460px}svg text{font:11px system-ui,sans-serif;fill:#3b4a57}
 @media(prefers-color-scheme:dark){body{background:#14191e;color:#dbe3ea}td,th{border-color:#2c3640}
 svg text{fill:#aab7c2}}

@@ -14,9 +14,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-    from types import CodeType, FrameType, TracebackType
+    from types import CodeType, FrameType
 
-__all__ = ["MARK", "ProgramLine", "Mark", "awaited", "current", "innermost", "is_program", "of_error", "of_main_thread"]
+__all__ = [
+    "MARK",
+    "Mark",
+    "ProgramLine",
+    "awaited",
+    "current",
+    "innermost",
+    "is_program",
+    "of_error",
+    "of_main_thread",
+]
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _PROGRAMS = _PACKAGE / "cli"

@@ -122,11 +122,10 @@ def margins(
     singular = np.abs(singular_values(arm.geometry, q))
     found = []
     for of, table, unit in (("joint limit", limits, "rad"), ("speed", left, "")):
-        sample, joint = np.unravel_index(int(table.argmin()), table.shape)
-        found.append(made(of, f"joint {joint + 1}", table[sample, joint], unit, int(sample)))
-    sample, kind = np.unravel_index(int(singular.argmin()), singular.shape)
-    nearest = singular[sample, kind]
-    found.append(made("singularity", _SINGULAR[int(kind)], nearest, "of 1", int(sample)))
+        at, joint = divmod(int(table.argmin()), table.shape[1])
+        found.append(made(of, f"joint {joint + 1}", table[at, joint], unit, at))
+    at, kind = divmod(int(singular.argmin()), singular.shape[1])
+    found.append(made("singularity", _SINGULAR[kind], singular[at, kind], "of 1", at))
     positions = samples["positions"]
     if len(positions) == len(times) and positions.shape[1] == world.model.nq:
         clearance = Clearance(world)

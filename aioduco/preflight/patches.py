@@ -34,6 +34,7 @@ from aioduco.sync._runner import Runner
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from types import FrameType
 
     from aioduco.preflight.program_clock import ProgramClock, Wait
     from aioduco.preflight.run_recorder import CallRecord, RunRecorder
@@ -42,8 +43,11 @@ __all__ = ["Cell", "install"]
 
 #: what stands between the program and what it asks for
 _BETWEEN = frozenset(
-    "asyncio anyio threading queue concurrent contextlib functools selectors socket subprocess "
-    "logging multiprocessing tempfile importlib sniffio".split()
+    {
+        *("asyncio", "anyio", "threading", "queue", "concurrent", "contextlib", "functools"),
+        *("selectors", "socket", "subprocess", "logging", "multiprocessing", "tempfile"),
+        *("importlib", "sniffio"),
+    }
 )
 #: a blocked event loop is found from here on [s]: the heartbeat's usual limit
 BLOCKED = 1.0
@@ -96,7 +100,7 @@ class Cell:
 
 def _asked_by_program(depth: int = 2) -> bool | None:
     """Whether the program asks, and not this package; None if neither is to be seen."""
-    frame = sys._getframe(depth)
+    frame: FrameType | None = sys._getframe(depth)
     while frame is not None:
         name = frame.f_globals.get("__name__", "")
         first = name.partition(".")[0]
@@ -106,10 +110,7 @@ def _asked_by_program(depth: int = 2) -> bool | None:
             return None
         if first not in _BETWEEN and first != "aioduco":
             return True
-        before = frame.f_back
-        if before is None:
-            return None
-        frame = before
+        frame = frame.f_back
     return None
 
 
@@ -120,7 +121,9 @@ def _by_program() -> bool:
     return name.startswith("aioduco.cli") if first == "aioduco" else first not in _BETWEEN
 
 
-def install(clock: ProgramClock, recorder: RunRecorder, cell: Cell, serve: Callable[..., Any]) -> None:
+def install(
+    clock: ProgramClock, recorder: RunRecorder, cell: Cell, serve: Callable[..., Any]
+) -> None:
     """Replace all of it, for the rest of this process.
 
     Args:
@@ -146,7 +149,7 @@ def _clocks(clock: ProgramClock, recorder: RunRecorder) -> None:
 
         def read() -> float:
             if not _by_program():
-                return function()  # type: ignore[no-any-return]  # a clock of `time`
+                return float(function()) if scale == 1 else function()
             now = begin[name] + clock.now()
             return round(now * scale) if scale > 1 else now
 
@@ -169,7 +172,7 @@ def _clocks(clock: ProgramClock, recorder: RunRecorder) -> None:
             recorder.blocked(lines.current(), seconds)
         clock.sleep(seconds)
 
-    time.sleep = slept
+    time.sleep = slept  # type: ignore[assignment]  # takes what the original takes
 
 
 class _Selector(selectors.EpollSelector):
@@ -296,6 +299,9 @@ def _threads(clock: ProgramClock) -> None:
         notify(self, n)
 
     def joined(self: Any, timeout: float | None = None) -> None:
+        if not _asked_by_program():
+            join(self, timeout)  # of threads of this package, which are on their way out
+            return
         with clock.waiting():
             join(self, timeout)
 
@@ -317,7 +323,7 @@ def _addresses(clock: ProgramClock, cell: Cell) -> None:
         of_robot(self, *there, replace(settings, guard=None, lag_limit=None, **patient))
         self.host, self.port = host, port
 
-    def opened(self: Any, host: str, port: int, **options: Any) -> None:
+    def opened(self: Any, _host: str, _port: int, **options: Any) -> None:
         options["connect_timeout"] = max(15.0, options.get("connect_timeout", 0.0))
         of_wire(self, *cell.address(), **options)
 
@@ -402,7 +408,9 @@ def _calls(recorder: RunRecorder) -> None:
     unawaited = module._warn_unawaited_coroutine
 
     def warn(coroutine: Any) -> None:
-        frames = tuple((str(file), int(line), name) for file, line, name in coroutine.cr_origin or ())
+        frames = tuple(
+            (str(file), int(line), name) for file, line, name in coroutine.cr_origin or ()
+        )
         recorder.forgotten(lines.innermost(frames), f"{coroutine.__qualname__}()")
         unawaited(coroutine)
 

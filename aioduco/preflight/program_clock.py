@@ -187,9 +187,7 @@ class ProgramClock:
     def sleeps_since(self, passed: float) -> bool:
         """Whether a wait that was begun by that time since the start [s] will still end."""
         with self._state:
-            return any(
-                each.live and each.made - self._zero <= passed for *_, each in self._timers
-            )
+            return any(each.live and each.made - self._zero <= passed for *_, each in self._timers)
 
     @contextlib.contextmanager
     def waiting(self) -> Iterator[Wait]:

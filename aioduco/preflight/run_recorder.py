@@ -164,7 +164,9 @@ class RunRecorder:
             return
         where = lines.of_error(error)
         kind = type(error).__name__
-        self._note("error", where, f"{kind}: {error}", error=kind, task=getattr(error, "task_id", None))
+        self._note(
+            "error", where, f"{kind}: {error}", error=kind, task=getattr(error, "task_id", None)
+        )
 
     def hung(self, where: ProgramLine | None, text: str) -> None:
         """The program waits for something that does not come."""
@@ -249,9 +251,9 @@ class RunRecorder:
     def _signals(self, now: float, at: float) -> None:
         assert self._simulator is not None
         signals = self._simulator.signals
-        for name, bank in (("output", signals.standard_out), ("input", signals.standard_in)):
-            for number in range(1, 17):
-                level = bank.level(number, at) if name == "output" else bool(bank[number])
+        banks = {"output": signals.standard_out.levels(at), "input": signals.standard_in.all()}
+        for name, levels in banks.items():
+            for number, level in enumerate(levels, 1):
                 key = f"{name} {number}"
                 if level is not self._levels.get(key, False):
                     self._levels[key] = level
@@ -270,7 +272,8 @@ class RunRecorder:
             calls = [
                 {
                     **{key: value for key, value in vars(call).items() if key != "taken"},
-                    "where": _where(call.where), "meanwhile": _where(call.meanwhile),
+                    "where": _where(call.where),
+                    "meanwhile": _where(call.meanwhile),
                     "result": call.result if isinstance(call.result, int | float | str) else None,
                 }
                 for call in self.calls

@@ -1,4 +1,4 @@
-"""Runs a program in a process of its own against the simulator, and judges what was written down."""
+"""Runs a program in a process of its own against the simulator, and judges what it did."""
 
 from __future__ import annotations
 
@@ -77,7 +77,9 @@ class PreflightSettings:
             **{name: getattr(self, name) for name in self.__slots__},
             "scene": None if self.scene is None else mjcf_of(self.scene),
             "tool": None if self.tool is None else mjcf_of(self.tool, free=False),
-            "mounting": mounting if isinstance(mounting, str) else [float(each) for each in mounting],
+            "mounting": mounting
+            if isinstance(mounting, str)
+            else [float(each) for each in mounting],
             "joints": None if self.joints is None else [float(each) for each in self.joints],
         }
 

@@ -85,7 +85,7 @@ def sweep(
     *,
     workers: int | None = None,
     scheduler: str | None = None,
-    done: Callable[[VariationResult], object] = lambda result: None,
+    done: Callable[[VariationResult], object] = lambda _: None,
 ) -> SweepReport:
     """Run variations of a program on a cluster.
 
@@ -120,9 +120,7 @@ def sweep(
             scheduler = stack.enter_context(cluster)
         client = stack.enter_context(Client(scheduler))
         futures = [
-            client.submit(
-                _one, program, list(arguments), options, seed, pure=False, retries=_AGAIN
-            )
+            client.submit(_one, program, list(arguments), options, seed, pure=False, retries=_AGAIN)
             for seed in seeds
         ]
         results = []
@@ -133,9 +131,7 @@ def sweep(
     return SweepReport(tuple(results))
 
 
-def _one(
-    program: str, arguments: list[str], options: dict[str, Any], seed: int
-) -> VariationResult:
+def _one(program: str, arguments: list[str], options: dict[str, Any], seed: int) -> VariationResult:
     """One variation, on a worker."""
     settings = replace(PreflightSettings(**options), seed=seed)
     try:

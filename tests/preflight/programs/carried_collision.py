@@ -4,6 +4,7 @@ import anyio
 
 import aioduco
 
+
 # SCENE table
 # TOOL part
 async def main() -> None:

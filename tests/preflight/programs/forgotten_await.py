@@ -6,7 +6,7 @@ import aioduco
 
 
 async def release(robot: aioduco.Robot) -> None:
-    robot.io.set_standard_digital_out(1, value=False)  # FAULT forgotten await
+    robot.io.set_standard_digital_out(1, value=False)  # type: ignore[unused-coroutine]  # FAULT forgotten await
 
 
 async def main() -> None:
