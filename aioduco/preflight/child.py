@@ -61,10 +61,10 @@ class _Child:
         threading.Thread(target=self._watch, name="preflight-watch", daemon=True).start()
         status = self._program()
         for thread in threading.enumerate():
-            if not thread.daemon and thread is not threading.current_thread():
-                if not thread.name.startswith("aioduco"):
-                    with self.clock.waiting():
-                        thread.join()
+            ours = thread.daemon or thread.name.startswith("aioduco")
+            if not ours and thread is not threading.current_thread():
+                with self.clock.waiting():
+                    thread.join()
         gc.collect()
         self._over.set()
         with contextlib.suppress(RuntimeError):  # its simulator is closed
@@ -145,7 +145,7 @@ class _Child:
             if self._cell.simulator is sim:
                 self.recorder.finish()
                 self.clock.detach()
-                sim.observe(None)
+                self.recorder.detach()
             close(sim)
 
         simulator.__init__, simulator.start, simulator.close = made, started, closed

@@ -53,11 +53,14 @@ def page(report: PreflightReport, *, pictures: bool = True) -> str:
         '<b class="ok">Nothing was found.</b>' if report.ok
         else f'<b class="bad">{found} {"finding" if found == 1 else "findings"}.</b>'
     )  # fmt: skip
+    tried = (
+        f"{report.duration:.1f} s of the program on a {report.cell['model']}, "
+        f"tried in {report.took:.1f} s."
+    )
     command = " ".join([report.program, *report.arguments])
     sections = [
         f"<h1>Preflight of <code>{escape(command)}</code></h1>",
-        f"<p>{verdict} {report.duration:.1f} s of the program on a {report.cell['model']}, tried in "
-        f"{report.took:.1f} s.{_seed(report)}</p>",
+        f"<p>{verdict} {tried}{_seed(report)}</p>",
         _findings(report),
         _pictures(report) if pictures else "",
         "<h2>Timeline</h2>", _timeline(report),
@@ -175,7 +178,8 @@ def _speeds(report: PreflightReport) -> str:
             for t, s in zip(times[::step], shares[::step, joint], strict=True)
         )
         parts.append(
-            f'<polyline fill="none" stroke="{_COLOURS[joint]}" stroke-width="1.4" points="{points}">'
+            f'<polyline fill="none" stroke="{_COLOURS[joint]}" stroke-width="1.4" '
+            f'points="{points}">'
             f"<title>joint {joint + 1}</title></polyline>"
             f'<text x="{90 + 18 * joint}" y="{height / 2}" style="fill:{_COLOURS[joint]}">'
             f"J{joint + 1}</text>"

@@ -27,7 +27,6 @@ from aioduco.preflight import lines
 from aioduco.sim.controller.tasks import TaskTable
 from aioduco.sim.runtime import SimulationRuntime
 from aioduco.sim.server.processor import Processor
-from aioduco.sim.simulator import Simulator
 from aioduco.streaming.worker_process import WorkerHandle
 from aioduco.supervision.command import MotionCommand, shown
 from aioduco.sync._runner import Runner
@@ -38,6 +37,7 @@ if TYPE_CHECKING:
 
     from aioduco.preflight.program_clock import ProgramClock, Wait
     from aioduco.preflight.run_recorder import CallRecord, RunRecorder
+    from aioduco.sim.simulator import Simulator
 
 __all__ = ["Cell", "install"]
 
@@ -149,7 +149,8 @@ def _clocks(clock: ProgramClock, recorder: RunRecorder) -> None:
 
         def read() -> float:
             if not _by_program():
-                return float(function()) if scale == 1 else function()
+                value: float = function()
+                return value
             now = begin[name] + clock.now()
             return round(now * scale) if scale > 1 else now
 

@@ -186,6 +186,12 @@ class RunRecorder:
         self._at_first = None
         simulator.observe(self.cycle)
 
+    def detach(self) -> None:
+        """Look at it no more: it is being closed."""
+        if self._simulator is not None:
+            self._simulator.observe(None)
+            self._simulator = None
+
     def cycle(self, snapshot: SimulationSnapshot, touched: Callable[[], str]) -> None:
         """Look at one cycle; on the simulation's thread."""
         now = self._clock.passed
@@ -261,7 +267,7 @@ class RunRecorder:
 
     def finish(self) -> None:
         """Take what became of the tasks since the last cycle."""
-        if self._simulator is not None and self._simulator.connections >= 0 and self._open:
+        if self._simulator is not None and self._open:
             self._follow(self._clock.passed)
 
     # -- at the end ---------------------------------------------------------------------------

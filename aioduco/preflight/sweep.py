@@ -106,25 +106,26 @@ def sweep(
         ParameterError: there is nothing of a name in `vary`.
     """
     try:
-        from distributed import Client, LocalCluster, as_completed  # noqa: PLC0415 - an extra
+        import distributed  # noqa: PLC0415 - an extra
     except ModuleNotFoundError as error:
         raise MissingExtra("sweeps", "distributed", "sweep") from error
+    dask: Any = distributed  # a part of its functions has no types
     options = settings.plain()
     seeds = range(settings.seed, settings.seed + runs)
     with contextlib.ExitStack() as stack:
         if scheduler is None:
-            cluster = LocalCluster(
+            cluster = dask.LocalCluster(
                 n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None,
                 host="127.0.0.1", worker_dashboard_address=None,
             )  # fmt: skip
             scheduler = stack.enter_context(cluster)
-        client = stack.enter_context(Client(scheduler))
+        client = stack.enter_context(dask.Client(scheduler))
         futures = [
             client.submit(_one, program, list(arguments), options, seed, pure=False, retries=_AGAIN)
             for seed in seeds
         ]
         results = []
-        for _, result in as_completed(futures, with_results=True):
+        for _, result in dask.as_completed(futures, with_results=True):
             results.append(result)
             done(result)
     results.sort(key=lambda one: one.seed)
