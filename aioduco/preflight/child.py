@@ -23,7 +23,7 @@ import numpy as np
 from aioduco.kinematics import arm as arm_of
 from aioduco.preflight import lines, patches
 from aioduco.preflight.program_clock import ProgramClock
-from aioduco.preflight.run_recorder import CallRecord, RunRecorder
+from aioduco.preflight.run_recorder import ProgramCall, RunRecorder
 from aioduco.preflight.variation import Variation
 from aioduco.sim.scene import mjcf_of
 from aioduco.sim.simulator import READY, Simulator
@@ -152,7 +152,7 @@ class _Child:
         simulator.spawn = staticmethod(Simulator)
         simulator.__enter__ = lambda sim: sim.start()
 
-    def _serve(self, record: CallRecord | None, name: str, answer: Any) -> Any:
+    def _serve(self, record: ProgramCall | None, name: str, answer: Any) -> Any:
         """Answer a call in the simulator, with what the variation does to the network."""
         if record is None or not (self.variation.latency or self.variation.faults):
             return answer()

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from types import FrameType
 
     from aioduco.preflight.program_clock import ProgramClock, Wait
-    from aioduco.preflight.run_recorder import CallRecord, RunRecorder
+    from aioduco.preflight.run_recorder import ProgramCall, RunRecorder
     from aioduco.sim.simulator import Simulator
 
 __all__ = ["Cell", "install"]
@@ -145,12 +145,12 @@ def _clocks(clock: ProgramClock, recorder: RunRecorder) -> None:
     begin = {name: function() - clock.now() for name, function in real.items()}
 
     def replaced(name: str, scale: int) -> Callable[[], float]:
-        function = getattr(time, name + ("_ns" if scale > 1 else ""))
+        function: Callable[[], float] = getattr(time, name + ("_ns" if scale > 1 else ""))
 
         def read() -> float:
             if not _by_program():
-                value: float = function()
-                return value
+                real: float = function()  # mypy takes what getattr gave for Any here
+                return real
             now = begin[name] + clock.now()
             return round(now * scale) if scale > 1 else now
 
@@ -427,7 +427,7 @@ def _simulator(clock: ProgramClock, recorder: RunRecorder, serve: Callable[..., 
     serving = threading.local()
 
     def answered(self: Any, message: Any) -> Any:
-        record: CallRecord | None = recorder.taken(message.name)
+        record: ProgramCall | None = recorder.taken(message.name)
         serving.record = record
         try:
             return serve(record, message.name, lambda: answer(self, message))
@@ -436,7 +436,7 @@ def _simulator(clock: ProgramClock, recorder: RunRecorder, serve: Callable[..., 
 
     def made(self: Any, name: str) -> int:
         number: int = new(self, name)
-        record: CallRecord | None = getattr(serving, "record", None)
+        record: ProgramCall | None = getattr(serving, "record", None)
         if record is not None and record.task is None:
             recorder.task(record, number)
         return number

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from aioduco.sim import Simulator
     from aioduco.sim.runtime import SimulationSnapshot
 
-__all__ = ["CallRecord", "RunRecorder"]
+__all__ = ["ProgramCall", "RunRecorder"]
 
 #: time between two samples of the moving arm [s]
 _SAMPLE = 0.02
@@ -31,7 +31,7 @@ _LONGEST = 80
 
 
 @dataclass
-class CallRecord:
+class ProgramCall:
     """One call of the program that may change something.
 
     Attributes:
@@ -78,15 +78,15 @@ class RunRecorder:
     def __init__(self, clock: ProgramClock) -> None:
         self._clock = clock
         self._lock = threading.RLock()
-        self.calls: list[CallRecord] = []
+        self.calls: list[ProgramCall] = []
         self.made: dict[int, Mark | None] = {}
         self.notes: list[dict[str, Any]] = []
         self.contacts: list[dict[str, Any]] = []
         self.errors: list[dict[str, Any]] = []
         self.io: list[dict[str, Any]] = []
         self.progress: float = 0.0
-        self._open: dict[int, CallRecord] = {}
-        self._under_way: list[CallRecord] = []
+        self._open: dict[int, ProgramCall] = {}
+        self._under_way: list[ProgramCall] = []
         self._simulator: Simulator | None = None
         self._next_sample = 0.0
         self._touching: dict[str, dict[str, Any]] = {}
@@ -101,10 +101,10 @@ class RunRecorder:
     # -- calls --------------------------------------------------------------------------------
 
     @contextlib.contextmanager
-    def call(self, name: str, args: tuple[Any, ...]) -> Iterator[CallRecord]:
+    def call(self, name: str, args: tuple[Any, ...]) -> Iterator[ProgramCall]:
         """Write a call down, unless it only reads; time stands while it is under way."""
         mark = lines.current()
-        record = CallRecord(
+        record = ProgramCall(
             name,
             "",
             mark and mark.where,
@@ -132,7 +132,7 @@ class RunRecorder:
                 with self._lock:
                     self._under_way.remove(record)
 
-    def taken(self, name: str) -> CallRecord | None:
+    def taken(self, name: str) -> ProgramCall | None:
         """The call of a name that the controller begins to answer; None if it is of no interest."""
         with self._lock:
             for record in self._under_way:
@@ -141,7 +141,7 @@ class RunRecorder:
                     return record
         return None
 
-    def task(self, record: CallRecord, number: int) -> None:
+    def task(self, record: ProgramCall, number: int) -> None:
         """The controller has made a task of a call."""
         record.task = number
         with self._lock:
