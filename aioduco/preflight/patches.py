@@ -142,15 +142,14 @@ def install(
 
 def _clocks(clock: ProgramClock, recorder: RunRecorder) -> None:
     real = {name: getattr(time, name) for name in ("monotonic", "perf_counter", "time")}
-    begin = {name: function() - clock.now() for name, function in real.items()}
+    begin: dict[str, float] = {name: function() - clock.now() for name, function in real.items()}
 
     def replaced(name: str, scale: int) -> Callable[[], float]:
         function: Callable[[], float] = getattr(time, name + ("_ns" if scale > 1 else ""))
 
         def read() -> float:
             if not _by_program():
-                real: float = function()  # mypy takes what getattr gave for Any here
-                return real
+                return function()
             now = begin[name] + clock.now()
             return round(now * scale) if scale > 1 else now
 
