@@ -14,6 +14,9 @@
         my_plain_program.home(duco_sync_robot)
         assert not duco_simulator.moving
 
+    def test_the_program_is_good(duco_preflight):
+        assert duco_preflight("program.py", ["192.168.1.10"]).ok
+
 The robots' times go by the simulator's clock. Unless a test asks for one, neither MuJoCo nor
 Thrift is loaded for them. The fixture `duco_robot` is a coroutine: it needs pytest-asyncio, in any
 mode, or anyio's own plugin.
@@ -29,12 +32,14 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 
+    from aioduco.preflight import PreflightReport
     from aioduco.robot import Robot
     from aioduco.sim import Simulator
     from aioduco.sync import Robot as SyncRobot
     from aioduco.testing import FaultProxy
 
 __all__ = [
+    "duco_preflight",
     "duco_proxy",
     "duco_robot",
     "duco_simulator",
@@ -122,3 +127,18 @@ def duco_sync_robot(
     with connect(line.host, line.port, clock=duco_simulator.clock) as robot:
         robot.bring_up()
         yield robot
+
+
+@pytest.fixture
+def duco_preflight() -> Callable[..., PreflightReport]:
+    """`aioduco.preflight.preflight`, with settings as keywords: `duco_preflight(file, scene=cell)`.
+
+    It takes the program's file, then its arguments as a list; the report's `ok` and `findings` tell
+    what would go wrong.
+    """
+    from aioduco.preflight import PreflightSettings, preflight  # noqa: PLC0415 - brings MuJoCo
+
+    def run(program: str, arguments: tuple[str, ...] = (), **settings: Any) -> PreflightReport:
+        return preflight(program, arguments, PreflightSettings(**settings), quiet=True)
+
+    return run

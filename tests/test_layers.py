@@ -60,8 +60,10 @@ MAY_IMPORT: dict[str, set[str]] = {
     "compat": BASE | {"_wire"},
     "recording": CLIENT | {"robot", "__init__"},
     "sync": CLIENT | {"robot", "__init__"},
-    "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "sync", "testing"},
-    "cli": CLIENT | {"robot", "__init__", "sim", "sync", "recording", "descriptions"},
+    "preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat"},
+    "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "sync", "testing", "preflight"},
+    "cli": CLIENT
+    | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "preflight"},
 }
 
 #: by folder or module of the simulator, which others of it that may import; itself always
@@ -122,10 +124,15 @@ ONLY_IN: dict[str, set[str]] = {
     "ruckig": {"sim/planner", "streaming"},
     "typer": {"cli"},
     "rich": {"cli", "streaming/report.py", "streaming/doctor.py"},
-    "PIL": {"cli/picture.py"},
+    "PIL": {"cli/picture.py", "preflight/html.py"},
+    "distributed": {"preflight/sweep.py"},
     "matplotlib": {"cli", "streaming/report.py"},
     # the thread hand-off, and tasks that outlive the task that started them
-    "asyncio": {"_wire/handoff.py", "supervision/concurrency.py"},
+    # and, in the process of a preflight, the program's own loops
+    "asyncio": {
+        *("_wire/handoff.py", "supervision/concurrency.py"),
+        *("preflight/child.py", "preflight/lines.py", "preflight/patches.py"),
+    },
     "pytest": {"pytest_plugin.py"},
 }
 

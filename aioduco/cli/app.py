@@ -11,6 +11,7 @@ from aioduco.cli.demo.command import demo
 from aioduco.cli.doctor import doctor
 from aioduco.cli.export import export
 from aioduco.cli.plot import plot
+from aioduco.cli.preflight import preflight
 from aioduco.cli.sim import sim
 from aioduco.cli.sim_do import sim_do
 
@@ -32,6 +33,7 @@ app.command()(plot)
 app.command()(check)
 app.command(context_settings={"ignore_unknown_options": True})(call)
 app.command()(export)
+app.command()(preflight)
 
 
 def _version(wanted: bool) -> None:

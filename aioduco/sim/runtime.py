@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from aioduco.sim.cycle import Plant
 
     Vector = NDArray[np.float64]
+    #: is given the state after a cycle, and what says what of the arm touches what
+    Observer = Callable[["SimulationSnapshot", Callable[[], str]], None]
 
 _log = logging.getLogger(__name__)
 
@@ -161,6 +163,8 @@ class SimulationRuntime:
         self._waiters: dict[int, list[threading.Event]] = {}
         self._closing = False
         self._failure: BaseException | None = None
+        #: called after every cycle
+        self.observer: Observer | None = None
         self._thread = threading.Thread(target=self._run, name="sim-loop", daemon=True)
         self._network: bool | None = True
         self._warmth = Temperatures(effort)
@@ -498,6 +502,8 @@ class SimulationRuntime:
             self._busy = self._controller.busy
             released = self._take_answered()
             network = None if self._controller.halted else not self._controller.starting
+        if (observer := self.observer) is not None:
+            observer(self._snapshot, plant.touched)
         for event in released:
             event.set()
         if self._watchers:

@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from aioduco.sim.controller.state_machine import ControllerState
     from aioduco.sim.controller.tasks import ControllerTask
     from aioduco.sim.process import SimulatorProcess
+    from aioduco.sim.runtime import Observer
     from aioduco.sim.scene import MountingLike, SceneLike
     from aioduco.sim.view.viewer import Viewer
 
@@ -107,6 +108,8 @@ class Simulator:
             stopped [s]: what a controller gives is not known. None for 0.5, and 0 if strict.
         strict: whether to refuse what is off the manual although public programs send it: numbers
             out of their range, and the like. A lenient simulator takes it; `forgiven` tells what.
+        cycle: time of one cycle of controller and physics [s]; a longer one needs less of this
+            computer, and is coarser.
         on_shutdown: called when a client has shut the controller down, from one of its threads.
 
     Raises:
@@ -138,8 +141,13 @@ class Simulator:
         programs: Mapping[str, Script] | str | Path | None = None,
         heartbeat_slack: float | None = None,
         strict: bool = False,
+        cycle: float = CYCLE,
         on_shutdown: Callable[[], object] = lambda: None,
     ) -> None:
+        if not 0.0 < cycle <= 0.004:
+            raise ValueError(f"cycle is {cycle}, but must be above 0 and at most 0.004 s")
+        self._cycle = cycle
+        self._observer: Observer | None = None
         self.arm: Arm = arm_of(model)
         self._speed = speed
         self.seed = seed
@@ -192,7 +200,7 @@ class Simulator:
         self._halted.clear()
         world = World(
             self.arm,
-            CYCLE,
+            self._cycle,
             self._start,
             scene=self._scene,
             tool=self._tool,
@@ -201,12 +209,12 @@ class Simulator:
         )
 
         def mover(q: NDArray[np.float64]) -> Mover:
-            return Mover(self.arm, q, CYCLE, settling=settling)
+            return Mover(self.arm, q, self._cycle, settling=settling)
 
         def settling() -> float:
             return self._vibration_time if controller.optimization.vibration else 0.0
 
-        force = ForceControl(self.arm, CYCLE, gravity(self.mounting))
+        force = ForceControl(self.arm, self._cycle, gravity(self.mounting))
         controller = Controller(mover, self._start, force)
         controller.program_lag = self._program_lag
         controller.heartbeat.slack = self._heartbeat_slack
@@ -216,12 +224,13 @@ class Simulator:
         runtime = SimulationRuntime(
             controller,
             world,
-            cycle=CYCLE,
+            cycle=self._cycle,
             effort=self.arm.effort,
             speed=self._speed,
             sense=SensorNoise(self.seed) if self._real_readings else lambda wrench: wrench,
             on_network=self._network,
         )
+        runtime.observer = self._observer
         series, _, model = self.arm.name.upper().partition("_")
         context = HandlerContext(
             self.arm,
@@ -394,6 +403,21 @@ class Simulator:
     def tasks(self) -> tuple[ControllerTask, ...]:
         """The tasks that have not ended, oldest first."""
         return self._machine().tasks.unfinished()
+
+    def task(self, id: int) -> ControllerTask | None:  # noqa: A002 - what it is
+        """A task that runs or has ended, by its id; None if there is none, or it is forgotten."""
+        return self._machine().tasks.get(id)
+
+    def observe(self, observer: Observer | None) -> None:
+        """Have something called after every cycle, for as long as nothing else is given.
+
+        Args:
+            observer: called on the simulation's thread, which waits for it, with the state after
+                the cycle and with what says what of the arm touches what; None for nothing.
+        """
+        self._observer = observer
+        if self._runtime is not None:
+            self._runtime.observer = observer
 
     def get_digital_output(self, num: int) -> bool:
         """A general output of the cabinet, 1 to 16."""

@@ -236,10 +236,10 @@ class World:
                 (int(geom) for geom in data.contact.geom[i]),
                 key=lambda geom: bool(model.body_rootid[model.geom_bodyid[geom]] != self._root),
             )
-            told.add(f"{self._called(pair[0])} touches {self._called(pair[1])}")
+            told.add(f"{self.called(pair[0])} touches {self.called(pair[1])}")
         return ", ".join(sorted(told))
 
-    def _called(self, geom: int) -> str:
+    def called(self, geom: int) -> str:
         """What a thing is called, for people: the name of its body, or its own in the world."""
         named = self.model.geom(geom).name
         if named in ("floor", "plate", "pedestal"):

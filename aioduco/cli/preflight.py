@@ -1,0 +1,181 @@
+"""`aioduco preflight`: a program tried against its cell before the arm moves."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from aioduco.cli import extras
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from aioduco.preflight import PreflightReport, PreflightSettings
+
+__all__ = ["preflight"]
+
+FOUND, NOT_RUN = 1, 2
+
+
+def preflight(
+    program: Annotated[str, typer.Argument(help="The program's file, or its module with -m.")],
+    arguments: Annotated[
+        list[str] | None, typer.Argument(help="Its arguments, after --.", show_default=False)
+    ] = None,
+    module: Annotated[bool, typer.Option("-m", help="The program is a module.")] = False,
+    vendor: Annotated[
+        bool, typer.Option("--vendor", help="It imports the vendor's DucoCobot: give it ours.")
+    ] = False,
+    model: Annotated[str, typer.Option(help="The arm.")] = "gcr5_910",
+    scene: Annotated[
+        Path | None, typer.Option(exists=True, dir_okay=False, help="What stands around: MJCF.")
+    ] = None,
+    tool: Annotated[
+        Path | None, typer.Option(exists=True, dir_okay=False, help="What it carries: MJCF.")
+    ] = None,
+    mounting: Annotated[
+        str, typer.Option(help="floor, wall, ceiling, or x,y,z,rx,ry,rz.")
+    ] = "floor",
+    pedestal: Annotated[float, typer.Option(help="Height of a column under the arm [m].")] = 0.0,
+    allow: Annotated[
+        list[str] | None, typer.Option(help="Body that the arm may touch; may be repeated.")
+    ] = None,
+    patience: Annotated[
+        float, typer.Option(min=1.0, help="The program's time without any change that hangs [s].")
+    ] = 60.0,
+    timeout: Annotated[float, typer.Option(min=1.0, help="Longest run, by the wall [s].")] = 600.0,
+    result: Annotated[Path | None, typer.Option("--json", help="Write the result there.")] = None,
+    html: Annotated[Path | None, typer.Option(help="Write a page with pictures there.")] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Without what the program says.")] = False,
+    vary: Annotated[
+        str, typer.Option(help="What a seed varies: start,latency,faults,payload.")
+    ] = "",
+    seed: Annotated[int, typer.Option(min=0, help="The variation; with --runs the first.")] = 0,
+    runs: Annotated[int | None, typer.Option(min=1, help="So many variations.")] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes of the local cluster; one a processor.")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(help="Address of a Dask scheduler, such as tcp://host:8786.")
+    ] = None,
+) -> None:
+    """Try a program on a simulated arm, and say what would go wrong. No arm moves.
+
+    Exit status 0: nothing was found; 1: something was; 2: the program could not be tried.
+    """
+    extras.need("sim", *(("plot",) if html else ()), *(("sweep",) if runs else ()))
+    extras.arm(model)
+    from rich.console import Console  # noqa: PLC0415 - for this command alone
+
+    from aioduco.cli.sim import _mounting  # noqa: PLC0415 - it would load MuJoCo
+    from aioduco.errors import DucoError  # noqa: PLC0415
+    from aioduco.preflight import PreflightSettings  # noqa: PLC0415
+    from aioduco.preflight import preflight as run  # noqa: PLC0415
+
+    settings = PreflightSettings(
+        model=model,
+        scene=scene and str(scene.resolve()),
+        tool=tool and str(tool.resolve()),
+        mounting=_mounting(mounting),
+        pedestal=pedestal,
+        vendor=vendor,
+        module=module,
+        allowed=tuple(allow or ()),
+        patience=patience,
+        timeout=timeout,
+        vary=tuple(filter(None, vary.split(","))),
+        seed=seed,
+    )
+    console = Console()
+    try:
+        if runs is not None:
+            failed = _sweep(
+                console, program, arguments or [], settings, runs, workers, scheduler, result
+            )
+            raise typer.Exit(FOUND if failed else 0)
+        report = run(program, arguments or [], settings, quiet=quiet)
+    except DucoError as error:
+        typer.echo(str(error), err=True)
+        raise typer.Exit(NOT_RUN) from None
+    _show(console, report)
+    if result is not None:
+        result.write_text(json.dumps(report.as_json(), indent=2) + "\n", encoding="utf-8")
+    if html is not None:
+        from aioduco.preflight.html import page  # noqa: PLC0415 - it needs an extra
+
+        html.write_text(page(report), encoding="utf-8")
+        console.print(f"page: {html}", highlight=False)
+    raise typer.Exit(0 if report.ok else FOUND)
+
+
+def _show(console: Console, report: PreflightReport) -> None:
+    from rich.table import Table  # noqa: PLC0415 - for this command alone
+
+    table = Table(title="what the program did", title_justify="left")
+    for head in ("line", "call", "start [s]", "took [s]", "end"):
+        table.add_column(head, justify="right" if "[s]" in head else "left")
+    for call in report.motions:
+        took = f"{call['ended'] - call['started']:.2f}" if call["ended"] >= 0.0 else ""
+        where = f"{Path(call['where']['file']).name}:{call['where']['line']}"
+        table.add_row(
+            where, _plain(call["text"]), f"{call['begin']:.2f}", took, call["state"].lower()
+        )
+    console.print(table)
+    for margin in report.margins:
+        console.print(f"smallest margin, {margin}", highlight=False, markup=False)
+    console.print(
+        f"{report.duration:.1f} s of the program, tried in {report.took:.1f} s", highlight=False
+    )
+    for finding in report.findings:
+        console.print(str(finding), style="bold red", highlight=False, markup=False, soft_wrap=True)
+    if report.ok:
+        console.print("nothing was found", style="green")
+
+
+def _plain(text: str) -> str:
+    return text.replace("[", "\\[")
+
+
+def _sweep(
+    console: Console,
+    program: str,
+    arguments: list[str],
+    settings: PreflightSettings,
+    runs: int,
+    workers: int | None,
+    scheduler: str | None,
+    result: Path | None,
+) -> bool:
+    """Run the variations with a progress bar; whether any has failed."""
+    from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn  # noqa: PLC0415
+    from rich.table import Table  # noqa: PLC0415
+
+    from aioduco.preflight.sweep import sweep  # noqa: PLC0415 - it needs an extra
+
+    columns = (*Progress.get_default_columns(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console) as progress:
+        bar = progress.add_task("variations", total=runs)
+
+        def done(_: Any) -> None:
+            progress.advance(bar)
+
+        swept = sweep(
+            program, arguments, settings, runs, workers=workers, scheduler=scheduler, done=done
+        )
+    if swept.failed:
+        table = Table(title="variations that failed", title_justify="left")
+        for head in ("seed", "line", "kind", "what"):
+            table.add_column(head)
+        for one in swept.failed:
+            for finding in one.findings or ({"line": 0, "kind": "not run", "text": one.error},):
+                line = str(finding["line"] or "")
+                table.add_row(str(one.seed), line, finding["kind"], _plain(finding["text"]))
+        console.print(table)
+        console.print("--seed N without --runs repeats one of them", highlight=False)
+    console.print(str(swept), highlight=False)
+    if result is not None:
+        result.write_text(json.dumps(swept.as_json(), indent=2) + "\n", encoding="utf-8")
+    return bool(swept.failed)

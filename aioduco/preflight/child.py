@@ -1,0 +1,229 @@
+"""`python -m aioduco.preflight.child OPTIONS`: the process in which the program runs.
+
+OPTIONS is a JSON object, see `aioduco.preflight.runner`. Nothing else starts this module, so that a
+program on a real arm cannot come to run like this.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import gc
+import json
+import os
+import random
+import runpy
+import sys
+import threading
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from aioduco.kinematics import arm as arm_of
+from aioduco.preflight import lines, patches
+from aioduco.preflight.program_clock import ProgramClock
+from aioduco.preflight.run_recorder import ProgramCall, RunRecorder
+from aioduco.preflight.variation import Variation
+from aioduco.sim.scene import mjcf_of
+from aioduco.sim.simulator import READY, Simulator
+
+__all__ = ["main"]
+
+#: between two looks at whether the program goes on [s of the wall]
+_LOOK = 0.05
+
+
+class _Child:
+    """One run of the program.
+
+    Args:
+        options: what to run, and in what.
+    """
+
+    def __init__(self, options: dict[str, Any]) -> None:
+        self.options = options
+        self.clock = ProgramClock()
+        self.recorder = RunRecorder(self.clock)
+        self.variation = Variation.of(options.get("vary", ()), options.get("seed", 0))
+        self._random = random.Random(options.get("seed", 0))
+        self._cell = patches.Cell(self._make, self._attached)
+        self._served = 0
+        self._spawned: list[Simulator] = []
+        self._over = threading.Event()
+        self._written = threading.Lock()
+
+    def run(self) -> NoReturn:
+        """Run the program to its end, write what was found, and end this process."""
+        self.clock.start()
+        patches.install(self.clock, self.recorder, self._cell, self._serve)
+        self._own_simulators()
+        threading.Thread(target=self._watch, name="preflight-watch", daemon=True).start()
+        status = self._program()
+        for thread in threading.enumerate():
+            ours = thread.daemon or thread.name.startswith("aioduco")
+            if not ours and thread is not threading.current_thread():
+                with self.clock.waiting():
+                    thread.join()
+        gc.collect()
+        self._over.set()
+        with contextlib.suppress(RuntimeError):  # its simulator is closed
+            self.recorder.finish()
+        self._write(status)
+        _end()
+
+    def _program(self) -> int:
+        program, arguments = self.options["program"], self.options["arguments"]
+        sys.argv = [program, *arguments]
+        try:
+            if self.options["module"]:
+                sys.path.insert(0, str(Path.cwd()))
+                runpy.run_module(program, run_name="__main__", alter_sys=True)
+            else:
+                sys.path.insert(0, str(Path(program).resolve().parent))
+                if self.options["vendor"]:
+                    from aioduco.compat._runner import run  # noqa: PLC0415
+
+                    run(Path(program), arguments)
+                else:
+                    runpy.run_path(program, run_name="__main__")
+        except SystemExit as exc:
+            code = exc.code if isinstance(exc.code, int) else int(exc.code is not None)
+            if code:
+                self.recorder.failed(exc)
+            return code
+        except BaseException as exc:
+            self.recorder.failed(exc)
+            sys.excepthook(type(exc), exc, exc.__traceback__)
+            return 1
+        return 0
+
+    # -- the simulator ------------------------------------------------------------------------
+
+    def _make(self) -> Simulator:
+        keys = ("model", "scene", "tool", "mounting", "pedestal", "joints")
+        given = {key: self.options[key] for key in keys if self.options.get(key) is not None}
+        return Simulator(**given).start()
+
+    def _attached(self, simulator: Simulator) -> None:
+        self.clock.attach(simulator)
+        self.recorder.attach(simulator)
+        if self.variation.payload:
+            simulator.load(self.variation.payload)
+
+    def _own_simulators(self) -> None:
+        """A simulator that the program starts is the cell, however it is started."""
+        simulator: Any = Simulator
+        init, start, close = simulator.__init__, simulator.start, simulator.close
+
+        def made(sim: Any, model: str = "gcr5_910", **options: Any) -> None:
+            options["cycle"] = self.options["cycle"]
+            options["speed"] = 1.0
+            if self.variation.start:
+                joints = options.get("joints")
+                options["joints"] = self.variation.started(
+                    READY if joints is None else joints, arm_of(model)
+                )
+            self.options["used"] = {
+                "model": model,
+                **{key: options.get(key) for key in ("mounting", "pedestal")},
+                **{
+                    key: mjcf_of(options[key], free=key == "scene")
+                    for key in ("scene", "tool")
+                    if options.get(key) is not None
+                },
+            }
+            init(sim, model, **options)
+
+        def started(sim: Any) -> Any:
+            start(sim)
+            if self._cell.own is None:
+                self._cell.attach(sim)
+            return sim
+
+        def closed(sim: Any) -> None:
+            if self._cell.simulator is sim:
+                self.recorder.finish()
+                self.clock.detach()
+                self.recorder.detach()
+            close(sim)
+
+        simulator.__init__, simulator.start, simulator.close = made, started, closed
+        simulator.spawn = staticmethod(Simulator)
+        simulator.__enter__ = lambda sim: sim.start()
+
+    def _serve(self, record: ProgramCall | None, name: str, answer: Any) -> Any:
+        """Answer a call in the simulator, with what the variation does to the network."""
+        if record is None or not (self.variation.latency or self.variation.faults):
+            return answer()
+        if self.variation.latency:
+            self.clock.call_ends()
+            try:
+                self.clock.sleep(self._random.uniform(0.0, self.variation.latency))
+            finally:
+                self.clock.call_begins()
+        self._served += 1
+        if self._served in self.variation.faults:
+            if self._random.random() < 0.5:
+                answer()
+            raise ConnectionAbortedError(f"preflight cuts the connection at {name}")
+        return answer()
+
+    # -- while it runs ------------------------------------------------------------------------
+
+    def _watch(self) -> None:
+        """See that the program goes on; end it if it does not."""
+        patience = self.options["patience"]
+        while not self._over.wait(_LOOK):
+            now, since = self.clock.passed, self.recorder.progress
+            if not self._cell.simulator or now - since < patience:
+                continue
+            if self.clock.sleeps_since(since + 0.1 * patience):
+                continue  # it sleeps for longer than that
+            for where, text in self._waits():
+                self.recorder.hung(where, f"{text}: for {patience:g} s nothing moved or changed")
+            self._write(1)
+            _end()
+
+    def _waits(self) -> list[tuple[lines.ProgramLine | None, str]]:
+        """Where the program waits: its tasks, or its main thread."""
+        waiting = (lines.awaited(task.get_coro()) for task in _all_tasks())
+        found = [(where, f"waits in {where.function}") for where in waiting if where is not None]
+        if found:
+            return list(found)
+        where = lines.of_main_thread()
+        return [(where, f"waits in {where.function}" if where else "the program waits")]
+
+    def _write(self, status: int) -> None:
+        with self._written:
+            folder = Path(self.options["folder"])
+            result = {
+                **self.recorder.as_json(), "status": status, "duration": self.clock.passed,
+                "used": self.options.get("used"), "touched": self._cell.simulator is not None,
+                "variation": self.variation.as_json(),
+            }  # fmt: skip
+            np.savez(folder / "samples.npz", **self.recorder.arrays())
+            (folder / "run.json").write_text(json.dumps(result, default=str), encoding="utf-8")
+
+
+def _all_tasks() -> list[asyncio.Task[Any]]:
+    tasks = getattr(asyncio.tasks, "_all_tasks", ())
+    return [task for task in list(tasks) if not task.done()]
+
+
+def _end() -> NoReturn:
+    """End the process at once: threads of the simulator and of the program may wait for ever."""
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(0)
+
+
+def main(argument: str) -> NoReturn:
+    """Run the program that the options name."""
+    sys.setswitchinterval(0.0005)
+    _Child(json.loads(argument)).run()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

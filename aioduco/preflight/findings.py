@@ -1,0 +1,206 @@
+"""What a run shows that would have gone wrong, from what was written down. Pure."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+__all__ = ["KINDS", "PreflightFinding", "findings"]
+
+#: every kind of finding
+KINDS = (
+    *("unreachable", "joint limit", "singularity", "collision", "self-collision"),
+    *("collision of the tool", "wrong mode", "full queue", "starved stream", "bad blend"),
+    *("unknown tool", "endless wait", "forgotten await", "motion after a stop"),
+    *("blocked event loop", "failed task", "refused", "error"),
+)
+
+#: by kind, what an error of it says: the controller's errors have texts and no codes
+_SAYS: tuple[tuple[str, str], ...] = (
+    ("collision", r"检测到碰撞|position deviation"),
+    ("starved stream", r"no data for|StreamStarved|starved"),
+    ("full queue", r"queue of motions is full|TrackPoolFull|no room"),
+    ("unknown tool", r"there is no (tool|work object)|no tool "),
+    ("singularity", r"singular"),
+    ("joint limit", r"\blimits?\b|SetPointTooFar|joints_list|joint \d"),
+    ("unreachable", r"reach"),
+    ("bad blend", r"blend|\bradius\b"),
+    ("wrong mode", r"not enabled|in state|safety stop|is stopping|\bmode\b|is running|under way"),
+)
+#: what a stop is called on the wire, and what says that the program wants to move again
+_STOPS = ("stop", "abort")
+_AGAIN = ("enable", "power_on", "reset_collision", "resume")
+#: a collision explains a failed task that ends so soon after it [s]
+_SOON = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class PreflightFinding:
+    """One thing that would have gone wrong.
+
+    Attributes:
+        kind: one of `KINDS`.
+        text: what exactly, in words.
+        time: when, in the program's time since its start [s].
+        file: path of the program's file; empty if no line of the program is known.
+        line: number of the line, from 1; 0 if none is known.
+        function: name of the function that has the line.
+        sample: number of the sample that shows it, for a picture; -1 for none.
+    """
+
+    kind: str
+    text: str
+    time: float
+    file: str = ""
+    line: int = 0
+    function: str = ""
+    sample: int = -1
+
+    def __str__(self) -> str:
+        where = f"{self.file}:{self.line}: " if self.line else ""
+        return f"{where}{self.kind}: {self.text}"
+
+    def as_json(self) -> dict[str, Any]:
+        """As JSON takes it."""
+        return asdict(self)
+
+
+def findings(
+    run: Mapping[str, Any],
+    *,
+    allowed: Sequence[str] = (),
+    more: Iterable[PreflightFinding] = (),
+) -> tuple[PreflightFinding, ...]:
+    """Find what would have gone wrong.
+
+    Args:
+        run: what was written down, as the child process gives it.
+        allowed: names of bodies that the arm may touch.
+        more: what was found elsewhere.
+
+    Returns:
+        The findings, in the order of time; one for each cause.
+    """
+    found = [
+        *_contacts(run, allowed), *_failures(run), *_blends(run), *_after_stops(run), *_notes(run),
+        *more,
+    ]  # fmt: skip
+    found.sort(key=lambda one: one.time)
+    seen: dict[tuple[str, int, str], PreflightFinding] = {}
+    for one in found:
+        seen.setdefault((one.kind, one.line, one.file if one.line else one.text), one)
+    return tuple(seen.values())
+
+
+def running(calls: Sequence[Mapping[str, Any]], time: float) -> Mapping[str, Any] | None:
+    """The call of the program whose task ran at a time, or that was the last before."""
+    of_tasks = [call for call in calls if call["where"] and 0.0 <= call["started"] <= time]
+    return max(of_tasks, key=lambda call: call["started"], default=None)
+
+
+def _made(
+    kind: str, text: str, time: float, where: Mapping[str, Any] | None, sample: int = -1
+) -> PreflightFinding:
+    return PreflightFinding(kind, text, time, **(where or {}), sample=sample)
+
+
+def _kind(text: str, otherwise: str) -> str:
+    return next((kind for kind, says in _SAYS if re.search(says, text)), otherwise)
+
+
+def _contacts(run: Mapping[str, Any], allowed: Sequence[str]) -> Iterator[PreflightFinding]:
+    for contact in run["contacts"]:
+        one, other = contact["pair"]
+        if contact["meant"] or one in allowed or other in allowed:
+            continue
+        call = running(run["calls"], contact["time"])
+        if (
+            other.startswith("link")
+            or other in ("base", "the flange")
+            or (one.startswith("link") and other == "the tool")
+        ):
+            kind = "self-collision"
+        else:
+            kind = "collision of the tool" if one == "the tool" else "collision"
+        text = f"{one} touches {other}"
+        yield _made(kind, text, contact["time"], call and call["where"], contact["sample"])
+
+
+def _failures(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
+    for call in run["calls"]:
+        failed = call["state"] in ("ERROR", "ILLEGAL", "PARAMETER_MISMATCH")
+        if call["where"] is None or not failed:
+            continue
+        kind = _kind(call["message"], "failed task")
+        if kind == "collision" and _touched(run, call["ended"]):
+            continue
+        # a stream starves where the program is meanwhile
+        where = (kind == "starved stream" and call["meanwhile"]) or call["where"]
+        yield _made(kind, f"{call['text']}: {call['message']}", call["ended"], where)
+
+
+def _touched(run: Mapping[str, Any], time: float) -> bool:
+    return any(0.0 <= time - contact["time"] < _SOON for contact in run["contacts"])
+
+
+def _blends(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
+    motions = [call for call in run["calls"] if call["started"] >= 0.0 and call["where"]]
+    for call, after in pairwise(motions):
+        both = call["name"].startswith("move") and after["name"].startswith("move")
+        if both and call["radius"] > 0.0 and call["state"] == "FINISHED":
+            text = (
+                f"{call['text']} has a blend radius of {call['radius'] * 1000:g} mm, but the arm "
+                "stopped: the next motion came too late"
+            )
+            yield _made("bad blend", text, call["ended"], call["where"])
+
+
+def _after_stops(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
+    stop: Mapping[str, Any] | None = None
+    told: set[int] = set()
+    for call in run["calls"]:
+        if call["where"] is None:
+            continue
+        if call["name"] in _STOPS:
+            stop = call
+            told = {call["actor"]} | {
+                each["actor"] for each in run["calls"]
+                if each["state"] == "STOPPED" and each["begin"] <= call["begin"] <= each["ended"]
+            }  # fmt: skip
+        elif call["name"] in _AGAIN:
+            stop = None
+        elif (
+            stop and call["started"] >= 0.0 and call["name"].startswith(("move", "servo", "speed"))
+        ):
+            if call["actor"] not in told:
+                line = stop["where"]["line"]
+                text = f"{call['text']} moves the arm again, which line {line} has stopped"
+                yield _made("motion after a stop", text, call["begin"], call["where"])
+            stop = None
+
+
+def _notes(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
+    for note in run["notes"]:
+        kind = note["kind"]
+        if kind == "error":
+            if _explained(run, note):
+                continue
+            kind = _kind(note["text"], "refused" if note["error"] == "Refused" else "error")
+        yield _made(kind, note["text"], note["time"], note["where"])
+
+
+def _explained(run: Mapping[str, Any], note: Mapping[str, Any]) -> bool:
+    """Whether the error only tells of a task that is a finding by itself."""
+    failed = ("ERROR", "ILLEGAL", "PARAMETER_MISMATCH")
+    return any(
+        call["task"] is not None
+        and call["task"] == note.get("task")
+        and (call["state"] in failed or _touched(run, call["ended"]))
+        and call["where"]
+        for call in run["calls"]
+    )

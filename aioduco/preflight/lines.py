@@ -1,0 +1,136 @@
+"""Which line of the program is behind a call: the innermost frame that is the program's own."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import contextvars
+import sys
+import sysconfig
+import threading
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from types import CodeType, FrameType
+
+__all__ = [
+    "MARK",
+    "Mark",
+    "ProgramLine",
+    "awaited",
+    "current",
+    "innermost",
+    "is_program",
+    "of_error",
+    "of_main_thread",
+]
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+_PROGRAMS = _PACKAGE / "cli"
+_LIBRARIES = tuple(
+    Path(path).resolve() for path in {*map(sysconfig.get_path, ("stdlib", "purelib", "platlib"))}
+)
+
+
+class ProgramLine(NamedTuple):
+    """A line of the program.
+
+    Attributes:
+        file: path of the file.
+        line: number of the line, from 1.
+        function: name of the function.
+    """
+
+    file: str
+    line: int
+    function: str
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}"
+
+
+class Mark(NamedTuple):
+    """Who did something: the line, and an id of the task or thread that ran it."""
+
+    where: ProgramLine
+    actor: int
+
+
+#: the mark of what started the running task, for those without a frame of the program
+MARK: contextvars.ContextVar[Mark | None] = contextvars.ContextVar("preflight_mark", default=None)
+
+
+@cache
+def is_program(file: str) -> bool:
+    """Whether a file is the program's: neither of this package nor of an installed library."""
+    if file.startswith("<"):
+        return False
+    path = Path(file).resolve()
+    if path.is_relative_to(_PACKAGE):
+        return path.is_relative_to(_PROGRAMS)
+    installed = {"site-packages", "dist-packages"} & set(path.parts)
+    return not installed and not any(path.is_relative_to(library) for library in _LIBRARIES)
+
+
+def current() -> Mark | None:
+    """The mark of what runs now on this thread; None if the program has no part in it."""
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None:
+        if is_program(frame.f_code.co_filename):
+            return Mark(_line(frame.f_code, frame.f_lineno), _actor())
+        if frame.f_code is _RUN_ONCE:
+            break  # below are the frames of whoever runs the loop
+        frame = frame.f_back
+    return MARK.get()
+
+
+def of_error(error: BaseException) -> ProgramLine | None:
+    """The innermost line of the program in an error's traceback."""
+    found, traceback = None, error.__traceback__
+    while traceback is not None:
+        code = traceback.tb_frame.f_code
+        if is_program(code.co_filename):
+            found = _line(code, traceback.tb_lineno)
+        traceback = traceback.tb_next
+    return found
+
+
+def innermost(origin: Iterable[tuple[str, int, str]]) -> ProgramLine | None:
+    """The first line of the program among frames, given from the inside."""
+    return next((ProgramLine(*each) for each in origin if is_program(each[0])), None)
+
+
+def awaited(coroutine: Any) -> ProgramLine | None:
+    """The innermost line of the program in a chain of coroutines that wait for each other."""
+    found = None
+    while coroutine is not None:
+        frame = getattr(coroutine, "cr_frame", None) or getattr(coroutine, "gi_frame", None)
+        if frame is not None and is_program(frame.f_code.co_filename):
+            found = _line(frame.f_code, frame.f_lineno)
+        coroutine = getattr(coroutine, "cr_await", None) or getattr(coroutine, "gi_yieldfrom", None)
+    return found
+
+
+def of_main_thread() -> ProgramLine | None:
+    """Where the main thread is in the program now, if a frame of it is there."""
+    frame = sys._current_frames().get(threading.main_thread().ident or 0)
+    while frame is not None and not is_program(frame.f_code.co_filename):
+        frame = frame.f_back
+    return None if frame is None else _line(frame.f_code, frame.f_lineno)
+
+
+def _line(code: CodeType, number: int) -> ProgramLine:
+    return ProgramLine(code.co_filename, number, code.co_name)
+
+
+def _actor() -> int:
+    with contextlib.suppress(RuntimeError):
+        if (task := asyncio.current_task()) is not None:
+            return id(task)
+    return threading.get_ident()
+
+
+_RUN_ONCE = asyncio.base_events.BaseEventLoop._run_once.__code__  # type: ignore[attr-defined]  # CPython's

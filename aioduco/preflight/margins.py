@@ -1,0 +1,138 @@
+"""How near the arm came to its limits, from samples of where it was."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from aioduco.kinematics import arm as arm_of
+from aioduco.kinematics.forward import singular_values
+from aioduco.preflight.findings import PreflightFinding, running
+from aioduco.sim.physics.clearance import FARTHEST, Clearance
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from aioduco.sim.physics.world import World
+
+__all__ = ["Margin", "margins", "near_singularities"]
+
+#: at most so many samples are compared with the scene
+_LOOKS = 400
+#: measure of a singularity below which a path of the tool is a finding: a controller that takes
+#: it turns joints as fast as they can
+_NEAR = 0.02
+_PATHS = frozenset({"movel", "movec", "move_circle", "move_spiral", "spline", "tcp_move"})
+_SINGULAR = ("shoulder", "elbow", "wrist")
+
+
+@dataclass(frozen=True, slots=True)
+class Margin:
+    """The smallest distance of the whole run from one kind of limit.
+
+    Attributes:
+        of: what from: "joint limit", "speed", "singularity" or "obstacle".
+        what: which joint, singularity or bodies.
+        value: the distance; of a speed, the share of the limit that was left.
+        unit: of the value; "" for a share.
+        time: when, in the program's time [s].
+        file, line: the program's line that moved the arm then; "" and 0 if none is known.
+    """
+
+    of: str
+    what: str
+    value: float
+    unit: str
+    time: float
+    file: str
+    line: int
+
+    def __str__(self) -> str:
+        shown = f"{self.value:.0%}" if not self.unit else f"{self.value:.3f} {self.unit}"
+        where = f", line {self.line}" if self.line else ""
+        return f"{self.of}: {shown} ({self.what}) at {self.time:.2f} s{where}"
+
+    def as_json(self) -> dict[str, Any]:
+        """As JSON takes it."""
+        return asdict(self)
+
+
+def near_singularities(
+    run: Mapping[str, Any], samples: Mapping[str, NDArray[np.float64]], model: str
+) -> tuple[PreflightFinding, ...]:
+    """Find the straight and round paths of the tool that pass close by a singularity.
+
+    Args:
+        run: what was written down.
+        samples: where the arm was.
+        model: name of the arm.
+    """
+    times, q = samples["time"], samples["q"]
+    if not len(times):
+        return ()
+    values = np.abs(singular_values(arm_of(model).geometry, q))
+    nearest: dict[int, tuple[float, int, Mapping[str, Any]]] = {}
+    for sample in np.flatnonzero(values.min(axis=1) < _NEAR).tolist():
+        call = running(run["calls"], float(times[sample]))
+        if call is None or call["name"] not in _PATHS or call["ended"] < times[sample]:
+            continue
+        value = float(values[sample].min())
+        if value < nearest.get(call["task"], (_NEAR,))[0]:
+            nearest[call["task"]] = value, sample, call
+    found = []
+    for value, sample, call in nearest.values():
+        kind = _SINGULAR[int(values[sample].argmin())]
+        text = f"{call['text']} passes the {kind} singularity at {value:.3f} of 1"
+        at = float(times[sample])
+        found.append(PreflightFinding("singularity", text, at, **call["where"], sample=sample))
+    return tuple(found)
+
+
+def margins(
+    run: Mapping[str, Any], samples: Mapping[str, NDArray[np.float64]], model: str, world: World
+) -> tuple[Margin, ...]:
+    """Find the smallest margins of a run.
+
+    Args:
+        run: what was written down.
+        samples: where the arm was: "time", "q", "qd" and "positions", a row for each sample.
+        model: name of the arm.
+        world: the arm in its scene.
+
+    Returns:
+        One of each kind; none if the arm did not move.
+    """
+    times, q, qd = samples["time"], samples["q"], samples["qd"]
+    if not len(times):
+        return ()
+    arm = arm_of(model)
+
+    def made(of: str, what: str, value: float, unit: str, sample: int) -> Margin:
+        time = float(times[sample])
+        call = running(run["calls"], time)
+        where = (call and call["where"]) or {"file": "", "line": 0}
+        return Margin(of, what, float(value), unit, time, where["file"], where["line"])
+
+    limits = np.minimum(q - arm.lower, np.array(arm.upper) - q)
+    left = 1.0 - np.abs(qd) / np.array(arm.velocity)
+    singular = np.abs(singular_values(arm.geometry, q))
+    found = []
+    for of, table, unit in (("joint limit", limits, "rad"), ("speed", left, "")):
+        at, joint = divmod(int(table.argmin()), table.shape[1])
+        found.append(made(of, f"joint {joint + 1}", table[at, joint], unit, at))
+    at, kind = divmod(int(singular.argmin()), singular.shape[1])
+    found.append(made("singularity", _SINGULAR[kind], singular[at, kind], "of 1", at))
+    positions = samples["positions"]
+    if len(positions) == len(times) and positions.shape[1] == world.model.nq:
+        clearance = Clearance(world)
+        chosen = np.unique(np.linspace(0, len(times) - 1, _LOOKS).astype(int))
+        looks = [(clearance.at(positions[n]), int(n)) for n in chosen]
+        near, sample = min(looks, key=lambda look: look[0].distance)
+        if near.distance < FARTHEST:
+            what = f"{near.body} and {near.other}"
+            found.append(made("obstacle", what, near.distance, "m", int(sample)))
+    return tuple(found)

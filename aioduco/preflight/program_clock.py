@@ -1,0 +1,327 @@
+"""The program's time: that of the simulator, which goes on only while the program waits.
+
+Guarantees:
+- While the program computes, or a call of it is under way, simulated time stands. So the program
+  reacts as fast as on a quick computer, however slow or busy this one is. Where simulated time
+  would fall behind the wall's by more than `STALL`, it goes with the wall's until it need not.
+- While it waits, time goes as fast as this computer can simulate, up to exactly the next moment at
+  which one of its waits is over.
+- While a stream's worker runs, a process with a schedule of its own, time is that of the wall.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import heapq
+import math
+import threading
+import time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from aioduco.sim import Simulator
+
+__all__ = ["ProgramClock", "Timer", "Wait"]
+
+#: most by which a program that computes holds simulated time up [s of the wall]
+STALL = 0.05
+#: without anything to wait for, time goes on by steps of this [s]
+_STEP = 0.2
+#: simulated seconds in a real one while the program waits: more than any computer reaches
+_FAST = 1e5
+#: time between two looks at a program that computes, or does not wake [s of the wall]
+_LOOK = 0.02
+
+# the program's own functions of this name are replaced
+_monotonic = time.monotonic
+
+
+class Timer:
+    """Something to be called at a time of the program's clock.
+
+    Attributes:
+        when: that time [s].
+        made: when it was asked for [s].
+    """
+
+    def __init__(
+        self, when: float, made: float, fire: Callable[[], object], alive: Callable[[], bool]
+    ) -> None:
+        self.when = when
+        self.made = made
+        self.fire = fire
+        self.alive = alive
+        self.cancelled: bool = False
+
+    @property
+    def live(self) -> bool:
+        """Whether it is still to be called."""
+        return not self.cancelled and self.alive()
+
+
+class Wait:
+    """One wait of a thread.
+
+    Attributes:
+        thread: id of the thread.
+        counts: whether the clock counts it as waiting.
+    """
+
+    __slots__ = ("counts", "thread")
+
+    def __init__(self, thread: int) -> None:
+        self.thread = thread
+        self.counts = False
+
+
+class ProgramClock:
+    """Goes by a simulator, and holds it while the program runs.
+
+    An actor is a thread of the program whose computing counts: its main thread, and each with an
+    event loop.
+    """
+
+    def __init__(self) -> None:
+        self._state = threading.Condition(threading.RLock())
+        self._simulator: Simulator | None = None
+        self._zero = _monotonic()
+        #: what is added to the simulator's time, or to that of the wall without one [s]
+        self._offset = 0.0
+        self._actors: dict[int, int] = {}
+        self._calls = 0
+        self._streams: list[Callable[[], bool]] = []
+        self._timers: list[tuple[float, int, Timer]] = []
+        self._count = 0
+        self._let_go: Callable[[], None] | None = None
+        self._held_at = math.inf
+        self._quiet = False
+        #: times of the wall and of the simulator since which it has not fallen behind
+        self._level = (_monotonic(), 0.0)
+        self._behind = False
+        self._closed = False
+        self._thread = threading.Thread(target=self._run, name="preflight-clock", daemon=True)
+
+    def start(self) -> None:
+        """Start the thread that lets time go; the calling thread becomes an actor."""
+        self._actors[threading.get_ident()] = 0
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the thread; time then goes with the wall's."""
+        self.detach()
+        with self._state:
+            self._closed = True
+            self._state.notify_all()
+        self._thread.join()
+
+    # -- what time it is ---------------------------------------------------------------------
+
+    def now(self) -> float:
+        """The program's time [s]; it goes on from that of `time.monotonic` at the start."""
+        simulator = self._simulator
+        if simulator is None:
+            return _monotonic() + self._offset
+        return simulator.clock.now() + self._offset
+
+    @property
+    def passed(self) -> float:
+        """The program's time since its start [s]."""
+        return self.now() - self._zero
+
+    def attach(self, simulator: Simulator) -> None:
+        """Go by a simulator that has been started, from now on."""
+        self.detach()
+        with self._state:
+            now = self.now()
+            self._simulator = simulator
+            self._offset = now - simulator.clock.now()
+            self._level = (_monotonic(), simulator.clock.now())
+            if not self._quiet:
+                self._hold(simulator.clock.now())
+
+    def detach(self) -> None:
+        """Go by the wall."""
+        with self._state:
+            if self._simulator is None:
+                return
+            now = self.now()
+            self._release(1.0)
+            self._simulator = None
+            self._offset = now - _monotonic()
+
+    def tick(self) -> None:
+        """Fire what is due; called after each cycle on the simulation's thread."""
+        simulator = self._simulator
+        if simulator is None or simulator.clock.now() + 1e-9 < self._held_at:
+            return
+        with self._state:
+            if not self._fire() and self._quiet:
+                self._hold_until_next()
+
+    # -- what the program waits for ------------------------------------------------------------
+
+    def at(
+        self, when: float, fire: Callable[[], object], alive: Callable[[], bool] = lambda: True
+    ) -> Timer:
+        """Have something called at a time [s], on any thread."""
+        timer = Timer(when, self.now(), fire, alive)
+        with self._state:
+            self._count += 1
+            heapq.heappush(self._timers, (when, self._count, timer))
+            if self._quiet:
+                self._hold_until_next()
+        return timer
+
+    def sleep(self, seconds: float) -> None:
+        """Let so much of the program's time pass [s]."""
+        if self._simulator is None:
+            self._offset += max(0.0, seconds)
+            return
+        over = threading.Event()
+        self.at(self.now() + seconds, over.set)
+        with self.waiting():
+            over.wait()
+
+    def sleeps_since(self, passed: float) -> bool:
+        """Whether a wait that was begun by that time since the start [s] will still end."""
+        with self._state:
+            return any(each.live and each.made - self._zero <= passed for *_, each in self._timers)
+
+    @contextlib.contextmanager
+    def waiting(self) -> Iterator[Wait]:
+        """In this block the calling thread waits, if it is an actor."""
+        wait = Wait(threading.get_ident())
+        with self._state:
+            if wait.thread in self._actors:
+                wait.counts = True
+                self._actors[wait.thread] += 1
+                self._change()
+        try:
+            yield wait
+        finally:
+            self.wake(wait)
+
+    def wake(self, wait: Wait) -> None:
+        """A wait is over, although its thread may not have come to run yet."""
+        with self._state:
+            if wait.counts:
+                wait.counts = False
+                if wait.thread in self._actors:
+                    self._actors[wait.thread] -= 1
+                self._change()
+
+    def join(self) -> None:
+        """The calling thread runs an event loop: it is an actor."""
+        with self._state:
+            self._actors.setdefault(threading.get_ident(), 0)
+            self._change()
+
+    def leave(self) -> None:
+        """The calling thread's loop has ended."""
+        with self._state:
+            if threading.current_thread() is not threading.main_thread():
+                self._actors.pop(threading.get_ident(), None)
+                self._change()
+
+    def call_begins(self) -> None:
+        """A call is under way that the controller answers at once."""
+        with self._state:
+            self._calls += 1
+            self._change()
+
+    def call_ends(self) -> None:
+        """It is answered, or the controller waits before it answers."""
+        with self._state:
+            self._calls -= 1
+            self._change()
+
+    def stream_begins(self, over: Callable[[], bool]) -> None:
+        """A worker with a schedule of its own runs, until `over` says that it does not."""
+        with self._state:
+            self._streams.append(over)
+            self._release(1.0)
+
+    # -- inside, under the lock ------------------------------------------------------------------
+
+    def _change(self) -> None:
+        quiet = self._calls <= 0 and all(self._actors.values())
+        if quiet is self._quiet:
+            return
+        self._quiet = quiet
+        if quiet:
+            if not self._fire():
+                self._hold_until_next()
+        elif self._simulator is not None and not self._streams and not self._behind:
+            self._hold(self._simulator.clock.now())
+
+    def _hold(self, at: float) -> None:
+        assert self._simulator is not None
+        before = self._let_go
+        self._let_go = self._simulator.clock.hold(at)
+        self._held_at = at
+        if before is not None:
+            before()
+
+    def _release(self, speed: float) -> None:
+        if self._let_go is not None:
+            self._let_go()
+            self._let_go = None
+        self._held_at = math.inf
+        if self._simulator is not None:
+            self._held_at = self._next() - self._offset
+            self._simulator.speed = speed
+
+    def _next(self) -> float:
+        while self._timers and not self._timers[0][2].live:
+            heapq.heappop(self._timers)
+        return self._timers[0][0] if self._timers else math.inf
+
+    def _hold_until_next(self) -> None:
+        simulator = self._simulator
+        if simulator is None or self._streams:
+            return
+        self._hold(min(self._next() - self._offset, simulator.clock.now() + _STEP))
+        simulator.speed = _FAST
+
+    def _fire(self) -> bool:
+        fired = False
+        while self._next() <= self.now() + 1e-9:
+            heapq.heappop(self._timers)[2].fire()
+            fired = True
+        return fired
+
+    # -- the thread ------------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        with self._state:
+            while not self._closed:
+                self._look()
+
+    def _look(self) -> None:
+        if self._simulator is None:
+            self._state.wait(_LOOK)
+            self._fire()
+            return
+        if self._streams:
+            self._streams = [over for over in self._streams if not over()]
+            if self._streams:
+                self._fire()
+                self._held_at = self._next() - self._offset
+                self._state.wait(_LOOK)
+                return
+        wall, simulated = _monotonic(), self._simulator.clock.now()
+        late = (wall - self._level[0]) - (simulated - self._level[1])
+        self._behind = late > STALL and not self._quiet
+        if late < 0.0:
+            self._level = (wall, simulated)
+        if not self._quiet:
+            if self._behind:
+                self._release(1.0)
+            self._fire()
+            self._state.wait(_LOOK)
+            return
+        if not self._fire() and simulated + 1e-9 >= self._held_at:
+            self._hold_until_next()  # what was woken had nothing to do
+        self._state.wait(_LOOK)

@@ -1,0 +1,325 @@
+"""What is written down while the program runs: its calls, and what the simulated arm did."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from aioduco._wire.idempotence import CallKind, call_kind
+from aioduco.models.enums import TaskState
+from aioduco.preflight import lines
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from aioduco.preflight.lines import Mark, ProgramLine
+    from aioduco.preflight.program_clock import ProgramClock
+    from aioduco.sim import Simulator
+    from aioduco.sim.runtime import SimulationSnapshot
+
+__all__ = ["ProgramCall", "RunRecorder"]
+
+#: time between two samples of the moving arm [s]
+_SAMPLE = 0.02
+#: calls that are no work of the program: they look after the connection
+_UPKEEP = frozenset({"rpc_heartbeat", "get_noneblock_taskstate"})
+_LONGEST = 80
+
+
+@dataclass
+class ProgramCall:
+    """One call of the program that may change something.
+
+    Attributes:
+        name: the function of the wire.
+        text: the call in words.
+        where: the line of the program; None if this package made the call by itself.
+        actor: an id of the task or thread of the program.
+        begin, end: times of the program [s]; -1 for none.
+        radius: blend radius that was asked for [m].
+        result: what was answered.
+        error: what was raised instead.
+        task: id of the task in the controller; None if it made none.
+        state: how the task ended; empty as long as it has not.
+        message: why, as the simulator says it.
+        started, ended: when the task ran [s]; -1 for never.
+        meanwhile: where the program was when the task ended by an error.
+    """
+
+    name: str
+    text: str
+    where: ProgramLine | None
+    actor: int
+    begin: float
+    end: float = -1.0
+    radius: float = 0.0
+    result: Any = None
+    error: str = ""
+    task: int | None = None
+    state: str = ""
+    message: str = ""
+    started: float = -1.0
+    ended: float = -1.0
+    meanwhile: ProgramLine | None = None
+    taken: bool = field(default=False, repr=False)
+
+
+class RunRecorder:
+    """Collects; `as_json` and `arrays` give what was collected.
+
+    Args:
+        clock: the program's time.
+    """
+
+    def __init__(self, clock: ProgramClock) -> None:
+        self._clock = clock
+        self._lock = threading.RLock()
+        self.calls: list[ProgramCall] = []
+        self.made: dict[int, Mark | None] = {}
+        self.notes: list[dict[str, Any]] = []
+        self.contacts: list[dict[str, Any]] = []
+        self.errors: list[dict[str, Any]] = []
+        self.io: list[dict[str, Any]] = []
+        self.progress: float = 0.0
+        self._open: dict[int, ProgramCall] = {}
+        self._under_way: list[ProgramCall] = []
+        self._simulator: Simulator | None = None
+        self._next_sample = 0.0
+        self._touching: dict[str, dict[str, Any]] = {}
+        self._at_first: frozenset[str] | None = None
+        self._levels: dict[str, bool] = {}
+        self._listed: tuple[str, ...] = ()
+        self._times: list[float] = []
+        self._q: list[np.ndarray[Any, np.dtype[np.float64]]] = []
+        self._qd: list[np.ndarray[Any, np.dtype[np.float64]]] = []
+        self._positions: list[np.ndarray[Any, np.dtype[np.float64]]] = []
+
+    # -- calls --------------------------------------------------------------------------------
+
+    @contextlib.contextmanager
+    def call(self, name: str, args: tuple[Any, ...]) -> Iterator[ProgramCall]:
+        """Write a call down, unless it only reads; time stands while it is under way."""
+        mark = lines.current()
+        record = ProgramCall(
+            name,
+            "",
+            mark and mark.where,
+            mark.actor if mark else 0,
+            self._clock.passed,
+        )
+        acts = call_kind(name) is not CallKind.READ and name not in _UPKEEP
+        if acts:
+            record.text = _text(name, args)
+            record.radius = _radius(name, args)
+            self.progress = record.begin
+            with self._lock:
+                self.calls.append(record)
+                self._under_way.append(record)
+        self._clock.call_begins()
+        try:
+            yield record
+        except BaseException as exc:
+            record.error = f"{type(exc).__name__}: {exc}"
+            raise
+        finally:
+            self._clock.call_ends()
+            record.end = self._clock.passed
+            if acts:
+                with self._lock:
+                    self._under_way.remove(record)
+
+    def taken(self, name: str) -> ProgramCall | None:
+        """The call of a name that the controller begins to answer; None if it is of no interest."""
+        with self._lock:
+            for record in self._under_way:
+                if record.name == name and not record.taken:
+                    record.taken = True
+                    return record
+        return None
+
+    def task(self, record: ProgramCall, number: int) -> None:
+        """The controller has made a task of a call."""
+        record.task = number
+        with self._lock:
+            self._open[number] = record
+
+    def forgotten(self, where: ProgramLine | None, what: str) -> None:
+        """Something was made to be awaited, and never was."""
+        self._note("forgotten await", where, f"{what} was never awaited: nothing was sent")
+
+    def blocked(self, mark: Mark | None, seconds: float) -> None:
+        """A coroutine slept by time.sleep."""
+        text = f"time.sleep({seconds:g}) blocks the event loop: the heartbeat ends, the arm stops"
+        self._note("blocked event loop", mark and mark.where, text)
+
+    def failed(self, error: BaseException) -> None:
+        """The program ended with an error."""
+        if isinstance(error, BaseExceptionGroup):
+            for each in error.exceptions:
+                self.failed(each)
+            return
+        where = lines.of_error(error)
+        kind = type(error).__name__
+        self._note(
+            "error", where, f"{kind}: {error}", error=kind, task=getattr(error, "task_id", None)
+        )
+
+    def hung(self, where: ProgramLine | None, text: str) -> None:
+        """The program waits for something that does not come."""
+        self._note("endless wait", where, text)
+
+    def _note(self, kind: str, where: ProgramLine | None, text: str, **more: Any) -> None:
+        with self._lock:
+            self.notes.append(
+                {"kind": kind, "where": where, "text": text, "time": self._clock.passed, **more}
+            )
+
+    # -- the arm ------------------------------------------------------------------------------
+
+    def attach(self, simulator: Simulator) -> None:
+        """Look at a simulator from now on."""
+        self._simulator = simulator
+        self._at_first = None
+        simulator.observe(self.cycle)
+
+    def detach(self) -> None:
+        """Look at it no more: it is being closed."""
+        if self._simulator is not None:
+            self._simulator.observe(None)
+            self._simulator = None
+
+    def cycle(self, snapshot: SimulationSnapshot, touched: Callable[[], str]) -> None:
+        """Look at one cycle; on the simulation's thread."""
+        now = self._clock.passed
+        view = snapshot.view
+        if view.moving:
+            self.progress = now
+        if self._open:
+            self._follow(now)
+        if view.errors != self._listed:
+            for text in view.errors:
+                if text not in self._listed:
+                    self.errors.append({"time": now, "text": text})
+            self._listed = view.errors
+        self._touch(touched(), now, len(self._times), pressing=view.force_control)
+        if now >= self._next_sample:
+            self._next_sample = now + _SAMPLE
+            self._signals(now, snapshot.time)
+            moved = not self._q or np.abs(snapshot.q - self._q[-1]).max() > 1e-5
+            if moved or view.moving:
+                self._times.append(now)
+                self._q.append(snapshot.q.copy())
+                self._qd.append(snapshot.qd.copy())
+                self._positions.append(snapshot.positions.copy())
+        self._clock.tick()
+
+    def _follow(self, now: float) -> None:
+        assert self._simulator is not None
+        for number, record in tuple(self._open.items()):
+            task = self._simulator.task(number)
+            if task is None:
+                del self._open[number]
+                continue
+            if record.started < 0.0 and task.state is not TaskState.IDLE:
+                record.started = now
+            if task.state.ended:
+                record.ended = now
+                record.state, record.message = task.state.name, task.message
+                if task.state is TaskState.ERROR:
+                    record.meanwhile = lines.of_main_thread()
+                del self._open[number]
+                self.progress = now
+
+    def _touch(self, touched: str, now: float, sample: int, *, pressing: bool) -> None:
+        pairs = frozenset(touched.split(", ")) if touched else frozenset()
+        if self._at_first is None:
+            self._at_first = pairs  # the base on its floor, things that lie on a table
+        if not pairs and not self._touching:
+            return
+        pairs -= self._at_first
+        for pair in self._touching.keys() - pairs:
+            self._touching.pop(pair)["end"] = now
+        for pair in pairs - self._touching.keys():
+            one, _, other = pair.partition(" touches ")
+            if not _of_arm(one):
+                continue
+            contact = {
+                "pair": [one, other], "time": now, "end": now, "sample": sample,
+                "meant": pressing,
+            }  # fmt: skip
+            self.contacts.append(contact)
+            self._touching[pair] = contact
+
+    def _signals(self, now: float, at: float) -> None:
+        assert self._simulator is not None
+        signals = self._simulator.signals
+        banks = {"output": signals.standard_out.levels(at), "input": signals.standard_in.all()}
+        for name, levels in banks.items():
+            for number, level in enumerate(levels, 1):
+                key = f"{name} {number}"
+                if level is not self._levels.get(key, False):
+                    self._levels[key] = level
+                    self.io.append({"time": now, "signal": key, "value": level})
+
+    def finish(self) -> None:
+        """Take what became of the tasks since the last cycle."""
+        if self._simulator is not None and self._open:
+            self._follow(self._clock.passed)
+
+    # -- at the end ---------------------------------------------------------------------------
+
+    def as_json(self) -> dict[str, Any]:
+        """All but the arrays, as JSON takes it."""
+        with self._lock:
+            calls = [
+                {
+                    **{key: value for key, value in vars(call).items() if key != "taken"},
+                    "where": _where(call.where),
+                    "meanwhile": _where(call.meanwhile),
+                    "result": call.result if isinstance(call.result, int | float | str) else None,
+                }
+                for call in self.calls
+            ]
+            notes = [{**note, "where": _where(note["where"])} for note in self.notes]
+        return {
+            "calls": calls, "notes": notes, "contacts": self.contacts, "errors": self.errors,
+            "io": self.io,
+        }  # fmt: skip
+
+    def arrays(self) -> dict[str, Any]:
+        """Samples of the arm while it moved: times, joints, their speeds, all positions."""
+        widest = max((each.size for each in self._positions), default=0)
+        same = [each for each in self._positions if each.size == widest]
+        return {
+            "time": np.array(self._times), "q": np.reshape(self._q, (-1, 6)),
+            "qd": np.reshape(self._qd, (-1, 6)), "positions": np.reshape(same, (len(same), -1)),
+        }  # fmt: skip
+
+
+def _of_arm(name: str) -> bool:
+    return name.startswith(("link", "base", "the flange", "the tool"))
+
+
+def _where(line: ProgramLine | None) -> dict[str, Any] | None:
+    return None if line is None else line._asdict()
+
+
+def _text(name: str, args: tuple[Any, ...]) -> str:
+    text = ", ".join(_value(value) for value in args[:4])
+    return f"{name}({text if len(text) <= _LONGEST else text[: _LONGEST - 1] + '…'})"
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(_value(each) for each in value)}]"
+    return f"{value:.4g}" if isinstance(value, float) else repr(value)
+
+
+def _radius(name: str, args: tuple[Any, ...]) -> float:
+    place = {"movej": 3, "movej2": 3, "movej_pose": 3, "movej_pose2": 3, "movel": 3, "movec": 4}
+    index = place.get(name)
+    return float(args[index]) if index is not None and index < len(args) else 0.0

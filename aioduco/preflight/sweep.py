@@ -1,0 +1,143 @@
+"""The same program under many seeded variations, on Dask's distributed scheduler."""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from aioduco.errors import MissingExtra
+from aioduco.preflight.runner import PreflightError, PreflightSettings, preflight
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+__all__ = ["SweepReport", "VariationResult", "sweep"]
+
+#: how often a variation is begun again when its worker is gone: a killed worker is not its fault
+_AGAIN = 10
+
+
+@dataclass(frozen=True, slots=True)
+class VariationResult:
+    """What came of one variation.
+
+    Attributes:
+        seed: repeats it.
+        findings: what was found, each as JSON takes it.
+        duration: the program's own time [s].
+        error: why it could not be run; empty if it could.
+    """
+
+    seed: int
+    findings: tuple[dict[str, Any], ...]
+    duration: float
+    error: str = ""
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing was found."""
+        return not (self.findings or self.error)
+
+
+@dataclass(frozen=True, slots=True)
+class SweepReport:
+    """What came of all variations.
+
+    Attributes:
+        results: one for each seed, in the order of seeds.
+    """
+
+    results: tuple[VariationResult, ...]
+
+    @property
+    def failed(self) -> tuple[VariationResult, ...]:
+        """Those that found something, or could not be run."""
+        return tuple(one for one in self.results if not one.ok)
+
+    @property
+    def durations(self) -> dict[str, float]:
+        """Percentiles of the program's own time, without those that could not be run [s]."""
+        times = [one.duration for one in self.results if not one.error]
+        if not times:
+            return {}
+        return {f"p{p}": float(np.percentile(times, p)) for p in (5, 50, 95, 100)}
+
+    def __str__(self) -> str:
+        times = ", ".join(f"{name} {value:.2f} s" for name, value in self.durations.items())
+        return f"{len(self.failed)} of {len(self.results)} variations failed; duration {times}"
+
+    def as_json(self) -> dict[str, Any]:
+        """As JSON takes it."""
+        return {
+            "schema": 1, "durations": self.durations,
+            "results": [asdict(one) for one in self.results],
+        }  # fmt: skip
+
+
+def sweep(
+    program: str,
+    arguments: Sequence[str],
+    settings: PreflightSettings,
+    runs: int,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    done: Callable[[VariationResult], object] = lambda _: None,
+) -> SweepReport:
+    """Run variations of a program on a cluster.
+
+    Args:
+        program: its file or module; on a cluster elsewhere it lies there under the same path.
+        arguments: what it is given.
+        settings: what it is tried in; `vary` says what varies, `seed` is the first one.
+        runs: how many.
+        workers: processes of the local cluster; None for one a processor.
+        scheduler: address of a cluster's scheduler; None for a cluster on this computer.
+        done: is told each result as it comes.
+
+    Returns:
+        All results.
+
+    Raises:
+        MissingExtra: distributed is not installed.
+        ParameterError: there is nothing of a name in `vary`.
+    """
+    try:
+        import distributed  # noqa: PLC0415 - an extra
+    except ModuleNotFoundError as error:
+        raise MissingExtra("sweeps", "distributed", "sweep") from error
+    dask: Any = distributed  # a part of its functions has no types
+    options = settings.plain()
+    seeds = range(settings.seed, settings.seed + runs)
+    with contextlib.ExitStack() as stack:
+        if scheduler is None:
+            cluster = dask.LocalCluster(
+                n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None,
+                host="127.0.0.1", worker_dashboard_address=None,
+            )  # fmt: skip
+            scheduler = stack.enter_context(cluster)
+        client = stack.enter_context(dask.Client(scheduler))
+        futures = [
+            client.submit(_one, program, list(arguments), options, seed, pure=False, retries=_AGAIN)
+            for seed in seeds
+        ]
+        results = []
+        for _, result in dask.as_completed(futures, with_results=True):
+            results.append(result)
+            done(result)
+    results.sort(key=lambda one: one.seed)
+    return SweepReport(tuple(results))
+
+
+def _one(program: str, arguments: list[str], options: dict[str, Any], seed: int) -> VariationResult:
+    """One variation, on a worker."""
+    settings = replace(PreflightSettings(**options), seed=seed)
+    try:
+        report = preflight(program, arguments, settings, quiet=True)
+    except PreflightError as error:
+        return VariationResult(seed, (), 0.0, str(error))
+    found = tuple(one.as_json() for one in report.findings)
+    return VariationResult(seed, found, report.duration)

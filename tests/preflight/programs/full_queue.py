@@ -1,0 +1,13 @@
+"""More motions than the controller keeps."""
+
+from aioduco.compat import DucoCobot
+
+robot = DucoCobot("192.168.1.10", 7003)
+robot.open()
+robot.power_on(True)
+robot.enable(True)
+for number in range(1010):
+    turn = 0.1 if number % 2 else 0.2
+    robot.movej2([turn, 0.0, 1.57, 0.0, -1.57, 0.0], 0.1, 1.0, 0.0, False)  # FAULT full queue
+robot.stop(True)
+robot.close()

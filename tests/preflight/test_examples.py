@@ -1,0 +1,52 @@
+"""The examples are good programs: nothing is found in them, with and without an address."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from aioduco.preflight import PreflightSettings, preflight
+from aioduco.sim.scene import Table
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+#: given the address of a robot that is not there: nothing of it is ever connected to
+THERE = "192.0.2.1"
+BRIEF = ["--seconds", "0.4"]
+WITH_ADDRESS = {
+    "01_connect_and_move.py": [THERE],
+    "02_stop_from_another_task.py": [THERE],
+    "03_blended_motions.py": [THERE],
+    "07_plain_script.py": [THERE],
+    "10_sine.py": [THERE, *BRIEF],
+    "12_policy.py": [THERE, *BRIEF],
+    "14_realtime_velocity.py": [THERE, *BRIEF],
+    "15_policy_sync.py": [THERE, *BRIEF],
+    "manual/project_sync.py": [THERE],
+    "manual/project_async.py": [THERE],
+    "press_on_table.py": [THERE],
+}
+ON_ITS_OWN = [
+    *("01_connect_and_move.py", "03_blended_motions.py", "07_plain_script.py"),
+    *("13_play_npy.py", "press_on_table.py"),
+    *(f"manual/{group}_{dialect}.py" for group in ("project", "realtime", "serial", "modbus")
+      for dialect in ("async", "sync", "compat")),
+]  # fmt: skip
+
+
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("name", WITH_ADDRESS)
+def test_with_an_address_it_runs_in_the_cell_that_was_given(name: str) -> None:
+    table = [Table(at=(0.5, 0.1445, 0.422))] if "table" in name else None
+    settings = PreflightSettings(scene=table, timeout=110)
+    report = preflight(EXAMPLES / name, WITH_ADDRESS[name], settings, quiet=True)
+    assert report.ok, "\n".join(map(str, report.findings))
+    assert report.status == 0
+
+
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("name", ON_ITS_OWN)
+def test_without_one_it_runs_on_the_simulator_that_it_starts(name: str) -> None:
+    report = preflight(EXAMPLES / name, (), PreflightSettings(timeout=110), quiet=True)
+    assert report.ok, "\n".join(map(str, report.findings))
+    assert report.status == 0

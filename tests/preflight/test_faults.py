@@ -1,0 +1,51 @@
+"""Each planted fault is found, at its line, and nothing else is."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from aioduco.preflight import PreflightSettings, preflight
+from aioduco.preflight.findings import KINDS
+from aioduco.sim.scene import Box, Rod, Table, Thing
+
+PROGRAMS = Path(__file__).parent / "programs"
+CELLS: dict[str, list[Thing]] = {
+    "box": [Box(at=(0.35, 0.35, 0.4), size=(0.2, 0.2, 0.8), name="box")],
+    "table": [Table(at=(0.5, 0.1445, 0.3), name="table")],
+    "part": [
+        Rod(length=0.1, radius=0.01, mass=0.1),
+        Box(at=(0, 0, 0.1), size=(0.04, 0.04, 0.04), mass=0.1, name="part"),
+    ],
+}
+
+
+def planted(text: str) -> list[tuple[int, str]]:
+    marked = enumerate(text.splitlines(), 1)
+    return [(number, line.split("# FAULT ")[1]) for number, line in marked if "# FAULT " in line]
+
+
+def cell(text: str, what: str) -> list[Thing] | None:
+    named = re.search(f"^# {what} (.*)$", text, re.MULTILINE)
+    return CELLS[named[1]] if named else None
+
+
+def test_fourteen_kinds_are_planted() -> None:
+    kinds = [kind for path in PROGRAMS.glob("*.py") for _, kind in planted(path.read_text("utf-8"))]
+    assert len(kinds) == len(set(kinds)) == 14
+    assert set(kinds) <= set(KINDS)
+
+
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("name", sorted(path.stem for path in PROGRAMS.glob("*.py")))
+def test_a_planted_fault_is_found_at_its_line(name: str) -> None:
+    path = PROGRAMS / f"{name}.py"
+    text = path.read_text("utf-8")
+    settings = PreflightSettings(scene=cell(text, "SCENE"), tool=cell(text, "TOOL"), timeout=110)
+    report = preflight(path, (), settings, quiet=True)
+    found = [(finding.line, finding.kind) for finding in report.findings]
+    assert found == planted(text), "\n".join(map(str, report.findings))
+    assert {finding.file for finding in report.findings} == {str(path)}
+    assert not report.ok
