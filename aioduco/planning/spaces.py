@@ -1,0 +1,152 @@
+"""What is searched for a way: the arm's joints, or what its tool may do under a constraint.
+
+A space's unit is the metre: a step of one moves no point of the arm by much more than that.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from aioduco.errors import GoalOutOfReach
+from aioduco.kinematics.forward import singular_values
+from aioduco.kinematics.single import nearest_turns
+from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from aioduco.kinematics import Arm
+    from aioduco.planning.collision import CollisionChecker
+
+    Points = NDArray[np.float64]
+
+__all__ = ["JointSpace", "PathSpace", "UprightSpace"]
+
+_UPRIGHT = 0.02  # how far the tool may tilt at a goal, against the start [rad]
+
+
+class PathSpace(Protocol):
+    """What a way is looked for in.
+
+    Attributes:
+        lower, upper: bounds of its points.
+        margin: how far beyond start and goals a search goes.
+    """
+
+    lower: Points
+    upper: Points
+    margin: Points
+
+    def free(self, point: Any) -> bool:
+        """Tell whether the arm touches nothing there."""
+
+    def point(self, q: Points) -> Points:
+        """The point of a configuration [rad]."""
+
+    def joints(self, points: Points) -> Points | None:
+        """The configurations of points that follow each other; None if one has none."""
+
+
+class JointSpace:
+    """The joints, each in proportion to how far it moves the arm."""
+
+    def __init__(self, arm: Arm, checker: CollisionChecker) -> None:
+        self._checker = checker
+        self._radii = checker.radii
+        self._inverse: list[float] = (1.0 / checker.radii).tolist()
+        self.lower: Points = np.array(arm.lower) * self._radii
+        self.upper: Points = np.array(arm.upper) * self._radii
+        self.margin: Points = np.pi * self._radii
+
+    def free(self, point: Any) -> bool:
+        """Tell whether the arm touches nothing there."""
+        a, b, c, d, e, f = self._inverse
+        return self._checker.free(
+            (point[0] * a, point[1] * b, point[2] * c, point[3] * d, point[4] * e, point[5] * f)
+        )
+
+    def point(self, q: Points) -> Points:
+        """The point of a configuration [rad]."""
+        return q * self._radii
+
+    def joints(self, points: Points) -> Points | None:
+        """The configurations of points."""
+        return points / self._radii
+
+
+class UprightSpace:
+    """Places of the tool, and turns about the vertical: the tool is never tilted.
+
+    The arm keeps its branch, and no joint goes further than half a turn from the start.
+
+    Args:
+        arm: the arm.
+        checker: of its scene.
+        start: where it begins [rad]. Shape (6,).
+        up: the vertical in the base's frame. Shape (3,).
+        tip: the tool's tip in the flange's frame. Shape (4, 4).
+    """
+
+    def __init__(
+        self, arm: Arm, checker: CollisionChecker, start: Points, up: Points, tip: Points
+    ) -> None:
+        self._arm, self._checker, self._start, self._up = arm, checker, start, up
+        self._branch = np.sign(singular_values(arm.geometry, start))
+        self._tip, self._back = tip, np.linalg.inv(tip)
+        self._turn: Points = (arm.fkine(start) @ tip)[:3, :3]
+        #: a turn counts as far as it moves what is this far from the axis
+        self._radius = float(np.linalg.norm(tip[:3, 3])) + 0.5 * arm.reach
+        reach = arm.reach + arm.geometry.d5 + arm.geometry.d6 + float(np.linalg.norm(tip[:3, 3]))
+        middle = np.array([0.0, 0.0, arm.geometry.d1, 0.0])
+        span = np.array([reach, reach, reach, np.pi * self._radius])
+        self.lower: Points = middle - span
+        self.upper: Points = middle + span
+        self.margin: Points = 2.0 * span
+
+    def point(self, q: Points) -> Points:
+        """The point of a configuration [rad].
+
+        Raises:
+            GoalOutOfReach: the tool is tilted there.
+        """
+        pose = self._arm.fkine(q) @ self._tip
+        turn = rotvec_from_matrix(pose[:3, :3] @ self._turn.T)
+        about = float(turn @ self._up)
+        tilt = float(np.linalg.norm(turn - about * self._up))
+        if tilt > _UPRIGHT:
+            raise GoalOutOfReach(
+                f"the tool is tilted by {tilt:.3f} rad against the start, but is to be kept upright",
+                joints=q.tolist(),
+            )
+        return np.append(pose[:3, 3], about * self._radius)
+
+    def same_branch(self, q: Points) -> bool:
+        """Tell whether a configuration has the start's branch."""
+        branch = np.sign(singular_values(self._arm.geometry, q))
+        return bool((branch == self._branch).all())
+
+    def free(self, point: Any) -> bool:
+        """Tell whether the arm reaches the point on its branch, and touches nothing there."""
+        q = self._solve(np.array([point[0], point[1], point[2], point[3]]), self._start)
+        return q is not None and self._checker.free(q)
+
+    def joints(self, points: Points) -> Points | None:
+        """The configurations of points that follow each other; None if one has none."""
+        found = np.empty((len(points), 6))
+        for row, point in enumerate(points):
+            q = self._solve(point, self._start)
+            if q is None or (row and np.abs(q - found[row - 1]).max() > 0.5):
+                return None
+            found[row] = q
+        return found
+
+    def _solve(self, point: Points, near: Points) -> list[float] | None:
+        pose = np.eye(4)
+        pose[:3, :3] = matrix_from_rotvec(self._up * (point[3] / self._radius)) @ self._turn
+        pose[:3, 3] = point[:3]
+        for q in self._arm.ikine_all(pose @ self._back):
+            if self.same_branch(q):
+                return nearest_turns(q.tolist(), near.tolist(), self._arm.lower, self._arm.upper)
+        return None
