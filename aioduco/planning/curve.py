@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
@@ -19,20 +19,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Curve", "certain", "joint_curve", "rounded"]
 
+Curve: TypeAlias = "BSpline[Any]"
+"""Points over a length; the first and the last of its knots `t` are its ends."""
+
 _DEGREE = 3
 _WIDEST = 0.3  # spans of the curve where nothing is near [m of the arm's furthest point, about]
 _NARROWEST = 0.004
 _FIT = 0.01  # between two configurations that a curve of joints goes through [m, about]
-
-
-class Curve(Protocol):
-    """A curve of points over a length, with derivatives."""
-
-    t: Points
-    """Its knots; the first and the last are its ends."""
-
-    def __call__(self, at: Points, nu: int = 0) -> Points:
-        """Points at some places, or their derivatives by it. Shape (n, dimensions)."""
 
 
 def rounded(corners: Points, space: PathSpace, checker: CollisionChecker) -> Curve | None:
@@ -119,8 +112,7 @@ def joint_curve(curve: Any, space: PathSpace) -> Curve | None:
         None if the arm does not reach all of it.
     """
     if isinstance(space, JointSpace):
-        scaled: Curve = BSpline(curve.t, space.joints(curve.c), _DEGREE)
-        return scaled
+        return BSpline(curve.t, space.joints(curve.c), _DEGREE)
     begin, end = float(curve.t[0]), float(curve.t[-1])
     at = np.linspace(begin, end, max(int((end - begin) / _FIT), 8) + 1)
     q = space.joints(curve(at))
@@ -134,5 +126,4 @@ def through(at: Points, q: Points) -> Curve:
         at: rising. Shape (n,), n from 6.
         q: joints [rad]. Shape (n, 6).
     """
-    made: Curve = make_interp_spline(at, q, k=5)
-    return made
+    return make_interp_spline(at, q, k=5)

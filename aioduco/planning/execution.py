@@ -93,9 +93,7 @@ async def execute(
             await motion.run(*(motion.movej2(q, v, a, r=r) for q, r in plan.waypoints()))
             return None
         followed = _Followed(plan, watch, feedback)
-        result = await followed.run(
-            motion, tolerances=tolerances, through=through, options=options
-        )
+        result = await followed.run(motion, tolerances=tolerances, through=through, options=options)
         if followed.obstructed is None:
             return result
         here = await read_joints()

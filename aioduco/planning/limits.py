@@ -70,7 +70,9 @@ class MotionLimits:
 
 
 def _six(name: str, value: float | Sequence[float]) -> list[float]:
-    found = [float(each) for each in np.broadcast_to(value, (6,))] if np.size(value) in (1, 6) else []
+    found = (
+        [float(each) for each in np.broadcast_to(value, (6,))] if np.size(value) in (1, 6) else []
+    )
     if not found:
         raise ParameterError(name, value, "a number, or six")
     return found

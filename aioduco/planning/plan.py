@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.models.pose import Joints, Pose
-from aioduco.planning.clearance import Clearance
 from aioduco.streaming.joint_trajectory import JointTrajectory
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
+    from aioduco.planning.clearance import Clearance
     from aioduco.planning.execution import MotionSection, ReadJoints
     from aioduco.planning.limits import MotionLimits
     from aioduco.planning.problem import PlanningProblem, Solution

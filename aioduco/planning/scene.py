@@ -346,7 +346,7 @@ class Scene:
 
     @property
     def loose(self) -> NDArray[np.float64]:
-        """Positions of what is loose in a simulator's scene, empty if nothing is [m, quaternions]."""
+        """Positions of what is loose in a simulator's scene; empty if nothing is."""
         if self._loose is not None:
             return self._loose
         rest: NDArray[np.float64] = np.array(self.compiled().qpos0[6:])
@@ -387,4 +387,3 @@ class Scene:
     def _changed(self) -> None:
         self._model = self._checker = None
         self._revision += 1
-

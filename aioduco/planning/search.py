@@ -24,9 +24,7 @@ if TYPE_CHECKING:
     geometric: Any
     util: Any
 else:
-    import ompl.base as base
-    import ompl.geometric as geometric
-    import ompl.util as util
+    from ompl import base, geometric, util
 
 __all__ = ["STEP", "search", "seed"]
 

@@ -81,8 +81,8 @@ class Mesh(Thing):
         return f"{self.name}/mesh"
 
     def _shapes(self, body: ET.Element) -> None:
-        look = {"rgba": f"{' '.join(map(str, self.colour))} 1", "mass": "0"}
-        ET.SubElement(body, "geom", type="mesh", mesh=self._asset, **look)
+        colour = " ".join(map(str, self.colour))
+        ET.SubElement(body, "geom", type="mesh", mesh=self._asset, rgba=f"{colour} 1", mass="0")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

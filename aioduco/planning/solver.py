@@ -18,7 +18,6 @@ from aioduco.errors import (
 from aioduco.kinematics.single import nearest_turns
 from aioduco.models.pose import Joints, Pose
 from aioduco.models.rotation import matrix_from_rpy
-from aioduco.planning.collision import CollisionChecker
 from aioduco.planning.curve import certain, joint_curve, rounded, through
 from aioduco.planning.problem import Goal, PlanningProblem, Region, Solution
 from aioduco.planning.search import STEP, search
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.planning.clearance import Clearance
+    from aioduco.planning.collision import CollisionChecker
     from aioduco.planning.curve import Curve
 
     Points = NDArray[np.float64]
@@ -117,9 +117,7 @@ def _free(
         raise _goal_in_collision(problem, reached, clearances)
     room = max(each.distance for each in clearances)
     checker.padding = max(_LEAST_PADDING, min(checker.padding, 0.9 * room))
-    free = [
-        q for q, c in zip(reached, clearances, strict=True) if c.distance > checker.padding
-    ]
+    free = [q for q, c in zip(reached, clearances, strict=True) if c.distance > checker.padding]
     goals = sorted(free, key=lambda q: float(np.abs(q - start).max()))
     if float(np.abs(goals[0] - start).max()) < 1e-6:
         return through(np.zeros(6), np.tile(start, (6, 1))), start[None, :]
@@ -173,7 +171,7 @@ def _poses(goal: Pose | Region) -> list[Points]:
     if isinstance(goal, Pose):
         return [goal.matrix]
     random = np.random.default_rng(0)
-    poses = []
+    poses: list[Points] = []
     for _ in range(_SAMPLES):
         offset = np.eye(4)
         # The middle first, then anywhere.
@@ -191,7 +189,8 @@ def _along(problem: PlanningProblem, checker: CollisionChecker) -> tuple[Curve, 
     way = poses_along(
         arm.fkine(start) @ problem.tip, poses[0] if len(poses) > 1 else None, poses[-1]
     )
-    q, why = followed(arm, way.poses, np.linalg.inv(problem.tip), start)
+    back = np.linalg.inv(problem.tip).astype(np.float64)
+    q, why = followed(arm, way.poses, back, start)
     wanted, pair, place = len(way.poses), None, q[-1]
     # Free as far as which pose: the padding is kept, or what of it there is at either end.
     ends = checker.clearance(q[-1]).distance

@@ -71,7 +71,7 @@ class JointSpace:
         """The point of a configuration [rad]."""
         return q * self._radii
 
-    def joints(self, points: Points) -> Points | None:
+    def joints(self, points: Points) -> Points:
         """The configurations of points."""
         return points / self._radii
 
@@ -117,7 +117,7 @@ class UprightSpace:
         tilt = float(np.linalg.norm(turn - about * self._up))
         if tilt > _UPRIGHT:
             raise GoalOutOfReach(
-                f"the tool is tilted by {tilt:.3f} rad against the start, but is to be kept upright",
+                f"the tool is tilted by {tilt:.3f} rad against the start, and is to stay upright",
                 joints=q.tolist(),
             )
         return np.append(pose[:3, 3], about * self._radius)

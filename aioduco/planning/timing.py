@@ -148,7 +148,7 @@ def _smooth(grid: Points, times: Points, rates: Points, window: float) -> tuple[
     law = BSpline(knots, control, _ORDER)
     at = tick * np.arange(len(control) - _ORDER + 1)
     place = np.clip(law(at), grid[0], grid[-1])
-    return at, place, law(at, 1), law(at, 2)
+    return at, np.asarray(place, np.float64), law(at, 1), law(at, 2)
 
 
 def _along(curve: Curve, law: tuple[Points, ...]) -> TimedPath:

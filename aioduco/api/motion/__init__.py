@@ -40,7 +40,9 @@ _AHEAD = Integer(1, 1000, "motions", source="this package")
 class PlannedMotion(Protocol):
     """What can be executed: a `Plan` of `aioduco.planning`, which this package does not need."""
 
-    async def run_on(self, motion: Any, read_joints: Any, **options: Any) -> Any:
+    async def run_on(
+        self, motion: Any, read_joints: Any, **options: Any
+    ) -> TrajectoryResult | None:
         """Carry it out by a robot's motions."""
 
 

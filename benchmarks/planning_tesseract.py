@@ -1,0 +1,3 @@
+
+def urdf(arm, things): raise NotImplementedError
+def srdf(arm): raise NotImplementedError
