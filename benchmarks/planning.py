@@ -21,6 +21,7 @@ and shapes.
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import logging
 import subprocess
@@ -107,7 +108,7 @@ def shelf(r: float) -> Setting:
 
 
 def slot(r: float) -> Setting:
-    x, thick, middle, gap = 0.62 * r, 0.03 * r, 0.55 * r, 0.3 * r
+    x, thick, middle, gap = 0.62 * r, 0.03 * r, 0.55 * r, 0.4 * r
     wide, high = 1.8 * r, 1.4 * r
     low = middle - 0.5 * gap
     top = high - middle - 0.5 * gap
@@ -273,9 +274,7 @@ def tesseract(
     with tempfile.TemporaryDirectory() as folder:
         task = Path(folder) / "task.json"
         task.write_text(
-            json.dumps(
-                {"urdf": urdf(arm, setting.things), "srdf": srdf(arm), "queries": queries}
-            ),
+            json.dumps({"urdf": urdf(arm, setting.things), "srdf": srdf(arm), "queries": queries}),
             encoding="utf-8",
         )
         done = subprocess.run(
@@ -294,7 +293,7 @@ def tesseract(
     checker.padding = 0.0
 
     def free(corners: Points) -> bool:
-        for one, two in zip(corners[:-1], corners[1:], strict=True):
+        for one, two in itertools.pairwise(corners):
             count = int(np.ceil(np.abs(two - one) @ checker.radii / 0.001)) + 1
             if not all(checker.free(q) for q in np.linspace(one, two, count)):
                 return False
@@ -312,7 +311,9 @@ def tesseract(
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="5 queries each, for CI")
-    parser.add_argument("--save", action="store_true", help="write benchmarks/results/planning.json")
+    parser.add_argument(
+        "--save", action="store_true", help="write benchmarks/results/planning.json"
+    )
     parser.add_argument("--tesseract", metavar="PYTHON", help="interpreter that has tesseract")
     options = parser.parse_args()
     logging.getLogger("toppra").setLevel(logging.ERROR)

@@ -1,3 +1,6 @@
+def urdf(arm, things):
+    raise NotImplementedError
 
-def urdf(arm, things): raise NotImplementedError
-def srdf(arm): raise NotImplementedError
+
+def srdf(arm):
+    raise NotImplementedError

@@ -177,7 +177,8 @@ class CollisionChecker:
         return found
 
     def _within(self, distance: float) -> None:
-        self._model.geom_margin[:] = 0.5 * distance  # MuJoCo adds those of the two
+        # MuJoCo adds those of the two; bodies have what is the most of their geoms'.
+        self._model.geom_margin[:] = self._model.body_margin[:] = 0.5 * distance
 
     def _name(self, geom: int) -> str:
         model = self._model

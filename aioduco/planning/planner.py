@@ -20,6 +20,7 @@ from aioduco.planning.exchange import WorkerScene, receive, send
 from aioduco.planning.limits import MotionLimits
 from aioduco.planning.plan import Plan
 from aioduco.planning.problem import GoalLike, PlanningProblem, Solution, goals_of
+from aioduco.planning.toolpath import poses_along
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -230,6 +231,10 @@ class Planner:
         if not 1e-4 <= speed < float("inf"):
             raise ParameterError("speed", speed, "from 0.0001 m/s")
         goals = (Pose.of(to),) if via is None else (Pose.of(via), Pose.of(to))
+        if via is not None:
+            # Says of three points on a line that they are no arc.
+            first = self.scene.arm.fkine(start) @ self._tip
+            poses_along(first, goals[0].matrix, goals[-1].matrix)
         return self._problem(
             start, goals, v, a, jerk, timeout,
             shape="line" if via is None else "arc", rate=speed, partial=partial,

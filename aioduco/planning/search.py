@@ -30,6 +30,8 @@ __all__ = ["STEP", "search", "seed"]
 
 STEP = 0.03
 """Between two looks at a way, at first [m of the arm's furthest point, about]."""
+_RANGE = 0.5  # of one step of a search [m, likewise]
+_PATIENCE = 0.2  # with one search, at first [s]
 _SHORTCUTS = 60  # attempts at shortening
 
 
@@ -97,12 +99,18 @@ def search(
         wanted.addState(state(goal))
     problem.setGoal(wanted)
     planner = geometric.RRTConnect(information)
-    planner.setRange(1.0)
+    planner.setRange(_RANGE)
     planner.setProblemDefinition(problem)
     planner.setup()
-    planner.solve(max(deadline - time.monotonic(), 1e-3))
-    if not problem.hasExactSolution():
-        return None
+    # Times of such searches have a long tail: to begin anew is faster than to go on.
+    patience = _PATIENCE
+    while not problem.hasExactSolution():
+        left = deadline - time.monotonic()
+        if left <= 0.0:
+            return None
+        planner.clear()
+        planner.solve(min(patience, left))
+        patience *= 1.5
     path = problem.getSolutionPath()
     shortener = geometric.PathSimplifier(information)
     shortener.reduceVertices(path)

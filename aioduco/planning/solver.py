@@ -41,6 +41,7 @@ __all__ = ["solve"]
 _LEAST_PADDING = 0.0003  # [m]
 _SAMPLES = 24  # poses of a region that are tried
 _DIRECT = 8  # goals to which the straight way is tried, the nearest first
+_CORNERS = 9  # told of a way that has none in joint space
 _LOOKS = 40  # at the clearance along the way
 
 
@@ -70,7 +71,7 @@ def solve(problem: PlanningProblem, checker: CollisionChecker) -> Solution:
         fraction = 1.0
     else:
         curve, fraction = _along(problem, checker)
-        corners = curve(np.linspace(curve.t[0], curve.t[-1], 9))
+        corners = curve(np.linspace(curve.t[0], curve.t[-1], _CORNERS))
     found = time.monotonic()
     if curve.t[-1] - curve.t[0] <= 1e-6:
         still = np.zeros((1, 6))
@@ -106,7 +107,7 @@ def _free(
         space = branch = UprightSpace(arm, checker, start, problem.up, problem.tip)
     reached = _configurations(problem)
     if branch is not None:
-        reached = [q for q in reached if branch.same_branch(q)]
+        reached = [q for q in reached if branch.same_branch(q.tolist())]
         if not reached:
             raise GoalOutOfReach(
                 "an upright tool keeps its branch (shoulder, elbow, wrist), and no goal has the "
@@ -120,7 +121,7 @@ def _free(
     free = [q for q, c in zip(reached, clearances, strict=True) if c.distance > checker.padding]
     goals = sorted(free, key=lambda q: float(np.abs(q - start).max()))
     if float(np.abs(goals[0] - start).max()) < 1e-6:
-        return through(np.zeros(6), np.tile(start, (6, 1))), start[None, :]
+        return through(np.linspace(0.0, 1e-9, 6), np.tile(start, (6, 1))), start[None, :]
     points = [space.point(q) for q in goals]
     direct, step = _DIRECT, STEP
     while time.monotonic() < deadline:
@@ -129,9 +130,10 @@ def _free(
             break
         curve = rounded(corners, space, checker)
         joints = None if curve is None else joint_curve(curve, space)
-        found = space.joints(corners)
-        if joints is not None and found is not None:
-            return joints, found
+        if joints is not None and branch is None:
+            return joints, corners / checker.radii
+        if joints is not None:
+            return joints, joints(np.linspace(joints.t[0], joints.t[-1], _CORNERS))
         direct, step = 0, 0.5 * step  # what was seen from afar as free was not: look closer
     raise NoPathFound(
         f"no path was found within {problem.timeout:g} s from {_degrees(start)} to "

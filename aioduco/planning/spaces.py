@@ -5,16 +5,18 @@ A space's unit is the metre: a step of one moves no point of the arm by much mor
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from aioduco.errors import GoalOutOfReach
-from aioduco.kinematics.forward import singular_values
-from aioduco.kinematics.single import nearest_turns
+from aioduco.kinematics.single import nearest_turns, solutions
 from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
@@ -92,8 +94,9 @@ class UprightSpace:
     def __init__(
         self, arm: Arm, checker: CollisionChecker, start: Points, up: Points, tip: Points
     ) -> None:
-        self._arm, self._checker, self._start, self._up = arm, checker, start, up
-        self._branch = np.sign(singular_values(arm.geometry, start))
+        self._arm, self._checker, self._up = arm, checker, up
+        self._near: list[float] = start.tolist()
+        self._branch = self._branch_of(self._near)
         self._tip, self._back = tip, np.linalg.inv(tip)
         self._turn: Points = (arm.fkine(start) @ tip)[:3, :3]
         #: a turn counts as far as it moves what is this far from the axis
@@ -122,31 +125,37 @@ class UprightSpace:
             )
         return np.append(pose[:3, 3], about * self._radius)
 
-    def same_branch(self, q: Points) -> bool:
+    def same_branch(self, q: Sequence[float]) -> bool:
         """Tell whether a configuration has the start's branch."""
-        branch = np.sign(singular_values(self._arm.geometry, q))
-        return bool((branch == self._branch).all())
+        return self._branch_of(q) == self._branch
 
     def free(self, point: Any) -> bool:
         """Tell whether the arm reaches the point on its branch, and touches nothing there."""
-        q = self._solve(np.array([point[0], point[1], point[2], point[3]]), self._start)
+        q = self._solve((point[0], point[1], point[2], point[3]))
         return q is not None and self._checker.free(q)
 
     def joints(self, points: Points) -> Points | None:
         """The configurations of points that follow each other; None if one has none."""
         found = np.empty((len(points), 6))
         for row, point in enumerate(points):
-            q = self._solve(point, self._start)
+            q = self._solve(point)
             if q is None or (row and np.abs(q - found[row - 1]).max() > 0.5):
                 return None
             found[row] = q
         return found
 
-    def _solve(self, point: Points, near: Points) -> list[float] | None:
+    def _solve(self, point: Points | Sequence[float]) -> list[float] | None:
         pose = np.eye(4)
         pose[:3, :3] = matrix_from_rotvec(self._up * (point[3] / self._radius)) @ self._turn
         pose[:3, 3] = point[:3]
-        for q in self._arm.ikine_all(pose @ self._back):
-            if self.same_branch(q):
-                return nearest_turns(q.tolist(), near.tolist(), self._arm.lower, self._arm.upper)
+        arm = self._arm
+        for q in solutions(arm.geometry, (pose @ self._back).tolist()):
+            if self._branch_of(q) == self._branch:
+                return nearest_turns(q, self._near, arm.lower, arm.upper)
         return None
+
+    def _branch_of(self, q: Sequence[float]) -> tuple[bool, bool, bool]:
+        """Signs of what is zero at the singularities of shoulder, elbow and wrist."""
+        g, q23 = self._arm.geometry, q[1] + q[2]
+        ahead = g.a2 * math.sin(q[1]) + g.a3 * math.sin(q23) + g.d5 * math.sin(q23 + q[3])
+        return ahead > 0.0, math.sin(q[2]) > 0.0, math.sin(q[4]) > 0.0

@@ -30,7 +30,7 @@ else:
 
 __all__ = ["TimedPath", "timed"]
 
-_GRID = 0.03  # between two nodes of the time law [rad of the joint that moves most]
+_GRID = 0.02  # between two nodes of the time law [rad of the joint that moves most]
 _TICK = 0.005  # between two points of the result [s]
 _ORDER = 5
 _LEAST = 40

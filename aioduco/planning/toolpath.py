@@ -74,7 +74,7 @@ def _arc(one: Points, two: Points, three: Points) -> tuple[Points, Points, float
     size = float(normal @ normal)
     if size < 1e-12:
         raise ParameterError("via", two.tolist(), "off the line from the start to the end [m]")
-    centre = one + np.cross((a @ a) * b - (b @ b) * a, normal) / (-2.0 * size)
+    centre = one + np.cross((a @ a) * b - (b @ b) * a, normal) / (2.0 * size)
     spoke = one - centre
     across = np.cross(normal / np.sqrt(size), spoke)
     last = three - centre
