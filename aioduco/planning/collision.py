@@ -27,6 +27,7 @@ else:
 __all__ = ["CollisionChecker", "build"]
 
 _PREFIXES = ("scene/", "tool/")
+_THING, _ARM, _FLOOR = 1, 2, 4  # what may touch, by bits
 
 
 def build(
@@ -101,12 +102,18 @@ class CollisionChecker:
         self._qpos: Vector = self._data.qpos[:6]
         arm = {model.body(name).id for name in ("base", *(f"link{i}" for i in range(1, 7)))}
         moving = np.array([_belongs(model, body, arm) for body in range(model.nbody)])
-        # Things of the scene are not compared with one another.
         still = ~moving[model.geom_bodyid]
-        model.geom_contype[still & (model.geom_contype > 0)] = 1
-        model.geom_conaffinity[still] = 0
-        held = ~still & (model.geom_contype | model.geom_conaffinity).astype(bool)
-        model.geom_contype[held], model.geom_conaffinity[held] = 2, 3
+        solid = (model.geom_contype | model.geom_conaffinity).astype(bool)
+        # Things of the scene are not compared with one another. Nor is link 1 with what the arm
+        # stands on: it turns above that at one height.
+        model.geom_contype[still & solid], model.geom_conaffinity[still] = _THING, 0
+        model.geom_contype[~still & solid] = _ARM
+        model.geom_conaffinity[~still & solid] = _ARM | _THING | _FLOOR
+        for geom in range(model.ngeom):
+            if model.geom(geom).name.removeprefix("scene/") in ("floor", "plate", "pedestal"):
+                model.geom_contype[geom], model.geom_conaffinity[geom] = _FLOOR, 0
+            elif model.geom_bodyid[geom] == model.body("link1").id:
+                model.geom_conaffinity[geom] &= ~_FLOOR
         self._moves = ~still
         self.radii: Vector = _radii(model)
         self.count = 0
