@@ -80,8 +80,8 @@ class Plan:
         radii: how far a turn of each joint can move a point of the arm [m/rad]. Shape (6,).
         padding: distance that is kept all the way [m].
         fraction: how much of a line or an arc it is, 0 to 1; 1 for other plans.
-        searching: time that was taken for the path [s].
-        timing: time that was taken for its times [s].
+        searching: processor time that was taken for the path [s].
+        timing: and for its times [s].
     """
 
     arm: Arm

@@ -106,8 +106,8 @@ class Solution:
         radii: how far a turn of each joint can move a point [m/rad]. Shape (6,).
         padding: distance that was kept [m].
         fraction: how much of a line or arc it is.
-        searching: time for the path [s].
-        timing: time for its times [s].
+        searching: processor time for the path [s].
+        timing: and for its times [s].
     """
 
     times: Points

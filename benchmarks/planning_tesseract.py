@@ -1,6 +1,0 @@
-def urdf(arm, things):
-    raise NotImplementedError
-
-
-def srdf(arm):
-    raise NotImplementedError
