@@ -94,7 +94,7 @@ async def execute(
             return None
         followed = _Followed(plan, watch, feedback)
         result = await followed.run(motion, tolerances=tolerances, through=through, options=options)
-        if followed.obstructed is None:
+        if followed.obstructed is None or result is not None:
             return result
         here = await read_joints()
         if planner is None:
@@ -145,6 +145,7 @@ class _Followed:
         self._seen = 0 if scene is None else scene.revision
         self._changed = anyio.Event()
         self._time = 0.0
+        self._error: Exception | None = None
         self.obstructed: PlanCheck | None = None
 
     async def run(self, motion: MotionSection, **options: Any) -> TrajectoryResult | None:
@@ -153,15 +154,20 @@ class _Followed:
         result: TrajectoryResult | None = None
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._watch, tasks.cancel_scope)
-            result = await motion.follow_joint_trajectory(
-                self._plan.trajectory,
-                v=min(1.001 * max(limits.velocity), _FASTEST),
-                a=_ROOM * max(limits.acceleration),
-                reach=2.0 * _NEAR,
-                feedback=self._look,
-                **options,
-            )
+            try:
+                result = await motion.follow_joint_trajectory(
+                    self._plan.trajectory,
+                    v=min(1.001 * max(limits.velocity), _FASTEST),
+                    a=_ROOM * max(limits.acceleration),
+                    reach=2.0 * _NEAR,
+                    feedback=self._look,
+                    **options,
+                )
+            except Exception as error:  # raised below, outside of the group
+                self._error = error
             tasks.cancel_scope.cancel()
+        if self._error is not None:
+            raise self._error
         return result
 
     def _look(self, feedback: Feedback) -> None:
@@ -177,8 +183,12 @@ class _Followed:
             await self._changed.wait()
             self._changed = anyio.Event()
             assert self._scene is not None
-            found = await _check(self._plan, self._scene, self._time)
-            if not found:
-                self.obstructed = found
+            try:
+                found = await _check(self._plan, self._scene, self._time)
+            except Exception as error:  # a scene that cannot be made: the arm is not to go on
+                self._error = error
+            else:
+                self.obstructed = None if found else found
+            if self._error is not None or self.obstructed is not None:
                 following.cancel()
                 return

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
+import anyio
+import anyio.to_thread
 import numpy as np
 
 import aioduco
@@ -81,7 +83,7 @@ async def perform_plans(
         await robot.bring_up()
 
         async def carry_out(name: str, plan: Plan) -> None:
-            found = plan.check(scene)
+            found = await anyio.to_thread.run_sync(plan.check, scene)
             if not found:
                 raise PlanningError(f"the plan {name!r} does not pass its check: {found}")
             result = await robot.motion.execute(plan, watch=scene)
@@ -107,12 +109,14 @@ async def perform_plans(
             board = Pose(0.62 * arm.reach, 0.0, 0.36 * arm.reach, inside.rx, inside.ry, inside.rz)
             await planner.plan(await _here(robot), board)
         except GoalInCollision as error:
-            console.print(f"a goal inside the board is refused: {error}", highlight=False)
+            console.print(
+                f"a goal inside the board is refused: {error}", markup=False, highlight=False
+            )
         here = await _here(robot)
         right = Joints(here.j1 - 2.0 * SIDE, *here[1:])
         around = await planner.plan(here, right, v=V, a=A)
         if pictures is not None:
-            save_pictures(around, scene, pictures, console)
+            await anyio.to_thread.run_sync(save_pictures, around, scene, pictures, console)
         await carry_out("round the board", around)
     return steps
 
