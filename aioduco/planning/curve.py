@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from aioduco.planning.spaces import JointSpace
+from aioduco.planning.spaces import JointPathSpace
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -111,7 +111,7 @@ def joint_curve(curve: Any, space: PathSpace) -> Curve | None:
     Returns:
         None if the arm does not reach all of it.
     """
-    if isinstance(space, JointSpace):
+    if isinstance(space, JointPathSpace):
         return BSpline(curve.t, space.joints(curve.c), _DEGREE)
     begin, end = float(curve.t[0]), float(curve.t[-1])
     at = np.linspace(begin, end, max(int((end - begin) / _FIT), 8) + 1)

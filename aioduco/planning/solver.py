@@ -21,7 +21,7 @@ from aioduco.models.rotation import matrix_from_rpy
 from aioduco.planning.curve import certain, joint_curve, rounded, through
 from aioduco.planning.problem import Goal, PlanningProblem, Region, Solution
 from aioduco.planning.search import STEP, search
-from aioduco.planning.spaces import JointSpace, PathSpace, UprightSpace
+from aioduco.planning.spaces import JointPathSpace, PathSpace, UprightPathSpace
 from aioduco.planning.timing import timed
 from aioduco.planning.toolpath import followed, poses_along
 
@@ -101,10 +101,10 @@ def _free(
 ) -> tuple[Curve, Points]:
     """A way to any of the goals, as a curve of joints, and its corners."""
     start, arm = problem.start, problem.arm
-    space: PathSpace = JointSpace(arm, checker)
+    space: PathSpace = JointPathSpace(arm, checker)
     branch = None
     if problem.upright:
-        space = branch = UprightSpace(arm, checker, start, problem.up, problem.tip)
+        space = branch = UprightPathSpace(arm, checker, start, problem.up, problem.tip)
     reached = _configurations(problem)
     if branch is not None:
         reached = [q for q in reached if branch.same_branch(q.tolist())]
@@ -197,7 +197,7 @@ def _along(problem: PlanningProblem, checker: CollisionChecker) -> tuple[Curve, 
     # Free as far as which pose: the padding is kept, or what of it there is at either end.
     ends = checker.clearance(q[-1]).distance
     checker.padding = max(_LEAST_PADDING, min(checker.padding, 0.9 * ends))
-    space = JointSpace(arm, checker)
+    space = JointPathSpace(arm, checker)
     at = np.linspace(0.0, way.length, wanted)
     if len(q) >= 6:
         curve = through(at[: len(q)], q * checker.radii)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = ["JointSpace", "PathSpace", "UprightSpace"]
+__all__ = ["JointPathSpace", "PathSpace", "UprightPathSpace"]
 
 _UPRIGHT = 0.02  # how far the tool may tilt at a goal, against the start [rad]
 
@@ -51,7 +51,7 @@ class PathSpace(Protocol):
         """The configurations of points that follow each other; None if one has none."""
 
 
-class JointSpace:
+class JointPathSpace:
     """The joints, each in proportion to how far it moves the arm."""
 
     def __init__(self, arm: Arm, checker: CollisionChecker) -> None:
@@ -78,7 +78,7 @@ class JointSpace:
         return points / self._radii
 
 
-class UprightSpace:
+class UprightPathSpace:
     """Places of the tool, and turns about the vertical: the tool is never tilted.
 
     The arm keeps its branch, and no joint goes further than half a turn from the start.

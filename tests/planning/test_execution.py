@@ -62,7 +62,7 @@ async def test_a_plan_is_followed_to_its_end_and_back_as_blended_motions() -> No
 async def test_what_comes_into_the_way_stops_the_arm_or_is_gone_round() -> None:
     async with cell() as (sim, robot, scene, planner):
         plan = await planner.plan(LEFT, RIGHT, v=0.6, a=3.0)
-        ahead = plan.pose(0.85 * plan.duration)
+        ahead = plan.pose(0.7 * plan.duration)
 
         def appear(_: object) -> None:
             if "ball" not in scene:
@@ -82,7 +82,7 @@ async def test_what_comes_into_the_way_stops_the_arm_or_is_gone_round() -> None:
         scene.remove("ball")
         await robot.motion.execute(plan)
         plan = await planner.plan(LEFT, RIGHT, v=0.6, a=3.0)
-        ahead = plan.pose(0.85 * plan.duration)
+        ahead = plan.pose(0.7 * plan.duration)
         await robot.motion.execute(plan, watch=scene, planner=planner, feedback=appear)
         assert "ball" in scene
         assert sim.joints == pytest.approx(RIGHT, abs=1e-3)
