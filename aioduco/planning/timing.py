@@ -148,8 +148,10 @@ def _smooth(grid: Points, times: Points, rates: Points, window: float) -> tuple[
     knots = tick * (np.arange(len(control) + _ORDER + 1) - _ORDER)
     law = BSpline(knots, control, _ORDER)
     at = tick * np.arange(len(control) - _ORDER + 1)
-    place = np.clip(law(at), grid[0], grid[-1])
-    return at, np.asarray(place, np.float64), law(at, 1), law(at, 2)
+    place: Points = np.clip(law(at), grid[0], grid[-1]).astype(np.float64)
+    rate_then: Points = law(at, 1)
+    change: Points = law(at, 2)
+    return at.astype(np.float64), place, rate_then, change
 
 
 def _along(curve: Curve, law: tuple[Points, ...]) -> TimedPath:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["LEFT_THERE", "PlannedStep", "obstacle", "perform_plans", "save_pictures"]
 
-HOME = Joints.deg(90, 0, 90, 0, -90, 0)
+ASIDE = Joints.deg(90, 0, 90, 0, -90, 0)
 SIDE = math.radians(50.0)  # that joint 1 is turned to either side of the obstacle
 #: where the simulated arm stands at first, as if someone had left it there [rad]
 LEFT_THERE = (1.9, -0.4, 1.2, 0.1, -1.1, 0.2)
@@ -96,8 +96,8 @@ async def perform_plans(
                 highlight=False,
             )
 
-        await carry_out("home", await planner.plan(await _here(robot), HOME, v=V, a=A))
-        left = Joints(SIDE, *HOME[1:])
+        await carry_out("home", await planner.plan(await _here(robot), ASIDE, v=V, a=A))
+        left = Joints(SIDE, *ASIDE[1:])
         await carry_out("a joint goal", await planner.plan(await _here(robot), left, v=V, a=A))
         pose = Pose.from_matrix(arm.fkine(left))
         lower = Pose(pose.x, pose.y, 0.3 * arm.reach, pose.rx, pose.ry, pose.rz)
@@ -105,7 +105,7 @@ async def perform_plans(
         higher = Pose(pose.x, pose.y, 0.45 * arm.reach, pose.rx, pose.ry, pose.rz)
         await carry_out("a straight line", await planner.line(await _here(robot), higher, v=V, a=A))
         try:
-            inside = Pose.from_matrix(arm.fkine(HOME))
+            inside = Pose.from_matrix(arm.fkine(ASIDE))
             board = Pose(0.62 * arm.reach, 0.0, 0.36 * arm.reach, inside.rx, inside.ry, inside.rz)
             await planner.plan(await _here(robot), board)
         except GoalInCollision as error:
