@@ -137,7 +137,7 @@ def test_what_is_held_moves_with_the_arm_and_stays_where_it_is_let_go() -> None:
     assert not scene.collides(turned)
     scene.detach("part", turned)
     assert scene["part"].at[:3] == pytest.approx(place[:3], abs=1e-9)
-    assert len(scene.attached) == 0
+    assert not list(scene.attached)
     with pytest.raises(SceneError, match="is held"):
         scene.detach("part", turned)
 
