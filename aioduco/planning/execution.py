@@ -51,6 +51,7 @@ class MotionSection(Protocol):
         options: LaneOptions | None = None,
     ) -> TrajectoryResult:
         """Follow joint positions at given times to the end."""
+        ...
 
     def movej2(self, joints: Any, v: float, a: float, *, r: float = 0.0) -> Any:
         """Move to joint angles."""

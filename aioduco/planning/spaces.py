@@ -43,12 +43,15 @@ class PathSpace(Protocol):
 
     def free(self, point: Any) -> bool:
         """Tell whether the arm touches nothing there."""
+        ...
 
     def point(self, q: Points) -> Points:
         """The point of a configuration [rad]."""
+        ...
 
     def joints(self, points: Points) -> Points | None:
         """The configurations of points that follow each other; None if one has none."""
+        ...
 
 
 class JointPathSpace:

@@ -44,6 +44,7 @@ class PlannedMotion(Protocol):
         self, motion: Any, read_joints: Any, **options: Any
     ) -> TrajectoryResult | None:
         """Carry it out by a robot's motions."""
+        ...
 
 
 class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teaching):
