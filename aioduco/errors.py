@@ -18,6 +18,8 @@ __all__ = [
     "EnvelopeViolated",
     "FeedOverflow",
     "FirstPointTooFar",
+    "GoalInCollision",
+    "GoalOutOfReach",
     "GoalToleranceViolated",
     "GuardLost",
     "HeartbeatLost",
@@ -29,12 +31,16 @@ __all__ = [
     "ModbusTimeout",
     "MotionCarriedOut",
     "NamedElsewhere",
+    "NoPathFound",
     "NotAController",
     "NotSent",
     "OutcomeUnknown",
     "ParameterError",
+    "PathIncomplete",
     "PathToleranceViolated",
     "PersonNeeded",
+    "PlanObstructed",
+    "PlanningError",
     "ProtocolError",
     "Refused",
     "RenderError",
@@ -42,6 +48,7 @@ __all__ = [
     "SceneError",
     "SetPointTooFar",
     "StaleState",
+    "StartInCollision",
     "StopUnconfirmed",
     "StreamClosed",
     "StreamError",
@@ -428,6 +435,71 @@ class EnvelopeViolated(DucoError):
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (str(self), self.limit, self.body, self.place, self.margin)
+
+
+class PlanningError(DucoError):
+    """No plan was made. Nothing was sent, and nothing moved.
+
+    Attributes:
+        pair: names of the two bodies that are in the way of each other; None if it is not that.
+        joints: the configuration that it is about [rad]; None if it is about none.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        pair: tuple[str, str] | None = None,
+        joints: Sequence[float] | None = None,
+    ) -> None:
+        self.pair = pair
+        self.joints: tuple[float, ...] | None = None if joints is None else tuple(joints)
+        super().__init__(message)
+
+
+class StartInCollision(PlanningError):
+    """The arm touches something where a plan is to begin. `pair` names the two bodies."""
+
+
+class GoalInCollision(PlanningError):
+    """The arm would touch something at each of its goals. `pair` names the two bodies."""
+
+
+class GoalOutOfReach(PlanningError, Unreachable):
+    """No configuration of the arm reaches a goal, within its joint limits and constraints."""
+
+
+class NoPathFound(PlanningError, TimeoutError):
+    """Start and goal are free, but no way from one to the other was found in the time given.
+
+    That there is none is not shown by it.
+    """
+
+
+class PathIncomplete(PlanningError):
+    """A line or an arc of the tool is free and within reach for a part of its way only.
+
+    Attributes:
+        fraction: how much of the way that is, 0 to 1.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        fraction: float = 0.0,
+        pair: tuple[str, str] | None = None,
+        joints: Sequence[float] | None = None,
+    ) -> None:
+        self.fraction = fraction
+        super().__init__(message, pair=pair, joints=joints)
+
+
+class PlanObstructed(PlanningError):
+    """The arm would touch something on its planned way, in the scene as it is now.
+
+    Raised while a plan is carried out, the arm was brought to rest on its way before.
+    """
 
 
 class SetPointTooFar(ParameterError):

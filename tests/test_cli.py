@@ -35,7 +35,7 @@ from aioduco.testing import eventually
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from aioduco.cli.demo.script import Plan
+    from aioduco.cli.demo.script import Choreography
 
 COMMAND = (sys.executable, "-W", "error", "-m", "aioduco.cli")
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -353,9 +353,9 @@ def test_demo_runs_on_another_arm_once_that_is_confirmed() -> None:
 
 
 def test_demo_is_slower_on_an_arm_that_it_did_not_make(monkeypatch: pytest.MonkeyPatch) -> None:
-    plans: list[Plan] = []
+    plans: list[Choreography] = []
 
-    async def perform(robot: aioduco.Robot, plan: Plan, *rest: object) -> None:
+    async def perform(robot: aioduco.Robot, plan: Choreography, *rest: object) -> None:
         plans.append(plan)
 
     monkeypatch.setattr("aioduco.cli.demo.session.perform", perform)

@@ -58,12 +58,14 @@ MAY_IMPORT: dict[str, set[str]] = {
     "testing": BASE | {"models", "_wire", "sim"},
     # what follows uses the package as a program does
     "compat": BASE | {"_wire"},
+    # knows arms, the simulator's physics and trajectories, and no robot
+    "planning": BASE | {"models", "kinematics", "streaming", "sim"},
     "recording": CLIENT | {"robot", "__init__"},
     "sync": CLIENT | {"robot", "__init__"},
     "preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat"},
     "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "sync", "testing", "preflight"},
     "cli": CLIENT
-    | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "preflight"},
+    | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "preflight", "planning"},
 }
 
 #: by folder or module of the simulator, which others of it that may import; itself always
@@ -120,11 +122,18 @@ LONGEST_CHAIN = {"aioduco.streaming": 9, "aioduco.supervision": 7}
 #: by library, the files that may import it, each with all that is under it
 ONLY_IN: dict[str, set[str]] = {
     "thriftpy2": {"_wire", "sim/server"},
-    "mujoco": {"sim/physics", "sim/view/drawing.py", "sim/view/viewer.py"},
+    "mujoco": {
+        *("sim/physics", "sim/view/drawing.py", "sim/view/viewer.py"),
+        "planning/collision.py",
+    },
+    # OMPL's bindings complain when an interpreter ends: it is loaded in the planner's process alone
+    "ompl": {"planning/search.py"},
+    "toppra": {"planning/timing.py"},
+    "scipy": {"planning/curve.py", "planning/timing.py"},
     "ruckig": {"sim/planner", "streaming"},
     "typer": {"cli"},
     "rich": {"cli", "streaming/report.py", "streaming/doctor.py"},
-    "PIL": {"cli/picture.py", "preflight/html.py"},
+    "PIL": {"cli/picture.py", "cli/demo/planned.py", "preflight/html.py"},
     "distributed": {"preflight/sweep.py"},
     "matplotlib": {"cli", "streaming/report.py"},
     # the thread hand-off, and tasks that outlive the task that started them

@@ -15,14 +15,19 @@ if TYPE_CHECKING:
 
 __all__ = ["arm", "need"]
 
-_BRINGS = {"sim": ("mujoco",), "plot": ("matplotlib", "PIL"), "sweep": ("distributed",)}
+_BRINGS = {
+    "sim": ("mujoco",),
+    "plot": ("matplotlib", "PIL"),
+    "plan": ("ompl", "toppra", "scipy"),
+    "sweep": ("distributed",),
+}
 
 
 def need(*extras: str) -> None:
     """End with a message that says what to install, if something of the extras is missing.
 
     Args:
-        extras: names of extras: "sim", "plot", "sweep".
+        extras: names of extras: "sim", "plot", "plan", "sweep".
     """
     missing = {
         extra: [name for name in _BRINGS[extra] if importlib.util.find_spec(name) is None]

@@ -344,6 +344,21 @@ class Simulator:
         return self._status_address if self._status is None else self._status.port
 
     @property
+    def scene(self) -> str | None:
+        """What stands around the arm: MJCF, or the path of a file of it; None for nothing."""
+        return self._scene
+
+    @property
+    def tool(self) -> str | None:
+        """What the flange carries, likewise."""
+        return self._tool
+
+    @property
+    def pedestal(self) -> bool:
+        """Whether the arm stands on a column."""
+        return self._pedestal
+
+    @property
     def connections(self) -> int:
         """How many clients are connected."""
         return 0 if self._server is None else self._server.connections

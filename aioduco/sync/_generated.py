@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from aioduco.api.kinematics import Kinematics as AioKinematics, Reachability
     from aioduco.api.log import Log as AioLog
     from aioduco.api.modbus import Modbus as AioModbus
-    from aioduco.api.motion import Motion as AioMotion, Through
+    from aioduco.api.motion import Motion as AioMotion, PlannedMotion, Through
     from aioduco.api.optimization import Optimization as AioOptimization
     from aioduco.api.program import Program as AioProgram
     from aioduco.api.realtime import Realtime as AioRealtime
@@ -324,6 +324,61 @@ class Motion(_Section):
         work = self._section.follow_joint_trajectory(
             trajectory, v=v, a=a, tolerances=tolerances, feedback=feedback, through=through,
             rate=rate, reach=reach, options=options
+        )
+        return self._runner.call(work)
+
+    def execute(
+        self,
+        plan: PlannedMotion,
+        *,
+        watch: Any = None,
+        planner: Any = None,
+        through: Through | Literal['blended'] = 'auto',
+        tolerances: Tolerances | None = None,
+        feedback: Callable[[Feedback], object] | None = None,
+        options: LaneOptions | None = None,
+    ) -> TrajectoryResult | None:
+        """Carry out a plan of `aioduco.planning` (执行规划), supervised to its end.
+
+        An interrupt brings the arm to rest on the plan's path before it goes on.
+
+        Args:
+            plan: the plan; it must begin where the arm is, to 0.01 rad for each joint.
+            watch: the `Scene` that is planned in: each time that it changes meanwhile, the rest of
+                the way is checked; if it is not free any more, the arm is brought to rest on it.
+            planner: a `Planner`, with `watch`: it then plans a way from there to the same end,
+                which is followed instead.
+            through: "realtime" for the controller's realtime queue, "servoj" for one call per
+                set-point, "auto" for the queue if this controller has one, else servoj; "blended"
+                for joint motions of the controller that blend, as fast as it makes them within
+                the plan's limits, and without `watch`, `tolerances` and `feedback`.
+            tolerances: how far the arm may be from the plan; None: the defaults of `Tolerances`.
+            feedback: called about 50 times a second with where the arm is on its way.
+            options: how the worker runs; None: in a process of its own.
+
+        Returns:
+            How it was followed; None for blended motions.
+
+        Raises:
+            FirstPointTooFar: the arm is not where the plan begins; nothing was sent.
+            PlanObstructed: the way is not free in the scene that is watched; the arm stands where
+                it was, or was brought to rest on its way.
+            PlanningError: no way around what is new was found; the arm stands.
+            ParameterError: an argument is not allowed; nothing was sent.
+            PathToleranceViolated: the arm strayed from the path; it was brought to rest.
+            GoalToleranceViolated: the arm did not come close enough to the end in time.
+            RobotStateError: something else moves the arm; nothing was sent.
+            StreamError: the stream ended by something else; says why.
+            TaskError: a blended motion did not succeed.
+        """
+        work = self._section.execute(
+            plan,
+            watch=watch,
+            planner=planner,
+            through=through,
+            tolerances=tolerances,
+            feedback=feedback,
+            options=options,
         )
         return self._runner.call(work)
 

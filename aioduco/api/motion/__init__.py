@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, Protocol, get_args
 
 from aioduco.api.motion.curves import Curves
 from aioduco.api.motion.jog import Jogging
@@ -30,11 +30,21 @@ if TYPE_CHECKING:
     from aioduco.streaming.options import LaneOptions
     from aioduco.supervision.supervisor import Supervisor
 
-__all__ = ["Motion", "Through"]
+__all__ = ["Motion", "PlannedMotion", "Through"]
 
 Through = Literal["auto", "realtime", "servoj"]
 
 _AHEAD = Integer(1, 1000, "motions", source="this package")
+
+
+class PlannedMotion(Protocol):
+    """What can be executed: a `Plan` of `aioduco.planning`, which this package does not need."""
+
+    async def run_on(
+        self, motion: Any, read_joints: Any, **options: Any
+    ) -> TrajectoryResult | None:
+        """Carry it out by a robot's motions."""
+        ...
 
 
 class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teaching):
@@ -206,6 +216,66 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
             feedback=feedback,
             rate=rate,
             reach=reach,
+            options=options,
+        )
+
+    async def execute(
+        self,
+        plan: PlannedMotion,
+        *,
+        watch: Any = None,
+        planner: Any = None,
+        through: Through | Literal["blended"] = "auto",
+        tolerances: Tolerances | None = None,
+        feedback: Callable[[Feedback], object] | None = None,
+        options: LaneOptions | None = None,
+    ) -> TrajectoryResult | None:
+        """Carry out a plan of `aioduco.planning` (执行规划), supervised to its end.
+
+        Cancelling this brings the arm to rest on the plan's path before it goes on.
+
+        Args:
+            plan: the plan; it must begin where the arm is, to 0.01 rad for each joint.
+            watch: the `Scene` that is planned in: each time that it changes meanwhile, the rest of
+                the way is checked; if it is not free any more, the arm is brought to rest on it.
+            planner: a `Planner`, with `watch`: it then plans a way from there to the same end,
+                which is followed instead.
+            through: "realtime" for the controller's realtime queue, "servoj" for one call per
+                set-point, "auto" for the queue if this controller has one, else servoj; "blended"
+                for joint motions of the controller that blend, as fast as it makes them within
+                the plan's limits, and without `watch`, `tolerances` and `feedback`.
+            tolerances: how far the arm may be from the plan; None: the defaults of `Tolerances`.
+            feedback: called about 50 times a second with where the arm is on its way.
+            options: how the worker runs; None: in a process of its own.
+
+        Returns:
+            How it was followed; None for blended motions.
+
+        Raises:
+            FirstPointTooFar: the arm is not where the plan begins; nothing was sent.
+            PlanObstructed: the way is not free in the scene that is watched; the arm stands where
+                it was, or was brought to rest on its way.
+            PlanningError: no way around what is new was found; the arm stands.
+            ParameterError: an argument is not allowed; nothing was sent.
+            PathToleranceViolated: the arm strayed from the path; it was brought to rest.
+            GoalToleranceViolated: the arm did not come close enough to the end in time.
+            RobotStateError: something else moves the arm; nothing was sent.
+            StreamError: the stream ended by something else; says why.
+            TaskError: a blended motion did not succeed.
+        """
+        if not callable(getattr(plan, "run_on", None)):
+            raise ParameterError("plan", plan, "a plan of aioduco.planning")
+        if through not in (*get_args(Through), "blended"):
+            raise ParameterError("through", through, f"{', '.join(get_args(Through))} or blended")
+        self._supervisor.check_open("execute")
+        return await plan.run_on(
+            self,
+            self._rpc.get_actual_joints_position,
+            watch=watch,
+            planner=planner,
+            through=through,
+            tolerances=tolerances,
+            feedback=feedback,
             options=options,
         )
 

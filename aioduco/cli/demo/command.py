@@ -15,7 +15,7 @@ import aioduco
 from aioduco.cli import extras
 from aioduco.cli.demo import session, view
 from aioduco.cli.demo.report import Report
-from aioduco.cli.demo.script import Plan
+from aioduco.cli.demo.script import Choreography
 from aioduco.errors import DucoError
 from aioduco.kinematics import forward
 
@@ -50,13 +50,23 @@ def demo(
     result: Annotated[
         Path | None, typer.Option("--json", help="Where to write the result. -: the output.")
     ] = None,
+    planned: Annotated[
+        bool,
+        typer.Option("--plan", help="Plan and carry out ways round an obstacle, if simulated."),
+    ] = False,
+    pictures: Annotated[
+        Path | None, typer.Option(help="With --plan: folder for pictures before and after.")
+    ] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before a real arm moves.")] = False,
 ) -> None:
     """Make a small pick and place, show it, and say how well it went."""
+    if planned:
+        _plan(host, model, result, pictures)
+        return
     extras.need(*(() if host else ("sim",)), *(() if no_plot else ("plot",)))
     arm = extras.arm(model)
     console = Console(stderr=result == OUTPUT)
-    plan = Plan.for_reach(arm.reach, careful=host is not None)
+    plan = Choreography.for_reach(arm.reach, careful=host is not None)
     if host is not None:
         if not yes:
             _ask(host, port, model, plan, console)
@@ -82,10 +92,33 @@ def demo(
     raise typer.Exit(0 if report.ok else 1)
 
 
+def _plan(host: str | None, model: str, result: Path | None, pictures: Path | None) -> None:
+    """Plan and carry out ways round an obstacle, on a simulated arm."""
+    if host is not None:
+        raise typer.BadParameter("is for a simulated arm: its obstacle stands nowhere else",
+                                 param_hint="--plan")  # fmt: skip
+    extras.need("sim", "plan", *(("plot",) if pictures is not None else ()))
+    from aioduco.cli.demo import planned  # noqa: PLC0415 - MuJoCo is for this case alone
+    from aioduco.sim import Simulator  # noqa: PLC0415
+
+    arm = extras.arm(model)
+    console = Console(stderr=result == OUTPUT)
+    try:
+        left, board = planned.LEFT_THERE, planned.obstacle(arm)
+        with Simulator.spawn(model=model, joints=left, scene=[board]) as sim:
+            steps = anyio.run(planned.perform_plans, sim, arm, console, pictures)
+    except DucoError as error:
+        console.print(f"error: {error}", style="bold red", markup=False, highlight=False)
+        raise typer.Exit(1) from None
+    if result is not None:
+        text = json.dumps({"model": model, "steps": [step._asdict() for step in steps]}, indent=2)
+        _put(text, result)
+
+
 def _perform(
     host: str,
     port: int,
-    plan: Plan,
+    plan: Choreography,
     report: Report,
     console: Console,
     clock: Clock | None = None,
@@ -99,7 +132,7 @@ def _perform(
         shown.close()
 
 
-def _ask(host: str, port: int, model: str, plan: Plan, console: Console) -> None:
+def _ask(host: str, port: int, model: str, plan: Choreography, console: Console) -> None:
     """Say what is there and what will move, and go on only if that is confirmed."""
     try:
         found = anyio.run(session.look, host, port)
@@ -117,7 +150,7 @@ def _ask(host: str, port: int, model: str, plan: Plan, console: Console) -> None
         raise typer.Exit(NOT_CONFIRMED)
 
 
-def _warning(controller: str, model: str, plan: Plan, found: Found) -> str:
+def _warning(controller: str, model: str, plan: Choreography, found: Found) -> str:
     """The warning before the arm moves."""
     now, start = found.status.joints.array, plan.start.array
     far = np.rad2deg(np.abs(start - now))
@@ -150,7 +183,10 @@ def _plot(report: Report, arm: Arm, path: Path) -> None:
 
 
 def _write(report: Report, path: Path) -> None:
-    text = json.dumps(report.as_json(), indent=2)
+    _put(json.dumps(report.as_json(), indent=2), path)
+
+
+def _put(text: str, path: Path) -> None:
     if path == OUTPUT:
         typer.echo(text)
     else:

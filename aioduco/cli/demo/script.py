@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     from aioduco.robot import Robot
     from aioduco.supervision.command import MotionCommand
 
-__all__ = ["Plan", "pick_and_place"]
+__all__ = ["Choreography", "pick_and_place"]
 
 GRIPPER = 1  # general digital output of the cabinet that would close a gripper
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class Choreography:
     """Where the arm goes and how fast.
 
     Attributes:
@@ -55,7 +55,7 @@ class Plan:
     hold: float = 0.5
 
     @classmethod
-    def for_reach(cls, reach: float, *, careful: bool) -> Plan:
+    def for_reach(cls, reach: float, *, careful: bool) -> Choreography:
         """Make a plan for an arm.
 
         Args:
@@ -81,7 +81,7 @@ class Plan:
         )
 
 
-async def pick_and_place(robot: Robot, stage: Stage, plan: Plan) -> None:
+async def pick_and_place(robot: Robot, stage: Stage, plan: Choreography) -> None:
     """Pick something up, put it down, pause and go on, stop in mid motion, and go back.
 
     Args:

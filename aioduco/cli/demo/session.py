@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from anyio.abc import TaskStatus
 
     from aioduco.cli.demo.report import Report
-    from aioduco.cli.demo.script import Plan
+    from aioduco.cli.demo.script import Choreography
     from aioduco.cli.demo.view import View
     from aioduco.models.state import RobotStates, RobotStatus
     from aioduco.robot import Robot
@@ -59,7 +59,9 @@ async def look(host: str, port: int) -> Found:
         return Found(await robot.state.get_robot_state(), await robot.state.getRobotStatus(), arm)
 
 
-async def perform(robot: Robot, plan: Plan, report: Report, view: View) -> signal.Signals | None:
+async def perform(
+    robot: Robot, plan: Choreography, report: Report, view: View
+) -> signal.Signals | None:
     """Connect, bring the arm up, and go through the choreography.
 
     Args:
@@ -87,7 +89,7 @@ async def perform(robot: Robot, plan: Plan, report: Report, view: View) -> signa
     return told[0] if told else None
 
 
-async def _perform(robot: Robot, plan: Plan, report: Report, view: View) -> None:
+async def _perform(robot: Robot, plan: Choreography, report: Report, view: View) -> None:
     stage = Stage(robot, report, view)
     try:
         async with robot:

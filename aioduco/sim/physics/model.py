@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["FREQUENCY", "SERVOS", "compose", "mjcf"]
+__all__ = ["FREQUENCY", "SERVOS", "assemble", "compiled", "compose", "mjcf", "part"]
 
 FREQUENCY = 2 * math.pi * 25
 """Natural frequency of the position servos with the arm at its lightest [rad/s]."""
@@ -189,30 +189,63 @@ def compose(arm: str, scene: str | None, tool: str | None) -> Any:
     Raises:
         SceneError: MuJoCo does not take the scene or the tool; it says why.
     """
+    return compiled(assemble(arm, scene, tool))
+
+
+def assemble(arm: str, scene: str | None, tool: str | None) -> Any:
+    """Put together what `compose` compiles: the same, as MuJoCo's specification of a model.
+
+    Args:
+        arm: the arm as MJCF, with a body "flange" and a geom "floor".
+        scene: MJCF, or the path of a file of it; placed in the world.
+        tool: likewise, rigidly placed at the flange.
+
+    Raises:
+        SceneError: MuJoCo does not take the scene or the tool; it says why.
+    """
     spec = mujoco.MjSpec.from_string(arm)
     if tool is not None:
         body = spec.body("flange").add_body(name="tool")
-        spec.attach(_part("tool", tool, spec), prefix="tool/", frame=body.add_frame())
+        spec.attach(part("tool", tool, spec), prefix="tool/", frame=body.add_frame())
     if scene is not None:
-        part = _part("scene", scene, spec)
-        if part.geom("floor") is not None:
+        around = part("scene", scene, spec)
+        if around.geom("floor") is not None:
             spec.delete(spec.geom("floor"))
-        spec.attach(part, prefix="scene/", frame=spec.worldbody.add_frame())
+        spec.attach(around, prefix="scene/", frame=spec.worldbody.add_frame())
+    return spec
+
+
+def compiled(spec: Any) -> Any:
+    """Compile a specification.
+
+    Raises:
+        SceneError: MuJoCo does not take it; it says why.
+    """
     try:
         return spec.compile()
     except ValueError as exc:
         raise SceneError(f"scene and tool make no model: {exc}") from exc
 
 
-def _part(name: str, text: str, spec: Any) -> Any:
+def part(name: str, text: str, spec: Any) -> Any:
+    """Read MJCF that is to be attached to a specification, whose options then hold for it.
+
+    Args:
+        name: what it is, for errors.
+        text: MJCF, or the path of a file of it.
+        spec: what it will be attached to.
+
+    Raises:
+        SceneError: MuJoCo does not take it; it says why.
+    """
     inline = text.lstrip().startswith("<")
     if not inline and not os.path.isfile(text):  # noqa: PTH113 - a path given as text
         raise SceneError(f"the {name}'s file {text} does not exist")
     try:
-        part = (mujoco.MjSpec.from_string if inline else mujoco.MjSpec.from_file)(text)
+        found = (mujoco.MjSpec.from_string if inline else mujoco.MjSpec.from_file)(text)
     except ValueError as exc:
         raise SceneError(f"the {name} is no MJCF: {exc}") from exc
     for option in dir(spec.option):
         if not option.startswith("_"):
-            setattr(part.option, option, getattr(spec.option, option))
-    return part
+            setattr(found.option, option, getattr(spec.option, option))
+    return found

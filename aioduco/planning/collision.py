@@ -1,0 +1,225 @@
+"""Collisions of an arm in its scene, by MuJoCo and the simulator's model of the arm."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from aioduco.models.rotation import quaternion_from_matrix
+from aioduco.planning.clearance import FURTHEST, Clearance
+from aioduco.sim.physics.model import assemble, compiled, mjcf, part
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from numpy.typing import NDArray
+
+    from aioduco.kinematics import Arm
+    from aioduco.models.pose import Pose
+
+    Vector = NDArray[np.float64]
+
+    mujoco: Any  # its bindings are compiled, without types
+else:
+    import mujoco
+
+__all__ = ["CollisionChecker", "build"]
+
+_PREFIXES = ("scene/", "tool/")
+_THING, _ARM, _FLOOR = 1, 2, 4  # what may touch, by bits
+
+
+def build(
+    arm: Arm,
+    mounting: Pose,
+    *,
+    pedestal: bool,
+    around: str | None,
+    tool: str | None,
+    things: str,
+    attached: Mapping[str, NDArray[np.float64]],
+    allowed: Iterable[tuple[str, str]],
+) -> Any:
+    """Compile an arm with its scene.
+
+    Args:
+        arm: the arm.
+        mounting: of its base in the world.
+        pedestal: whether it stands on a column there.
+        around: scene as MJCF, or a file of it.
+        tool: what the flange carries, likewise.
+        things: more of the scene, as MJCF.
+        attached: by name, bodies of the scene that the flange holds, and where. Shape (4, 4) each.
+        allowed: pairs of bodies that may touch.
+
+    Raises:
+        SceneError: MuJoCo does not take it, or there is no such body.
+    """
+    spec = assemble(mjcf(arm, 0.001, mounting, pedestal=pedestal), around, tool)
+    spec.attach(part("scene", things, spec), prefix="scene/", frame=spec.worldbody.add_frame())
+    spec.copy_during_attach = True
+    for name, place in attached.items():
+        body = spec.body(f"scene/{name}")
+        held = spec.body("flange").add_frame().attach_body(body, "held/", "")
+        spec.delete(body)
+        for joint in list(held.joints):
+            spec.delete(joint)
+        held.name = f"scene/{name}"
+        held.pos, held.quat = place[:3, 3], quaternion_from_matrix(place[:3, :3])
+        for other in ("link5", "link6", *(["tool"] if tool is not None else [])):
+            spec.add_exclude(bodyname1=f"scene/{name}", bodyname2=other)
+    if tool is not None:
+        spec.add_exclude(bodyname1="tool", bodyname2="link6")
+    for one, other in allowed:
+        spec.add_exclude(bodyname1=_body(spec, one), bodyname2=_body(spec, other))
+    return compiled(spec)
+
+
+def _body(spec: Any, name: str) -> str:
+    if name == "floor":
+        return "world"
+    return next((f"{p}{name}" for p in ("", *_PREFIXES) if spec.body(f"{p}{name}")), name)
+
+
+class CollisionChecker:
+    """Tells whether an arm in a configuration touches its scene or itself. Of one thread.
+
+    Args:
+        model: of MuJoCo, as `build` gives it; it is changed.
+        padding: distance below which bodies count as touching [m].
+        positions: of what is loose in the scene; None for where it was put.
+
+    Attributes:
+        radii: how far a turn of each joint can move a point, at most [m/rad]. Shape (6,).
+        count: configurations that were looked at.
+    """
+
+    def __init__(self, model: Any, padding: float, positions: Vector | None = None) -> None:
+        self._model, self._data = model, mujoco.MjData(model)
+        if positions is not None:
+            self._data.qpos[6:] = positions
+        self._qpos: Vector = self._data.qpos[:6]
+        arm = {model.body(name).id for name in ("base", *(f"link{i}" for i in range(1, 7)))}
+        moving = np.array([_belongs(model, body, arm) for body in range(model.nbody)])
+        still = ~moving[model.geom_bodyid]
+        solid = (model.geom_contype | model.geom_conaffinity).astype(bool)
+        # Things of the scene are not compared with one another. Nor is link 1 with what the arm
+        # stands on: it turns above that at one height.
+        model.geom_contype[still & solid], model.geom_conaffinity[still] = _THING, 0
+        model.geom_contype[~still & solid] = _ARM
+        model.geom_conaffinity[~still & solid] = _ARM | _THING | _FLOOR
+        for geom in range(model.ngeom):
+            if model.geom(geom).name.removeprefix("scene/") in ("floor", "plate", "pedestal"):
+                model.geom_contype[geom], model.geom_conaffinity[geom] = _FLOOR, 0
+            elif model.geom_bodyid[geom] == model.body("link1").id:
+                model.geom_conaffinity[geom] &= ~_FLOOR
+        self._moves = ~still
+        self.radii: Vector = _radii(model)
+        self.count = 0
+        self.padding = padding
+
+    @property
+    def padding(self) -> float:
+        """Distance below which bodies count as touching [m]."""
+        return self._padding
+
+    @padding.setter
+    def padding(self, padding: float) -> None:
+        self._padding = padding
+        self._within(padding)
+
+    def free(self, q: Any) -> bool:
+        """Tell whether nothing is within the padding of anything.
+
+        Args:
+            q: six joint angles [rad]: an array, or anything with an index.
+        """
+        model, data, qpos = self._model, self._data, self._qpos
+        for joint in range(6):
+            qpos[joint] = q[joint]
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_collision(model, data)
+        self.count += 1
+        return not data.ncon
+
+    def clearance(self, q: Vector, within: float = FURTHEST) -> Clearance:
+        """Tell how far the arm is from the nearest thing, and which two bodies that are.
+
+        Args:
+            q: joint angles [rad]. Shape (6,).
+            within: distance up to which is looked [m].
+        """
+        self._within(within)
+        try:
+            if self.free(q):
+                return Clearance(within)
+            contact = self._data.contact
+            nearest = int(np.argmin(contact.dist))
+            pair = sorted(contact.geom[nearest].tolist(), key=lambda geom: not self._moves[geom])
+            one, other = (self._name(geom) for geom in pair)
+            x, y, z = contact.pos[nearest].tolist()
+            return Clearance(float(contact.dist[nearest]), (one, other), (x, y, z))
+        finally:
+            self._within(self._padding)
+
+    def place(self, q: Vector, name: str) -> NDArray[np.float64]:
+        """Where a body is in the flange's frame.
+
+        Args:
+            q: joint angles [rad]. Shape (6,).
+            name: of a thing in the scene.
+
+        Returns:
+            Shape (4, 4).
+        """
+        self._qpos[:] = q
+        mujoco.mj_kinematics(self._model, self._data)
+        body = self._data.body(f"scene/{name}")
+        flange = self._data.site("flange")
+        found = np.eye(4)
+        turn = flange.xmat.reshape(3, 3).T
+        found[:3, :3] = turn @ body.xmat.reshape(3, 3)
+        found[:3, 3] = turn @ (body.xpos - flange.xpos)
+        return found
+
+    def _within(self, distance: float) -> None:
+        # MuJoCo adds those of the two; bodies have what is the most of their geoms'.
+        self._model.geom_margin[:] = self._model.body_margin[:] = 0.5 * distance
+
+    def _name(self, geom: int) -> str:
+        model = self._model
+        body = int(model.geom_bodyid[geom])
+        name = str(model.body(body).name if body else model.geom(geom).name)
+        while body and not name:
+            body = int(model.body_parentid[body])
+            name = str(model.body(body).name)
+        if model.geom(geom).name in ("plate", "pedestal"):
+            name = str(model.geom(geom).name)
+        if name.startswith("tool/"):
+            return "tool"
+        return name.removeprefix("scene/") or "a thing without a name"
+
+
+def _belongs(model: Any, body: int, arm: set[int]) -> bool:
+    while body:
+        if body in arm:
+            return True
+        body = int(model.body_parentid[body])
+    return False
+
+
+def _radii(model: Any) -> Vector:
+    """By joint, the furthest that a point beyond it can be from its axis, at most."""
+    furthest = np.zeros(model.nbody)
+    for body in range(model.nbody - 1, 0, -1):
+        first = int(model.body_geomadr[body])
+        for geom in range(first, first + int(model.body_geomnum[body])):
+            if model.geom_rbound[geom] > 0.0 and model.geom_conaffinity[geom]:
+                away = float(np.linalg.norm(model.geom_pos[geom])) + model.geom_rbound[geom]
+                furthest[body] = max(furthest[body], away)
+        parent = int(model.body_parentid[body])
+        reach = float(np.linalg.norm(model.body_pos[body])) + furthest[body]
+        if furthest[body] > 0.0:
+            furthest[parent] = max(furthest[parent], reach)
+    return np.array([furthest[model.body(f"link{i}").id] for i in range(1, 7)])

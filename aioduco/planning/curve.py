@@ -1,0 +1,129 @@
+"""The geometric path of a plan: a smooth curve of the joints, and whether all of it is free."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from scipy.interpolate import BSpline, make_interp_spline
+
+from aioduco.planning.spaces import JointPathSpace
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from aioduco.planning.collision import CollisionChecker
+    from aioduco.planning.spaces import PathSpace
+
+    Points = NDArray[np.float64]
+
+__all__ = ["Curve", "certain", "joint_curve", "rounded"]
+
+Curve: TypeAlias = "BSpline[Any]"
+"""Points over a length; the first and the last of its knots `t` are its ends."""
+
+_DEGREE = 3
+_WIDEST = 0.3  # spans of the curve where nothing is near [m of the arm's furthest point, about]
+_NARROWEST = 0.004
+_FIT = 0.01  # between two configurations that a curve of joints goes through [m, about]
+
+
+def rounded(corners: Points, space: PathSpace, checker: CollisionChecker) -> Curve | None:
+    """Give a smooth curve along a way with corners, as round as the scene allows.
+
+    Each corner is cut by a cubic B-spline, which keeps straight parts straight. Where the curve
+    would touch something its spans are halved, which takes it closer to the corner.
+
+    Args:
+        corners: of the way. Shape (n, dimensions).
+        space: what the way is in.
+        checker: of the scene.
+
+    Returns:
+        A curve of points; None if not even the way with its corners is free.
+    """
+    steps = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    corners = corners[np.concatenate([[True], steps > 1e-9])]
+    lengths = np.concatenate([[0.0], np.cumsum(steps[steps > 1e-9])])
+    total = float(lengths[-1])
+    inner = np.linspace(0.0, total, max(int(np.ceil(total / _WIDEST)), 2) + 1)
+    known: dict[tuple[float, ...], bool] = {}
+    while True:
+        knots = np.concatenate([[0.0] * _DEGREE, inner, [total] * _DEGREE])
+        middle = np.mean([knots[i : len(knots) - 1 - _DEGREE + i] for i in range(1, 4)], axis=0)
+        control = np.column_stack([np.interp(middle, lengths, axis) for axis in corners.T])
+        curve = BSpline(knots, control, _DEGREE)
+        halved: set[int] = set()
+        for span in range(len(inner) - 1):
+            # The span follows from these knots alone: what was seen of it once holds.
+            key = tuple(knots[span + 1 : span + 7].tolist())
+            if key not in known:
+                known[key] = certain(curve, space, checker, inner[span], inner[span + 1])
+            if not known[key]:
+                halved |= {span - 1, span, span + 1}
+        if not halved:
+            return curve
+        spans = np.diff(inner)
+        chosen = [i for i in sorted(halved) if 0 <= i < len(spans) and spans[i] > _NARROWEST]
+        if not any(known_bad in chosen for known_bad in halved) or not chosen:
+            return None
+        inner = np.sort(np.concatenate([inner, [0.5 * (inner[i] + inner[i + 1]) for i in chosen]]))
+
+
+def certain(
+    curve: Any, space: PathSpace, checker: CollisionChecker, begin: float, end: float
+) -> bool:
+    """Tell whether a part of a curve is free, also between the places that are looked at.
+
+    Places follow each other so closely that no point of the arm moves further than twice the
+    padding, and at each nothing is within the padding.
+
+    Args:
+        curve: of points of the space, over a length.
+        space: the space.
+        checker: of the scene.
+        begin, end: the part.
+    """
+    reach = 1.9 * checker.padding
+    count = max(int(np.ceil((end - begin) / reach)), 1) + 1
+    while True:
+        q = space.joints(curve(np.linspace(begin, end, count)))
+        if q is None:
+            return False
+        furthest = float((np.abs(np.diff(q, axis=0)) @ checker.radii).max())
+        if furthest <= reach:
+            break
+        if furthest > 1.0 and count > 64:
+            return False  # a jump, not a curve
+        count = int(np.ceil((count - 1) * furthest / reach)) + 2
+    width = max(int(count - 1).bit_length(), 1)
+    order = sorted(range(count), key=lambda i: int(f"{i:0{width}b}"[::-1], 2))
+    return all(checker.free(q[i]) for i in order)
+
+
+def joint_curve(curve: Any, space: PathSpace) -> Curve | None:
+    """Give a curve of points as one of joints [rad], over the same length.
+
+    Args:
+        curve: of points of the space.
+        space: the space.
+
+    Returns:
+        None if the arm does not reach all of it.
+    """
+    if isinstance(space, JointPathSpace):
+        return BSpline(curve.t, space.joints(curve.c), _DEGREE)
+    begin, end = float(curve.t[0]), float(curve.t[-1])
+    at = np.linspace(begin, end, max(int((end - begin) / _FIT), 8) + 1)
+    q = space.joints(curve(at))
+    return None if q is None else through(at, q)
+
+
+def through(at: Points, q: Points) -> Curve:
+    """Give the curve through configurations, of fifth order.
+
+    Args:
+        at: rising. Shape (n,), n from 6.
+        q: joints [rad]. Shape (n, 6).
+    """
+    return make_interp_spline(at, q, k=5)

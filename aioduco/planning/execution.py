@@ -1,0 +1,195 @@
+"""Carrying a plan out: supervised, and with an eye on a scene that changes meanwhile."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+import anyio
+import anyio.to_thread
+import numpy as np
+
+from aioduco.errors import FirstPointTooFar, ParameterError, PlanObstructed
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Sequence
+
+    from aioduco.planning.plan import Plan, PlanCheck
+    from aioduco.planning.planner import Planner
+    from aioduco.planning.scene import Scene
+    from aioduco.streaming.joint_trajectory import (
+        Feedback,
+        JointTrajectory,
+        Tolerances,
+        TrajectoryResult,
+    )
+    from aioduco.streaming.options import LaneOptions
+
+__all__ = ["MotionSection", "ReadJoints", "execute"]
+
+_NEAR = 0.01  # how far a joint may be from where the plan begins [rad]
+_REPLANS = 5  # at most, in one execution
+_FASTEST = 3.93  # of a joint, that streams allow [rad/s]
+_ROOM = 1.5  # for the stream's own limit of acceleration, so that it rounds nothing
+
+ReadJoints: TypeAlias = "Callable[[], Awaitable[Sequence[float]]]"
+"""Reads where the arm is [rad]."""
+
+
+class MotionSection(Protocol):
+    """What is used of `robot.motion`."""
+
+    async def follow_joint_trajectory(
+        self,
+        trajectory: JointTrajectory,
+        *,
+        v: float,
+        a: float,
+        tolerances: Tolerances | None = None,
+        feedback: Callable[[Feedback], object] | None = None,
+        through: Any = "auto",
+        reach: float = 0.05,
+        options: LaneOptions | None = None,
+    ) -> TrajectoryResult:
+        """Follow joint positions at given times to the end."""
+        ...
+
+    def movej2(self, joints: Any, v: float, a: float, *, r: float = 0.0) -> Any:
+        """Move to joint angles."""
+
+    async def run(self, *motions: Any) -> Any:
+        """Send motions one after another, ahead of the arm."""
+
+
+async def execute(
+    motion: MotionSection,
+    read_joints: ReadJoints,
+    plan: Plan,
+    *,
+    watch: Scene | None = None,
+    planner: Planner | None = None,
+    through: str = "auto",
+    tolerances: Tolerances | None = None,
+    feedback: Callable[[Feedback], object] | None = None,
+    options: LaneOptions | None = None,
+) -> TrajectoryResult | None:
+    """Carry a plan out: see `robot.motion.execute`.
+
+    Raises:
+        FirstPointTooFar: the arm is not where the plan begins; nothing was sent.
+        PlanObstructed: it would touch something in the scene that is watched.
+    """
+    if planner is not None and watch is None:
+        raise ParameterError("planner", planner, "given with a scene to watch")
+    blended = through == "blended"
+    if blended and (watch is not None or tolerances is not None or feedback is not None):
+        raise ParameterError("through", through, "another for watch, tolerances and feedback")
+    for _ in range(_REPLANS):
+        await _at_start(plan, read_joints)
+        if watch is not None:
+            await _checked(plan, watch, 0.0)
+        if plan.duration == 0.0:
+            return None
+        if blended:
+            v, a = min(plan.limits.velocity), min(plan.limits.acceleration)
+            await motion.run(*(motion.movej2(q, v, a, r=r) for q, r in plan.waypoints()))
+            return None
+        followed = _Followed(plan, watch, feedback)
+        result = await followed.run(motion, tolerances=tolerances, through=through, options=options)
+        if followed.obstructed is None or result is not None:
+            return result
+        here = await read_joints()
+        if planner is None:
+            raise PlanObstructed(
+                f"the way ahead is not free any more: {followed.obstructed}. The arm was brought "
+                "to rest on its way; plan again from where it is",
+                pair=followed.obstructed.clearance.pair,
+                joints=followed.obstructed.joints,
+            )
+        limits = plan.limits
+        plan = await planner.plan(
+            here, plan.end, v=limits.velocity, a=limits.acceleration, jerk=limits.jerk
+        )
+    raise PlanObstructed(f"the way was not free after {_REPLANS} plans; the arm stands on its way")
+
+
+async def _at_start(plan: Plan, read_joints: ReadJoints) -> None:
+    far = np.abs(np.asarray(await read_joints()) - plan.start.array)
+    if far.max() > _NEAR:
+        joint = int(far.argmax())
+        raise FirstPointTooFar(
+            f"the plan begins at another place: joint {joint + 1} is {far[joint]:.4f} rad from "
+            "there; nothing was sent. Plan from where the arm is, or move it to plan.start"
+        )
+
+
+async def _checked(plan: Plan, scene: Scene, after: float) -> None:
+    found = await _check(plan, scene, after)
+    if not found:
+        raise PlanObstructed(
+            f"the plan is not free in the scene as it is now: {found}; nothing was sent",
+            pair=found.clearance.pair,
+            joints=found.joints,
+        )
+
+
+async def _check(plan: Plan, scene: Scene, after: float) -> PlanCheck:
+    return await anyio.to_thread.run_sync(lambda: plan.check(scene, after=after))
+
+
+class _Followed:
+    """One plan on the stream, that ends at rest once its way is not free any more."""
+
+    def __init__(
+        self, plan: Plan, scene: Scene | None, feedback: Callable[[Feedback], object] | None
+    ) -> None:
+        self._plan, self._scene, self._feedback = plan, scene, feedback
+        self._seen = 0 if scene is None else scene.revision
+        self._changed = anyio.Event()
+        self._time = 0.0
+        self._error: Exception | None = None
+        self.obstructed: PlanCheck | None = None
+
+    async def run(self, motion: MotionSection, **options: Any) -> TrajectoryResult | None:
+        """Follow it; None if it ended on the way."""
+        limits = self._plan.limits
+        result: TrajectoryResult | None = None
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self._watch, tasks.cancel_scope)
+            try:
+                result = await motion.follow_joint_trajectory(
+                    self._plan.trajectory,
+                    v=min(1.001 * max(limits.velocity), _FASTEST),
+                    a=_ROOM * max(limits.acceleration),
+                    reach=2.0 * _NEAR,
+                    feedback=self._look,
+                    **options,
+                )
+            except Exception as error:  # raised below, outside of the group
+                self._error = error
+            tasks.cancel_scope.cancel()
+        if self._error is not None:
+            raise self._error
+        return result
+
+    def _look(self, feedback: Feedback) -> None:
+        self._time = feedback.time
+        if self._scene is not None and self._scene.revision != self._seen:
+            self._seen = self._scene.revision
+            self._changed.set()
+        if self._feedback is not None:
+            self._feedback(feedback)
+
+    async def _watch(self, following: anyio.CancelScope) -> None:
+        while True:
+            await self._changed.wait()
+            self._changed = anyio.Event()
+            assert self._scene is not None
+            try:
+                found = await _check(self._plan, self._scene, self._time)
+            except Exception as error:  # a scene that cannot be made: the arm is not to go on
+                self._error = error
+            else:
+                self.obstructed = None if found else found
+            if self._error is not None or self.obstructed is not None:
+                following.cancel()
+                return

@@ -1,0 +1,286 @@
+"""A plan: joints over time, checked on the way, as a value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from aioduco.models.pose import Joints, Pose
+from aioduco.streaming.joint_trajectory import JointTrajectory
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from aioduco.kinematics import Arm
+    from aioduco.planning.clearance import Clearance
+    from aioduco.planning.execution import MotionSection, ReadJoints
+    from aioduco.planning.limits import MotionLimits
+    from aioduco.planning.problem import PlanningProblem, Solution
+    from aioduco.planning.scene import Scene
+    from aioduco.sim.view.camera import Camera
+    from aioduco.streaming.joint_trajectory import TrajectoryResult
+    from aioduco.streaming.sampling import Spline
+
+    Points = NDArray[np.float64]
+
+__all__ = ["Plan", "PlanCheck"]
+
+_TURN, _MOVE = np.deg2rad(0.2), 0.001  # between two looks of a check [rad, m]
+_FINEST = 0.002  # of the times at which the way between two looks is measured [s]
+_NEAR = 0.02  # within which distances are measured at each look [m]
+_GHOSTS = 6  # arms in a picture of a plan
+_SEEN = 24  # difference of colours that counts as the arm
+
+
+@dataclass(frozen=True, slots=True)
+class PlanCheck:
+    """What a check of a plan found.
+
+    Attributes:
+        clearance: the least distance to anything, with the names of the two bodies; below zero
+            where the arm touches something.
+        time: when that is on the plan [s].
+        joints: and where the arm is then.
+        looks: configurations that were looked at.
+    """
+
+    clearance: Clearance
+    time: float
+    joints: Joints
+    looks: int
+
+    @property
+    def ok(self) -> bool:
+        """Whether the arm touches nothing."""
+        return self.clearance.distance > 0.0
+
+    def __bool__(self) -> bool:
+        return self.ok
+
+    def __str__(self) -> str:
+        verdict = "free" if self.ok else "obstructed"
+        return f"{verdict}: at {self.time:.2f} s {self.clearance} ({self.looks} looks)"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """Joints over time that lead from a start to a goal; nothing moves by it (规划结果).
+
+    Attributes:
+        arm: the arm that it is for.
+        trajectory: joint positions, velocities and accelerations with their times.
+        limits: that no joint exceeds.
+        tip: the tool's tip in the flange's frame. Shape (4, 4).
+        corners: configurations between which the way is about straight in joint space, the start
+            and the goal included [rad]. Shape (n, 6).
+        looked: times at which the clearance was measured [s].
+        clearances: distances to the nearest thing then, at most 0.1 [m].
+        radii: how far a turn of each joint can move a point of the arm [m/rad]. Shape (6,).
+        padding: distance that is kept all the way [m].
+        fraction: how much of a line or an arc it is, 0 to 1; 1 for other plans.
+        searching: processor time that was taken for the path [s].
+        timing: and for its times [s].
+    """
+
+    arm: Arm
+    trajectory: JointTrajectory
+    limits: MotionLimits
+    tip: Points = field(repr=False)
+    corners: Points = field(repr=False)
+    looked: Points = field(repr=False)
+    clearances: Points = field(repr=False)
+    radii: Points = field(repr=False)
+    padding: float = 0.0
+    fraction: float = 1.0
+    searching: float = 0.0
+    timing: float = 0.0
+
+    @classmethod
+    def of(cls, problem: PlanningProblem, solution: Solution) -> Plan:
+        """Make it of what the planner's process answered."""
+        trajectory = JointTrajectory(
+            solution.positions, solution.times, solution.velocities, solution.accelerations
+        )
+        return cls(
+            problem.arm,
+            trajectory,
+            problem.limits,
+            problem.tip,
+            solution.corners,
+            solution.looked,
+            solution.clearances,
+            solution.radii,
+            solution.padding,
+            solution.fraction,
+            solution.searching,
+            solution.timing,
+        )
+
+    def __repr__(self) -> str:
+        part = f", {self.fraction:.0%} of the way" if self.fraction < 1.0 else ""
+        return (
+            f"<Plan for {self.arm.name}: {self.duration:.2f} s, "
+            f"{self.clearance * 1e3:.0f} mm clear{part}>"
+        )
+
+    @property
+    def duration(self) -> float:
+        """How long it takes [s]."""
+        return self.trajectory.duration
+
+    @property
+    def clearance(self) -> float:
+        """Least distance to anything at the times `looked`, at most 0.1 [m]."""
+        return float(self.clearances.min())
+
+    @property
+    def start(self) -> Joints:
+        """Where it begins."""
+        return Joints.of(self.trajectory.positions[0])
+
+    @property
+    def end(self) -> Joints:
+        """Where it ends."""
+        return Joints.of(self.trajectory.positions[-1])
+
+    def at(self, time: float) -> Joints:
+        """Where the arm is at a time [s]; before and after the plan its ends."""
+        return Joints.of(self._curve().at(np.array([time]))[0])
+
+    def pose(self, time: float) -> Pose:
+        """Where the tool's tip is at a time, in the base frame."""
+        return Pose.from_matrix(self.arm.fkine(self.at(time)) @ self.tip)
+
+    def check(self, scene: Scene, *, after: float = 0.0) -> PlanCheck:
+        """Look at all of the way again, closely, in a scene as it is now.
+
+        It looks at least each 0.2° of any joint and each 1 mm of the tool's tip and the flange. It
+        takes the trajectory as it will be sent, and nothing of how it was made.
+
+        Args:
+            scene: the scene, of the same arm.
+            after: time on the plan from which it is looked at [s].
+
+        Returns:
+            What was found: true if the arm touches nothing.
+        """
+        times, q = self._looks(after)
+        checker = scene.checker()
+        checker.padding = _NEAR
+        near = [row for row in range(len(q)) if not checker.free(q[row])]
+        # Distances are measured only where something is near, or where it was nearest when planned.
+        rows = near or [int(np.argmin(np.interp(times, self.looked, self.clearances)))]
+        found = [checker.clearance(q[row]) for row in rows]
+        least = int(np.argmin([each.distance for each in found]))
+        row = rows[least]
+        return PlanCheck(found[least], float(times[row]), Joints.of(q[row]), len(q))
+
+    def picture(
+        self,
+        scene: Scene,
+        *,
+        width: int = 640,
+        height: int = 480,
+        camera: Camera | None = None,
+    ) -> NDArray[np.uint8]:
+        """Draw the arm at several times of the plan in one picture, without a display.
+
+        Args:
+            scene: the scene.
+            width: of the picture, at most 1920 [pixels].
+            height: of the picture, at most 1080 [pixels].
+            camera: from where; None for one that sees the whole arm.
+
+        Returns:
+            Red, green, blue. Shape (height, width, 3).
+
+        Raises:
+            RenderError: this computer has no OpenGL that draws off screen.
+        """
+        times = np.linspace(0.0, self.duration, _GHOSTS)
+        shown = self._curve().at(times)
+        pictures = np.array(
+            [
+                picture.astype(np.float64)
+                for picture in scene.pictures(
+                    [Joints.of(q) for q in shown], width=width, height=height, camera=camera
+                )
+            ]
+        )
+        around = np.median(pictures, axis=0)
+        result = around
+        for share, picture in zip(np.linspace(0.35, 1.0, _GHOSTS), pictures, strict=True):
+            arm = (np.abs(picture - around).max(axis=2) > _SEEN)[..., None]
+            result = np.where(arm, share * picture + (1.0 - share) * result, result)
+        drawn: NDArray[np.uint8] = result.round().astype(np.uint8)
+        return drawn
+
+    def waypoints(self) -> list[tuple[Joints, float]]:
+        """Joints for blended motions of the controller, with a blend radius each [m].
+
+        Between them the joints go straight. Straight parts and blends stay so close to the plan
+        that no point of the arm moves by more than the padding that the plan keeps.
+        """
+        q = self.trajectory.positions
+        rows = _kept(q * self.radii, 0.45 * self.padding)
+        tips = (self.arm.fkine(q[rows]) @ self.tip)[:, :3, 3]
+        lengths = np.linalg.norm(np.diff(tips, axis=0), axis=1)
+        found = []
+        for i, row in enumerate(rows[1:-1], start=1):
+            # A blend over half of both parts cuts the corner by this; over less, by less.
+            middle = 0.5 * (q[rows[i - 1]] + q[rows[i + 1]])
+            cut = 0.5 * float(np.abs(q[row] - middle) @ self.radii)
+            share = min(1.0, 0.5 * self.padding / max(cut, 1e-9))
+            radius = 0.45 * share * float(min(lengths[i - 1], lengths[i]))
+            found.append((Joints.of(q[row]), radius))
+        return [*found, (self.end, 0.0)]
+
+    async def run_on(
+        self, motion: MotionSection, read_joints: ReadJoints, **options: Any
+    ) -> TrajectoryResult | None:
+        """Carry it out: what `robot.motion.execute` asks of it."""
+        from aioduco.planning.execution import execute  # noqa: PLC0415 - it names this class
+
+        return await execute(motion, read_joints, self, **options)
+
+    def _curve(self) -> Spline:
+        return self.trajectory.curve(self.trajectory.positions[0].tolist())
+
+    def _looks(self, after: float) -> tuple[Points, Points]:
+        """Times and joints, so close that neither a joint nor the tool moves far between."""
+        begin = min(after, self.duration)
+        count = max(int(np.ceil((self.duration - begin) / _FINEST)), 1)
+        curve = self._curve()
+        times = np.linspace(begin, self.duration, count + 1)
+        q = curve.at(times)
+        flange = self.arm.fkine(q)
+        tips = (flange @ self.tip)[:, :3, 3]
+        turned = np.abs(np.diff(q, axis=0)).max(axis=1) / _TURN
+        moved = [
+            np.linalg.norm(np.diff(points, axis=0), axis=1) / _MOVE
+            for points in (tips, flange[:, :3, 3])
+        ]
+        steps = np.concatenate([[0.0], np.cumsum(np.maximum.reduce([turned, *moved]))])
+        wanted = np.linspace(0.0, steps[-1], int(np.ceil(1.05 * steps[-1])) + 2)
+        chosen = np.interp(wanted, steps, times) if steps[-1] > 0.0 else times[[0, -1]]
+        return chosen, curve.at(chosen)
+
+
+def _kept(points: Points, tolerance: float) -> list[int]:
+    """Rows of points of which straight parts come within a tolerance of all (Douglas-Peucker)."""
+    kept, todo = {0, len(points) - 1}, [(0, len(points) - 1)]
+    while todo:
+        first, last = todo.pop()
+        if last - first < 2:
+            continue
+        inner, way = points[first + 1 : last] - points[first], points[last] - points[first]
+        share = np.clip(inner @ way / max(float(way @ way), 1e-18), 0.0, 1.0)
+        off = np.abs(inner - share[:, None] * way).sum(axis=1)
+        worst = int(np.argmax(off))
+        if off[worst] > tolerance:
+            middle = first + 1 + worst
+            kept.add(middle)
+            todo += [(first, middle), (middle, last)]
+    return sorted(kept)

@@ -1,0 +1,351 @@
+"""The planner: asks a process of its own, so that planning delays nothing of the program."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import subprocess
+import sys
+import tempfile
+import threading
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import anyio.to_thread
+import numpy as np
+
+from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningError
+from aioduco.models.pose import Joints, Pose
+from aioduco.planning.exchange import WorkerScene, receive, send
+from aioduco.planning.limits import MotionLimits
+from aioduco.planning.plan import Plan
+from aioduco.planning.problem import GoalLike, PlanningProblem, Solution, goals_of
+from aioduco.planning.toolpath import poses_along
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from types import TracebackType
+    from typing import Self
+
+    from aioduco.models.pose import JointsLike, PoseLike
+    from aioduco.planning.scene import Scene
+
+    PerJoint = float | Sequence[float]
+
+__all__ = ["Planner"]
+
+_NEEDS = ("mujoco", "ompl", "scipy", "toppra")
+_GRACE = 5.0  # after a problem's own time-out the process is ended: to time a path, say [s]
+_END = 5.0  # until the process has ended after its input was closed [s]
+
+
+class Planner:
+    """Plans ways of an arm through a scene (规划器).
+
+        async with Planner(scene) as planner:
+            plan = await planner.plan(here, Pose(0.4, 0.3, 0.5, math.pi, 0, 0), v=1.0, a=2.0)
+            await robot.motion.execute(plan)
+
+    The work is done by a process of its own, which starts with the first plan. It is ended when a
+    plan is cancelled or overdue, and starts again with the next. A planner that is not entered
+    works too; its process ends with `close`, or with the program.
+
+    Args:
+        scene: what is planned in; it may change between plans.
+        tool: the tool's tip in the flange's frame [m, rad], whose poses goals are; None for the
+            flange itself.
+        seed: of the search, from 1; the same problems in the same order give the same ways.
+
+    Raises:
+        MissingExtra: something of `aioduco[plan]` is not installed.
+    """
+
+    def __init__(self, scene: Scene, *, tool: PoseLike | None = None, seed: int = 1) -> None:
+        for package in _NEEDS:
+            if importlib.util.find_spec(package) is None:
+                raise MissingExtra("planning", package, "plan")
+        if not 1 <= seed < 2**31:
+            raise ParameterError("seed", seed, "from 1")
+        self.scene = scene
+        self._tip = np.eye(4) if tool is None else Pose.of(tool).matrix
+        self._seed = seed
+        self._lock = threading.Lock()
+        self._process: subprocess.Popen[bytes] | None = None
+        self._cancelled: subprocess.Popen[bytes] | None = None
+        self._errors: Any = None
+        self._sent: int | None = None
+
+    def __repr__(self) -> str:
+        state = "not started" if self._process is None else f"process {self._process.pid}"
+        return f"<Planner in {self.scene!r}, {state}>"
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        with anyio.CancelScope(shield=True):
+            await anyio.to_thread.run_sync(self.close)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    # -- plans ---------------------------------------------------------------------------------
+
+    async def plan(
+        self,
+        start: JointsLike,
+        goal: GoalLike,
+        *,
+        v: PerJoint = 1.0,
+        a: PerJoint = 2.0,
+        jerk: PerJoint | None = None,
+        upright: bool = False,
+        timeout: float = 5.0,
+    ) -> Plan:
+        """Find a way to a goal that touches nothing.
+
+        Cancelling this ends the search at once.
+
+        Args:
+            start: where the arm is, six joint angles [rad].
+            goal: `Joints`, a `Pose` of the tool in the base frame, a `Region`, or several of
+                these, of which the way to any will do. Of a pose every configuration is a goal.
+            v: largest speed of each joint, 0.000175 to 3.93, one number or six [rad/s].
+            a: largest acceleration of each joint, from 0.000175 [rad/s²].
+            jerk: largest jerk of each joint [rad/s³]; None: 10 times the acceleration, per s.
+            upright: whether the tool may turn about the vertical only, as an open cup; the goals
+                must have it upright as the start has.
+            timeout: for the search, 0.001 to 600 [s].
+
+        Returns:
+            The plan, a value; nothing moves.
+
+        Raises:
+            StartInCollision: the arm touches something at the start.
+            GoalInCollision: it would at each goal.
+            GoalOutOfReach: no goal can be reached.
+            NoPathFound: no way was found in time.
+            ParameterError: an argument is out of range.
+        """
+        problem = self._free(start, goal, v, a, jerk, upright, timeout)
+        return await self._ask(problem)
+
+    async def line(
+        self,
+        start: JointsLike,
+        to: PoseLike,
+        *,
+        via: PoseLike | None = None,
+        speed: float = 0.25,
+        v: PerJoint = 1.0,
+        a: PerJoint = 2.0,
+        jerk: PerJoint | None = None,
+        partial: bool = False,
+        timeout: float = 5.0,
+    ) -> Plan:
+        """Take the tool along a straight line, or an arc, on one branch of the arm.
+
+        Args:
+            start: where the arm is, six joint angles [rad].
+            to: pose of the tool at the end, in the base frame [m, rad].
+            via: a pose on the way: then it is the arc through it; its orientation is not used.
+            speed: largest speed of the tool, from 0.0001 [m/s].
+            v: largest speed of each joint [rad/s].
+            a: largest acceleration of each joint [rad/s²].
+            jerk: largest jerk of each joint [rad/s³]; None: 10 times the acceleration, per s.
+            partial: whether a plan of a part of the way is wanted if not all of it is free and
+                within reach; `Plan.fraction` tells how much it is.
+            timeout: 0.001 to 600 [s].
+
+        Returns:
+            The plan, a value; nothing moves.
+
+        Raises:
+            StartInCollision: the arm touches something at the start.
+            PathIncomplete: the way is free and within reach for a part only.
+            ParameterError: an argument is out of range.
+        """
+        problem = self._line(start, to, via, speed, v, a, jerk, partial, timeout)
+        return await self._ask(problem)
+
+    def plan_blocking(self, start: JointsLike, goal: GoalLike, **options: Any) -> Plan:
+        """Find a way to a goal, for programs without an event loop: see `plan`.
+
+        Args:
+            start: where the arm is, six joint angles [rad].
+            goal: where to.
+            options: the other arguments of `plan`.
+        """
+        return self._solve(self._free(start, goal, **{**_FREE, **options}))
+
+    def line_blocking(self, start: JointsLike, to: PoseLike, **options: Any) -> Plan:
+        """Take the tool along a line or an arc, without an event loop: see `line`.
+
+        Args:
+            start: where the arm is, six joint angles [rad].
+            to: pose of the tool at the end, in the base frame [m, rad].
+            options: the other arguments of `line`.
+        """
+        return self._solve(self._line(start, to, **{**_LINE, **options}))
+
+    # -- problems ------------------------------------------------------------------------------
+
+    def _free(
+        self,
+        start: JointsLike,
+        goal: GoalLike,
+        v: PerJoint,
+        a: PerJoint,
+        jerk: PerJoint | None,
+        upright: bool,
+        timeout: float,
+    ) -> PlanningProblem:
+        goals = goals_of(goal)
+        return self._problem(start, goals, v, a, jerk, timeout, upright=upright)
+
+    def _line(
+        self,
+        start: JointsLike,
+        to: PoseLike,
+        via: PoseLike | None,
+        speed: float,
+        v: PerJoint,
+        a: PerJoint,
+        jerk: PerJoint | None,
+        partial: bool,
+        timeout: float,
+    ) -> PlanningProblem:
+        if not 1e-4 <= speed < float("inf"):
+            raise ParameterError("speed", speed, "from 0.0001 m/s")
+        goals = (Pose.of(to),) if via is None else (Pose.of(via), Pose.of(to))
+        if via is not None:
+            # Says of three points on a line that they are no arc.
+            first = self.scene.arm.fkine(start) @ self._tip
+            poses_along(first, goals[0].matrix, goals[-1].matrix)
+        return self._problem(
+            start, goals, v, a, jerk, timeout,
+            shape="line" if via is None else "arc", rate=speed, partial=partial,
+        )  # fmt: skip
+
+    def _problem(
+        self,
+        start: JointsLike,
+        goals: tuple[Any, ...],
+        v: PerJoint,
+        a: PerJoint,
+        jerk: PerJoint | None,
+        timeout: float,
+        **more: Any,
+    ) -> PlanningProblem:
+        if not 1e-3 <= timeout <= 600.0:
+            raise ParameterError("timeout", timeout, "from 0.001 to 600 s")
+        scene = self.scene
+        return PlanningProblem(
+            arm=scene.arm,
+            start=Joints.of(start).array,
+            goals=goals,
+            limits=MotionLimits.of(scene.arm, v, a, jerk),
+            tip=self._tip,
+            up=scene.mounting.matrix[2, :3].copy(),
+            padding=scene.padding,
+            timeout=float(timeout),
+            **more,
+        )
+
+    # -- the process ---------------------------------------------------------------------------
+
+    async def _ask(self, problem: PlanningProblem) -> Plan:
+        try:
+            return await anyio.to_thread.run_sync(self._solve, problem, abandon_on_cancel=True)
+        except anyio.get_cancelled_exc_class():
+            # The thread reads the end of the process's answers, and ends.
+            process = self._cancelled = self._process
+            if process is not None:
+                process.kill()
+            raise
+
+    def _solve(self, problem: PlanningProblem) -> Plan:
+        with self._lock:
+            answer = self._exchange(problem)
+        if isinstance(answer, PlanningError):
+            raise answer
+        assert isinstance(answer, Solution)
+        return Plan.of(problem, answer)
+
+    def _exchange(self, problem: PlanningProblem) -> Any:
+        if self._process is not None and self._process is self._cancelled:
+            self.close()
+        if self._process is None:
+            self._start()
+        process = self._process
+        assert process is not None
+        assert process.stdin is not None
+        assert process.stdout is not None
+        overdue = threading.Timer(problem.timeout + _GRACE, process.kill)
+        try:
+            if self._sent != self.scene.revision:
+                send(process.stdin, WorkerScene(self.scene.compiled(), self.scene.loose))
+                self._sent = self.scene.revision
+            send(process.stdin, problem)
+            overdue.start()
+            return receive(process.stdout)
+        except (EOFError, OSError) as error:
+            self._errors.seek(0)
+            said = self._errors.read().decode(errors="replace").strip().splitlines()
+            self.close()
+            if not overdue.is_alive() and not said:
+                raise NoPathFound(f"the planner was not done in {problem.timeout:g} s") from error
+            why = said[-1] if said else "it was killed"
+            raise PlanningError(f"the planner's process has ended ({why}); plan again") from error
+        finally:
+            overdue.cancel()
+            if overdue.ident is not None:
+                overdue.join()
+
+    def _start(self) -> None:
+        self._sent = None
+        # A file, not a pipe: a pipe that is not read fills up and stops the process.
+        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
+        # In a session of its own: a Ctrl-C on the terminal is for the program.
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "aioduco.planning.worker", str(self._seed)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self._errors,
+            start_new_session=True,
+        )
+
+    def close(self) -> None:
+        """End the process; returns when it has ended. The planner can be used again."""
+        process, self._process = self._process, None
+        if process is None:
+            return
+        assert process.stdin is not None
+        assert process.stdout is not None
+        with contextlib.suppress(OSError):  # the process has ended: the rest of the request is lost
+            process.stdin.close()
+        try:
+            process.wait(_END)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        process.stdout.close()
+        self._errors.close()
+
+
+_COMMON: dict[str, Any] = {"v": 1.0, "a": 2.0, "jerk": None, "timeout": 5.0}
+_FREE: dict[str, Any] = {**_COMMON, "upright": False}
+_LINE: dict[str, Any] = {**_COMMON, "via": None, "speed": 0.25, "partial": False}

@@ -1,0 +1,389 @@
+"""The scene that is planned in: an arm, what it carries, and what stands around it."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import threading
+from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from aioduco.errors import MissingExtra, ParameterError, SceneError
+from aioduco.kinematics import arm as arm_of
+from aioduco.models.pose import Joints, Pose
+from aioduco.planning.shapes import Mesh
+from aioduco.sim.scene import Thing, mjcf_of, mounting_of
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from aioduco.kinematics import Arm
+    from aioduco.models.pose import JointsLike
+    from aioduco.planning.clearance import Clearance
+    from aioduco.planning.collision import CollisionChecker
+    from aioduco.sim.scene import MountingLike, SceneLike
+    from aioduco.sim.simulator import Simulator
+    from aioduco.sim.view.camera import Camera
+
+__all__ = ["Scene"]
+
+
+class Scene:
+    """An arm among things, for planning and for checks of plans (规划场景).
+
+        scene = Scene("gcr5_910", [Box(at=(0.5, 0, 0.3), size=(0.04, 0.6, 0.6), name="wall")])
+        scene.clearance(joints)
+
+    Places are in the world's frame, as in `aioduco.sim.scene`: z is up, the floor is at 0, and an
+    arm on the floor has its base at the origin. Things stand where they are put; their masses are
+    without effect.
+
+    Args:
+        model: the arm, such as "gcr5_910", or an `Arm`.
+        things: what stands around it.
+        around: more of it: the path of an MJCF file, or MJCF as text.
+        tool: what the flange carries, in its frame: things, or MJCF.
+        mounting: where the base is: "floor", "wall", "ceiling", or a pose [m, rad].
+        pedestal: height of a column under an arm on the floor [m].
+        padding: distance that plans keep from everything [m], from 0.0005. It is taken less where
+            the start or the goal of a plan is closer.
+
+    Raises:
+        ParameterError: there is no such model, or `padding` is out of range.
+        SceneError: the mounting is none, or things have the same name.
+    """
+
+    def __init__(
+        self,
+        model: str | Arm = "gcr5_910",
+        things: Sequence[Thing] = (),
+        *,
+        around: str | os.PathLike[str] | None = None,
+        tool: SceneLike | None = None,
+        mounting: MountingLike = "floor",
+        pedestal: float = 0.0,
+        padding: float = 0.005,
+    ) -> None:
+        if not 0.0005 <= padding < 0.1:
+            raise ParameterError("padding", padding, "from 0.0005 to 0.1 m")
+        self.arm: Arm = arm_of(model) if isinstance(model, str) else model
+        self.mounting: Pose = mounting_of(mounting, self.arm, pedestal)
+        self.padding = padding
+        self._pedestal = pedestal > 0.0
+        self._around = None if around is None else mjcf_of(around)
+        self._tool = None if tool is None else mjcf_of(tool, free=False)
+        self._things: dict[str, Thing] = {}
+        self._attached: dict[str, NDArray[np.float64]] = {}
+        self._allowed: set[tuple[str, str]] = set()
+        self._loose: NDArray[np.float64] | None = None
+        self._model: Any = None
+        self._checker: CollisionChecker | None = None
+        self._revision = 0
+        #: what carries a plan out looks at the scene in another thread
+        self._lock = threading.RLock()
+        self.add(*things)
+
+    @classmethod
+    def from_simulator(cls, simulator: Simulator, *, padding: float = 0.005) -> Scene:
+        """Give the scene of a running simulator, with everything loose where it is now.
+
+        Args:
+            simulator: the simulator; it is only looked at.
+            padding: distance that plans keep from everything [m].
+
+        Raises:
+            RuntimeError: it is not running.
+        """
+        scene = cls(simulator.arm, around=simulator.scene, mounting=simulator.mounting,
+                    tool=simulator.tool, padding=padding)  # fmt: skip
+        scene._pedestal = simulator.pedestal
+        loose = simulator.positions[6:]
+        scene._loose = loose if loose.size else None
+        return scene
+
+    def __repr__(self) -> str:
+        held = f", holds {', '.join(self._attached)}" if self._attached else ""
+        return f"<Scene of {self.arm.name} with {len(self._things)} things{held}>"
+
+    def __iter__(self) -> Iterator[Thing]:
+        return iter(self._things.values())
+
+    def __getitem__(self, name: str) -> Thing:
+        return self._things[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._things
+
+    @property
+    def revision(self) -> int:
+        """How often the scene was changed."""
+        return self._revision
+
+    @property
+    def attached(self) -> tuple[str, ...]:
+        """Names of what the flange holds."""
+        return tuple(self._attached)
+
+    # -- changes -------------------------------------------------------------------------------
+
+    def add(self, *things: Thing) -> None:
+        """Put things into the scene.
+
+        Args:
+            things: each with a name of its own; one without gets a number.
+
+        Raises:
+            SceneError: there is one of this name already, or it is no thing.
+        """
+        named = dict(self._things)
+        for thing in things:
+            if not isinstance(thing, Thing):
+                raise SceneError(f"{thing!r} is no thing: give boxes, meshes, point clouds, …")
+            name = thing.name or f"thing{len(named) + 1}"
+            if name in named:
+                raise SceneError(f"there is a thing called {name!r} already; nothing was added")
+            named[name] = dataclasses.replace(thing, name=name)
+        with self._lock:
+            self._things = named
+            self._changed()
+
+    def remove(self, name: str) -> None:
+        """Take a thing out of the scene, one that is held included.
+
+        Raises:
+            SceneError: there is none of this name.
+        """
+        self._known(name)
+        with self._lock:
+            del self._things[name]
+            self._attached.pop(name, None)
+            self._allowed = {pair for pair in self._allowed if name not in pair}
+            self._changed()
+
+    def move(self, name: str, at: Sequence[float]) -> None:
+        """Put a thing somewhere else.
+
+        Args:
+            name: of the thing.
+            at: x, y, z [m], or a pose of six numbers [m, rad].
+
+        Raises:
+            SceneError: there is none of this name.
+        """
+        moved = dataclasses.replace(self._known(name), at=tuple(at))
+        with self._lock:
+            self._things[name] = moved
+            self._attached.pop(name, None)
+            self._changed()
+
+    def attach(self, name: str, joints: JointsLike) -> None:
+        """Let the flange hold a thing from where it is, as a gripper that closes does.
+
+        From now on it moves with the arm. It may touch the tool, the flange and the two links
+        before it.
+
+        Args:
+            name: of the thing, also one of a simulator's scene.
+            joints: where the arm is when it takes hold [rad].
+
+        Raises:
+            SceneError: there is none of this name.
+        """
+        place = self._own.place(Joints.of(joints).array, self._body(name))
+        with self._lock:
+            self._attached[name] = place
+            self._loose = None if self._loose is None else self._loose_without(name)
+            self._changed()
+
+    def detach(self, name: str, joints: JointsLike) -> None:
+        """Let the flange leave a thing where it is.
+
+        Args:
+            name: of what is held.
+            joints: where the arm is when it lets go [rad].
+
+        Raises:
+            SceneError: nothing of this name is held, or it is a simulator's.
+        """
+        if name not in self._attached:
+            raise SceneError(f"nothing called {name!r} is held; held: {', '.join(self._attached)}")
+        thing = self._known(name)
+        flange = self.mounting.matrix @ self.arm.fkine(Joints.of(joints).array)
+        with self._lock:
+            at = Pose.from_matrix(flange @ self._attached.pop(name))
+            self._things[name] = dataclasses.replace(thing, at=tuple(at))
+            self._changed()
+
+    def allow(self, one: str, other: str) -> None:
+        """Let two bodies touch, such as "tool" and a thing that it grasps.
+
+        Args:
+            one: name of a thing, "link1" to "link6", "flange", "tool", "base" or "floor".
+            other: likewise.
+        """
+        pair = self._body(one), self._body(other)
+        with self._lock:
+            self._allowed.add(pair)
+            self._changed()
+
+    def forbid(self, one: str, other: str) -> None:
+        """Take back what `allow` allowed."""
+        with self._lock:
+            self._allowed -= {(one, other), (other, one)}
+            self._changed()
+
+    # -- questions -----------------------------------------------------------------------------
+
+    def clearance(self, joints: JointsLike) -> Clearance:
+        """Tell how far the arm is from the nearest thing, itself included.
+
+        Args:
+            joints: joint angles [rad]. Shape (6,).
+
+        Returns:
+            The distance [m], below zero in a collision, and the names of the two bodies.
+
+        Raises:
+            SceneError: MuJoCo does not take the scene.
+        """
+        return self._own.clearance(Joints.of(joints).array)
+
+    def collides(self, joints: JointsLike) -> bool:
+        """Tell whether the arm touches something, padding left aside.
+
+        Args:
+            joints: joint angles [rad]. Shape (6,).
+        """
+        return self._own.clearance(Joints.of(joints).array, 1e-9).distance < 0.0
+
+    def picture(
+        self,
+        joints: JointsLike,
+        *,
+        width: int = 640,
+        height: int = 480,
+        camera: Camera | None = None,
+    ) -> NDArray[np.uint8]:
+        """Draw the arm in its scene, without a display.
+
+        Args:
+            joints: joint angles [rad]. Shape (6,).
+            width: of the picture, at most 1920 [pixels].
+            height: of the picture, at most 1080 [pixels].
+            camera: from where; None for one that sees the whole arm.
+
+        Returns:
+            Red, green, blue. Shape (height, width, 3).
+
+        Raises:
+            RenderError: this computer has no OpenGL that draws off screen.
+        """
+        return next(self.pictures([joints], width=width, height=height, camera=camera))
+
+    def pictures(
+        self,
+        configurations: Sequence[JointsLike],
+        *,
+        width: int = 640,
+        height: int = 480,
+        camera: Camera | None = None,
+    ) -> Iterator[NDArray[np.uint8]]:
+        """Draw several configurations, one after another: see `picture`."""
+        from aioduco.sim.view.camera import towards  # noqa: PLC0415 - for pictures alone
+        from aioduco.sim.view.render import PictureProcess  # noqa: PLC0415
+
+        seen = towards(self.arm, self.mounting) if camera is None else camera
+        studio = PictureProcess(self.compiled())
+        try:
+            for joints in configurations:
+                positions = np.concatenate([Joints.of(joints).array, self.loose])
+                yield studio.picture(positions, width, height, seen)
+        finally:
+            studio.close()
+
+    # -- inside --------------------------------------------------------------------------------
+
+    def compiled(self) -> Any:
+        """MuJoCo's model of the arm in its scene. It is not to be changed."""
+        try:
+            from aioduco.planning.collision import build  # noqa: PLC0415 - needs an extra
+        except ModuleNotFoundError as error:
+            raise MissingExtra("a planning scene", "mujoco", "plan") from error
+
+        with self._lock:
+            if self._model is None:
+                self._model = build(
+                    self.arm,
+                    self.mounting,
+                    pedestal=self._pedestal,
+                    around=self._around,
+                    tool=self._tool,
+                    things=self._mjcf(),
+                    attached=self._attached,
+                    allowed=sorted(self._allowed),
+                )
+            return self._model
+
+    def checker(self) -> CollisionChecker:
+        """A new one that tells of collisions in the scene as it is now, for one thread."""
+        with self._lock:
+            model = self.compiled()
+            from aioduco.planning.collision import CollisionChecker  # noqa: PLC0415
+
+            return CollisionChecker(copy.copy(model), self.padding, self.loose)
+
+    @property
+    def _own(self) -> CollisionChecker:
+        """The scene's own checker, until it changes."""
+        if self._checker is None:
+            self._checker = self.checker()
+        return self._checker
+
+    @property
+    def loose(self) -> NDArray[np.float64]:
+        """Positions of what is loose in a simulator's scene; empty if nothing is."""
+        if self._loose is not None:
+            return self._loose
+        rest: NDArray[np.float64] = np.array(self.compiled().qpos0[6:])
+        return rest
+
+    def _loose_without(self, name: str) -> NDArray[np.float64]:
+        """Positions of what is loose, less those of one body."""
+        model, loose = self.compiled(), self._loose
+        assert loose is not None
+        first = int(model.body(f"scene/{name}").jntadr[0])
+        if first < 0:
+            return loose
+        start = int(model.jnt_qposadr[first])
+        return np.delete(loose, np.arange(start - 6, start + 1))
+
+    def _mjcf(self) -> str:
+        root = ET.Element("mujoco")
+        assets = ET.SubElement(root, "asset")
+        world = ET.SubElement(root, "worldbody")
+        for thing in self._things.values():
+            if isinstance(thing, Mesh):
+                assets.extend(thing.assets())
+            world.append(thing.mjcf(free=False))
+        return ET.tostring(root, encoding="unicode")
+
+    def _known(self, name: str) -> Thing:
+        if name not in self._things:
+            raise SceneError(f"nothing is called {name!r}; there are {', '.join(self._things)}")
+        return self._things[name]
+
+    def _body(self, name: str) -> str:
+        names = [self.compiled().body(i).name for i in range(1, self.compiled().nbody)]
+        known = {"floor", *names, *(each.partition("/")[2] for each in names)}
+        if name not in known:
+            raise SceneError(f"nothing is called {name!r}; there are {', '.join(sorted(known))}")
+        return name
+
+    def _changed(self) -> None:
+        self._model = self._checker = None
+        self._revision += 1

@@ -1,0 +1,130 @@
+"""A free way from a start to one of several goals: OMPL's RRT-Connect, and shorter afterwards.
+
+OMPL's bindings hold references and say so when the interpreter ends: this module is for the
+process of `worker` alone.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from aioduco.planning.spaces import PathSpace
+
+    Points = NDArray[np.float64]
+
+    base: Any  # its bindings are compiled
+    geometric: Any
+    util: Any
+else:
+    from ompl import base, geometric, util
+
+__all__ = ["STEP", "search", "seed"]
+
+STEP = 0.03
+"""Between two looks at a way, at first [m of the arm's furthest point, about]."""
+_RANGE = 0.5  # of one step of a search [m, likewise]
+_PATIENCE = 0.2  # with one search, at first [s]
+_SHORTCUTS = 60  # attempts at shortening
+
+
+def seed(number: int) -> None:
+    """Let the searches of this process repeat: call it before the first.
+
+    Args:
+        number: from 1.
+    """
+    util.setLogLevel(util.LogLevel.LOG_NONE)
+    util.RNG.setSeed(number)
+
+
+def search(
+    space: PathSpace,
+    start: Points,
+    goals: Sequence[Points],
+    deadline: float,
+    *,
+    direct: int = 1,
+    step: float = STEP,
+) -> Points | None:
+    """Find a way.
+
+    Args:
+        space: what is searched.
+        start: a free point of it.
+        goals: free points, the best first.
+        deadline: when to end at the latest, of `time.monotonic` [s].
+        direct: to how many of the goals the straight way is tried.
+        step: between two looks at a way [m of the arm's furthest point, about].
+
+    Returns:
+        Corners of the way, from the start to one of the goals. Shape (n, dimensions); None if none
+        was found in time.
+    """
+    for goal in goals[:direct]:
+        if straight(space.free, start, goal, step):
+            return np.array([start, goal])
+    dimensions = len(start)
+    ompl_space = base.RealVectorStateSpace(dimensions)
+    bounds = base.RealVectorBounds(dimensions)
+    ends = np.array([start, *goals])
+    lower = np.maximum(space.lower, ends.min(axis=0) - space.margin)
+    upper = np.minimum(space.upper, ends.max(axis=0) + space.margin)
+    for axis in range(dimensions):
+        bounds.setLow(axis, float(lower[axis]))
+        bounds.setHigh(axis, float(upper[axis]))
+    ompl_space.setBounds(bounds)
+    information = base.SpaceInformation(ompl_space)
+    information.setStateValidityChecker(space.free)
+    information.setStateValidityCheckingResolution(step / ompl_space.getMaximumExtent())
+    information.setup()
+
+    def state(point: Points) -> Any:
+        made = ompl_space.allocState()
+        for axis, value in enumerate(point.tolist()):
+            made[axis] = value
+        return made
+
+    problem = base.ProblemDefinition(information)
+    problem.addStartState(state(start))
+    wanted = base.GoalStates(information)
+    for goal in goals:
+        wanted.addState(state(goal))
+    problem.setGoal(wanted)
+    planner = geometric.RRTConnect(information)
+    planner.setRange(_RANGE)
+    planner.setProblemDefinition(problem)
+    planner.setup()
+    # Times of such searches have a long tail: to begin anew is faster than to go on.
+    patience = _PATIENCE
+    while not problem.hasExactSolution():
+        left = deadline - time.monotonic()
+        if left <= 0.0:
+            return None
+        planner.clear()
+        planner.solve(min(patience, left))
+        patience *= 1.5
+    path = problem.getSolutionPath()
+    shortener = geometric.PathSimplifier(information)
+    shortener.reduceVertices(path)
+    shortener.partialShortcutPath(path, _SHORTCUTS, _SHORTCUTS // 3)
+    shortener.reduceVertices(path)
+    shortener.collapseCloseVertices(path)
+    corners = [path.getState(i) for i in range(path.getStateCount())]
+    return np.array([[corner[axis] for axis in range(dimensions)] for corner in corners])
+
+
+def straight(free: Callable[[Any], bool], start: Points, goal: Points, step: float) -> bool:
+    """Tell whether the straight way between two points is free: the middle first, then finer."""
+    count = max(int(np.ceil(np.linalg.norm(goal - start) / step)), 1)
+    shares = np.arange(1, count) / count
+    # What is in the way is found soonest by looks that are far apart.
+    order = np.argsort([int(f"{i:016b}"[::-1], 2) for i in range(1, count)])
+    return all(free(start + shares[i] * (goal - start)) for i in order)

@@ -1,0 +1,120 @@
+"""What a planning scene may hold besides the things of `aioduco.sim.scene`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from aioduco.errors import ParameterError, SceneError
+from aioduco.sim.scene import Thing
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+__all__ = ["Ground", "Mesh", "PointCloud"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ground(Thing):
+    """An endless plane: all that is below it is solid.
+
+    Attributes:
+        at: a point of it, or a pose; it is square to the pose's z axis.
+    """
+
+    def _sizes(self) -> tuple[str, ...]:
+        return ()
+
+    def _shapes(self, body: ET.Element) -> None:
+        self._geom(body, "plane", (2.0, 2.0, 0.1))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mesh(Thing):
+    """The convex hull of a mesh. What is hollow is given as several meshes.
+
+    Attributes:
+        file: path of an STL or OBJ file; or
+        vertices: the corners [m]. Shape (n, 3), n from 4.
+        scale: of what the file says, to metres.
+    """
+
+    file: str | Path | None = None
+    vertices: Sequence[Sequence[float]] | NDArray[np.float64] | None = field(
+        default=None, compare=False, repr=False
+    )
+    scale: float = 1.0
+
+    def __post_init__(self) -> None:
+        # Written out: a class with slots is made anew, and `super()` without arguments then fails.
+        Thing.__post_init__(self)
+        if (self.file is None) == (self.vertices is None):
+            raise ParameterError("file", self.file, "given, or else vertices, and not both")
+        if self.file is not None and not Path(self.file).is_file():
+            raise SceneError(f"the mesh's file {self.file} does not exist")
+        if self.vertices is not None:
+            _points("vertices", self.vertices, least=4)
+
+    def _sizes(self) -> tuple[str, ...]:
+        return ("scale",)
+
+    def assets(self) -> list[ET.Element]:
+        """What MJCF has to say of it outside of the world."""
+        mesh = ET.Element("mesh", name=self._asset, inertia="convex")
+        if self.file is not None:
+            mesh.set("file", str(Path(self.file).resolve()))
+            mesh.set("scale", " ".join([f"{self.scale:.9g}"] * 3))
+        else:
+            corners = _points("vertices", self.vertices, least=4) * self.scale
+            # MuJoCo would move a mesh to its centre of mass; the geom puts it back.
+            mesh.set("vertex", " ".join(f"{value:.9g}" for value in corners.ravel().tolist()))
+        return [mesh]
+
+    @property
+    def _asset(self) -> str:
+        return f"{self.name}/mesh"
+
+    def _shapes(self, body: ET.Element) -> None:
+        colour = " ".join(map(str, self.colour))
+        ET.SubElement(body, "geom", type="mesh", mesh=self._asset, rgba=f"{colour} 1", mass="0")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PointCloud(Thing):
+    """Points as small spheres, such as those of a depth camera.
+
+    Attributes:
+        points: in the frame of `at` [m]. Shape (n, 3).
+        radius: of each sphere [m]: half of the distance between the points at least, so that
+            nothing passes between them.
+    """
+
+    points: Sequence[Sequence[float]] | NDArray[np.float64] = field(compare=False, repr=False)
+    radius: float = 0.01
+
+    def __post_init__(self) -> None:
+        Thing.__post_init__(self)
+        _points("points", self.points, least=1)
+
+    def _sizes(self) -> tuple[str, ...]:
+        return ("radius",)
+
+    def _shapes(self, body: ET.Element) -> None:
+        for point in _points("points", self.points, least=1).tolist():
+            place = " ".join(f"{value:.6g}" for value in point)
+            self._geom(body, "sphere", (self.radius,), pos=place, mass="0")
+
+
+def _points(name: str, value: Any, *, least: int) -> NDArray[np.float64]:
+    found = np.asarray(value, dtype=np.float64)
+    if found.ndim != 2 or found.shape[1] != 3 or len(found) < least:
+        raise ParameterError(name, found.shape, f"of the shape (n, 3), n from {least} [m]")
+    if not np.isfinite(found).all():
+        raise ParameterError(name, value, "of finite numbers [m]")
+    return found

@@ -1,0 +1,243 @@
+"""From a problem to its solution: goals, search, rounding, times. In the worker's process."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aioduco.errors import (
+    GoalInCollision,
+    GoalOutOfReach,
+    NoPathFound,
+    PathIncomplete,
+    StartInCollision,
+    Unreachable,
+)
+from aioduco.kinematics.single import nearest_turns
+from aioduco.models.pose import Joints, Pose
+from aioduco.models.rotation import matrix_from_rpy
+from aioduco.planning.curve import certain, joint_curve, rounded, through
+from aioduco.planning.problem import Goal, PlanningProblem, Region, Solution
+from aioduco.planning.search import STEP, search
+from aioduco.planning.spaces import JointPathSpace, PathSpace, UprightPathSpace
+from aioduco.planning.timing import timed
+from aioduco.planning.toolpath import followed, poses_along
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from aioduco.planning.clearance import Clearance
+    from aioduco.planning.collision import CollisionChecker
+    from aioduco.planning.curve import Curve
+
+    Points = NDArray[np.float64]
+
+__all__ = ["solve"]
+
+_LEAST_PADDING = 0.0003  # [m]
+_SAMPLES = 24  # poses of a region that are tried
+_DIRECT = 8  # goals to which the straight way is tried, the nearest first
+_CORNERS = 9  # told of a way that has none in joint space
+_LOOKS = 40  # at the clearance along the way
+
+
+def solve(problem: PlanningProblem, checker: CollisionChecker) -> Solution:
+    """Find a plan.
+
+    Args:
+        problem: what is asked.
+        checker: of the scene.
+
+    Raises:
+        PlanningError: there is none; the subclass says why.
+    """
+    begin, used = time.monotonic(), time.process_time()
+    start = problem.start
+    near = checker.clearance(start)
+    if near.distance <= 0.0:
+        raise StartInCollision(
+            f"the plan cannot begin at {_degrees(start)}: {near}. Move the arm away by hand or "
+            "jog, or allow the contact (Scene.allow)",
+            pair=near.pair,
+            joints=start.tolist(),
+        )
+    checker.padding = max(_LEAST_PADDING, min(problem.padding, 0.9 * near.distance))
+    if problem.shape == "free":
+        curve, corners = _free(problem, checker, begin + problem.timeout)
+        fraction = 1.0
+    else:
+        curve, fraction = _along(problem, checker)
+        corners = curve(np.linspace(curve.t[0], curve.t[-1], _CORNERS))
+    found = time.process_time()
+    if curve.t[-1] - curve.t[0] <= 1e-6:
+        still = np.zeros((1, 6))
+        path = np.zeros(1), start[None, :], still, still
+    else:
+        path = timed(curve, problem.limits, problem.rate)
+    ended = time.process_time()
+    looks = np.unique(np.linspace(0, len(path[0]) - 1, _LOOKS).round().astype(int))
+    return Solution(
+        times=path[0],
+        positions=path[1],
+        velocities=path[2],
+        accelerations=path[3],
+        corners=corners,
+        looked=path[0][looks],
+        clearances=np.array([checker.clearance(path[1][i]).distance for i in looks]),
+        radii=checker.radii,
+        padding=checker.padding,
+        fraction=fraction,
+        searching=found - used,
+        timing=ended - found,
+    )
+
+
+def _free(
+    problem: PlanningProblem, checker: CollisionChecker, deadline: float
+) -> tuple[Curve, Points]:
+    """A way to any of the goals, as a curve of joints, and its corners."""
+    start, arm = problem.start, problem.arm
+    space: PathSpace = JointPathSpace(arm, checker)
+    branch = None
+    if problem.upright:
+        space = branch = UprightPathSpace(arm, checker, start, problem.up, problem.tip)
+    reached = _configurations(problem)
+    if branch is not None:
+        reached = [q for q in reached if branch.same_branch(q.tolist())]
+        if not reached:
+            raise GoalOutOfReach(
+                "an upright tool keeps its branch (shoulder, elbow, wrist), and no goal has the "
+                "start's: go there without `upright`, or by joints"
+            )
+    clearances = [checker.clearance(q) for q in reached]
+    if not any(each.distance > 0.0 for each in clearances):
+        raise _goal_in_collision(problem, reached, clearances)
+    room = max(each.distance for each in clearances)
+    checker.padding = max(_LEAST_PADDING, min(checker.padding, 0.9 * room))
+    free = [q for q, c in zip(reached, clearances, strict=True) if c.distance > checker.padding]
+    goals = sorted(free, key=lambda q: float(np.abs(q - start).max()))
+    if float(np.abs(goals[0] - start).max()) < 1e-6:
+        return through(np.linspace(0.0, 1e-9, 6), np.tile(start, (6, 1))), start[None, :]
+    points = [space.point(q) for q in goals]
+    direct, step = _DIRECT, STEP
+    while time.monotonic() < deadline:
+        corners = search(space, space.point(start), points, deadline, direct=direct, step=step)
+        if corners is None:
+            break
+        curve = rounded(corners, space, checker)
+        joints = None if curve is None else joint_curve(curve, space)
+        if joints is not None and branch is None:
+            return joints, corners / checker.radii
+        if joints is not None:
+            return joints, joints(np.linspace(joints.t[0], joints.t[-1], _CORNERS))
+        direct, step = 0, 0.5 * step  # what was seen from afar as free was not: look closer
+    raise NoPathFound(
+        f"no path was found within {problem.timeout:g} s from {_degrees(start)} to "
+        f"{_named(problem.goals)}, {checker.padding * 1e3:.1f} mm away from everything: give it "
+        "more time (timeout), or less padding"
+    )
+
+
+def _configurations(problem: PlanningProblem) -> list[Points]:
+    """All configurations that are goals."""
+    arm, start = problem.arm, problem.start
+    back = np.linalg.inv(problem.tip)
+    found: list[Points] = []
+    for goal in problem.goals:
+        if isinstance(goal, Joints):
+            if not arm.within_limits(goal):
+                raise GoalOutOfReach(
+                    f"{_degrees(goal.array)} is beyond the joint limits", joints=goal
+                )
+            found.append(goal.array)
+            continue
+        for pose in _poses(goal):
+            for q in arm.ikine_all(pose @ back):
+                turned = nearest_turns(q.tolist(), start.tolist(), arm.lower, arm.upper)
+                if turned is not None:
+                    found.append(np.array(turned))
+    if not found:
+        pose = next(_poses(goal)[0] for goal in problem.goals if not isinstance(goal, Joints))
+        try:
+            arm.ikine(pose @ back, start)
+        except Unreachable as error:
+            raise GoalOutOfReach(f"no goal can be reached: {error}") from None
+    return found
+
+
+def _poses(goal: Pose | Region) -> list[Points]:
+    if isinstance(goal, Pose):
+        return [goal.matrix]
+    random = np.random.default_rng(0)
+    poses: list[Points] = []
+    for _ in range(_SAMPLES):
+        offset = np.eye(4)
+        # The middle first, then anywhere.
+        share = random.uniform(-1.0, 1.0, 6) if poses else np.zeros(6)
+        offset[:3, 3] = 0.5 * share[:3] * goal.size
+        offset[:3, :3] = matrix_from_rpy(share[3:] * goal.turn)
+        poses.append(goal.at.matrix @ offset)
+    return poses
+
+
+def _along(problem: PlanningProblem, checker: CollisionChecker) -> tuple[Curve, float]:
+    """A line or an arc, as far as it goes."""
+    arm, start = problem.arm, problem.start
+    poses = [goal.matrix for goal in problem.goals if isinstance(goal, Pose)]
+    way = poses_along(
+        arm.fkine(start) @ problem.tip, poses[0] if len(poses) > 1 else None, poses[-1]
+    )
+    back = np.linalg.inv(problem.tip).astype(np.float64)
+    q, why = followed(arm, way.poses, back, start)
+    wanted, pair, place = len(way.poses), None, q[-1]
+    # Free as far as which pose: the padding is kept, or what of it there is at either end.
+    ends = checker.clearance(q[-1]).distance
+    checker.padding = max(_LEAST_PADDING, min(checker.padding, 0.9 * ends))
+    space = JointPathSpace(arm, checker)
+    at = np.linspace(0.0, way.length, wanted)
+    if len(q) >= 6:
+        curve = through(at[: len(q)], q * checker.radii)
+        blocked = next(
+            (i for i in range(len(q) - 1) if not certain(curve, space, checker, at[i], at[i + 1])),
+            None,
+        )
+        if blocked is not None:
+            hit = checker.clearance(q[blocked + 1])
+            why, pair, place = str(hit), hit.pair, q[blocked + 1]
+            q = q[: blocked + 1]
+    fraction = (len(q) - 1) / (wanted - 1)
+    if fraction < 1.0 and (not problem.partial or len(q) < 6):
+        raise PathIncomplete(
+            f"the {problem.shape} can be followed for {fraction:.0%} of {way.length:.3f} m: {why}",
+            fraction=fraction,
+            pair=pair,
+            joints=place.tolist(),
+        )
+    return through(at[: len(q)], q), fraction
+
+
+def _goal_in_collision(
+    problem: PlanningProblem, reached: Sequence[Points], clearances: Sequence[Clearance]
+) -> GoalInCollision:
+    least = int(np.argmax([each.distance for each in clearances]))
+    ways = f"each of {len(reached)} configurations collides; at best " if len(reached) > 1 else ""
+    return GoalInCollision(
+        f"{_named(problem.goals)} cannot be a goal: {ways}{clearances[least]}, at "
+        f"{_degrees(reached[least])}. Allow the contact (Scene.allow), or choose another pose",
+        pair=clearances[least].pair,
+        joints=reached[least].tolist(),
+    )
+
+
+def _named(goals: Sequence[Goal]) -> str:
+    first = goals[0]
+    more = f" or {len(goals) - 1} others" if len(goals) > 1 else ""
+    return (f"{_degrees(first.array)}" if isinstance(first, Joints) else f"{first}") + more
+
+
+def _degrees(q: Points) -> str:
+    return f"({', '.join(f'{angle:.1f}' for angle in np.degrees(q))})°"

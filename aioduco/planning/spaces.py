@@ -1,0 +1,164 @@
+"""What is searched for a way: the arm's joints, or what its tool may do under a constraint.
+
+A space's unit is the metre: a step of one moves no point of the arm by much more than that.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from aioduco.errors import GoalOutOfReach
+from aioduco.kinematics.single import nearest_turns, solutions
+from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from aioduco.kinematics import Arm
+    from aioduco.planning.collision import CollisionChecker
+
+    Points = NDArray[np.float64]
+
+__all__ = ["JointPathSpace", "PathSpace", "UprightPathSpace"]
+
+_UPRIGHT = 0.02  # how far the tool may tilt at a goal, against the start [rad]
+
+
+class PathSpace(Protocol):
+    """What a way is looked for in.
+
+    Attributes:
+        lower, upper: bounds of its points.
+        margin: how far beyond start and goals a search goes.
+    """
+
+    lower: Points
+    upper: Points
+    margin: Points
+
+    def free(self, point: Any) -> bool:
+        """Tell whether the arm touches nothing there."""
+        ...
+
+    def point(self, q: Points) -> Points:
+        """The point of a configuration [rad]."""
+        ...
+
+    def joints(self, points: Points) -> Points | None:
+        """The configurations of points that follow each other; None if one has none."""
+        ...
+
+
+class JointPathSpace:
+    """The joints, each in proportion to how far it moves the arm."""
+
+    def __init__(self, arm: Arm, checker: CollisionChecker) -> None:
+        self._checker = checker
+        self._radii = checker.radii
+        self._inverse: list[float] = (1.0 / checker.radii).tolist()
+        self.lower: Points = np.array(arm.lower) * self._radii
+        self.upper: Points = np.array(arm.upper) * self._radii
+        self.margin: Points = np.pi * self._radii
+
+    def free(self, point: Any) -> bool:
+        """Tell whether the arm touches nothing there."""
+        a, b, c, d, e, f = self._inverse
+        return self._checker.free(
+            (point[0] * a, point[1] * b, point[2] * c, point[3] * d, point[4] * e, point[5] * f)
+        )
+
+    def point(self, q: Points) -> Points:
+        """The point of a configuration [rad]."""
+        return q * self._radii
+
+    def joints(self, points: Points) -> Points:
+        """The configurations of points."""
+        return points / self._radii
+
+
+class UprightPathSpace:
+    """Places of the tool, and turns about the vertical: the tool is never tilted.
+
+    The arm keeps its branch, and no joint goes further than half a turn from the start.
+
+    Args:
+        arm: the arm.
+        checker: of its scene.
+        start: where it begins [rad]. Shape (6,).
+        up: the vertical in the base's frame. Shape (3,).
+        tip: the tool's tip in the flange's frame. Shape (4, 4).
+    """
+
+    def __init__(
+        self, arm: Arm, checker: CollisionChecker, start: Points, up: Points, tip: Points
+    ) -> None:
+        self._arm, self._checker, self._up = arm, checker, up
+        self._near: list[float] = start.tolist()
+        self._branch = self._branch_of(self._near)
+        self._tip, self._back = tip, np.linalg.inv(tip)
+        self._turn: Points = (arm.fkine(start) @ tip)[:3, :3]
+        #: a turn counts as far as it moves what is this far from the axis
+        self._radius = float(np.linalg.norm(tip[:3, 3])) + 0.5 * arm.reach
+        reach = arm.reach + arm.geometry.d5 + arm.geometry.d6 + float(np.linalg.norm(tip[:3, 3]))
+        middle = np.array([0.0, 0.0, arm.geometry.d1, 0.0])
+        span = np.array([reach, reach, reach, np.pi * self._radius])
+        self.lower: Points = middle - span
+        self.upper: Points = middle + span
+        self.margin: Points = 2.0 * span
+
+    def point(self, q: Points) -> Points:
+        """The point of a configuration [rad].
+
+        Raises:
+            GoalOutOfReach: the tool is tilted there.
+        """
+        pose = self._arm.fkine(q) @ self._tip
+        turn = rotvec_from_matrix(pose[:3, :3] @ self._turn.T)
+        about = float(turn @ self._up)
+        tilt = float(np.linalg.norm(turn - about * self._up))
+        if tilt > _UPRIGHT:
+            raise GoalOutOfReach(
+                f"the tool is tilted by {tilt:.3f} rad against the start, and is to stay upright",
+                joints=q.tolist(),
+            )
+        return np.append(pose[:3, 3], about * self._radius)
+
+    def same_branch(self, q: Sequence[float]) -> bool:
+        """Tell whether a configuration has the start's branch."""
+        return self._branch_of(q) == self._branch
+
+    def free(self, point: Any) -> bool:
+        """Tell whether the arm reaches the point on its branch, and touches nothing there."""
+        q = self._solve((point[0], point[1], point[2], point[3]))
+        return q is not None and self._checker.free(q)
+
+    def joints(self, points: Points) -> Points | None:
+        """The configurations of points that follow each other; None if one has none."""
+        found = np.empty((len(points), 6))
+        for row, point in enumerate(points):
+            q = self._solve(point)
+            if q is None or (row and np.abs(q - found[row - 1]).max() > 0.5):
+                return None
+            found[row] = q
+        return found
+
+    def _solve(self, point: Points | Sequence[float]) -> list[float] | None:
+        pose = np.eye(4)
+        pose[:3, :3] = matrix_from_rotvec(self._up * (point[3] / self._radius)) @ self._turn
+        pose[:3, 3] = point[:3]
+        arm = self._arm
+        for q in solutions(arm.geometry, (pose @ self._back).tolist()):
+            if self._branch_of(q) == self._branch:
+                return nearest_turns(q, self._near, arm.lower, arm.upper)
+        return None
+
+    def _branch_of(self, q: Sequence[float]) -> tuple[bool, bool, bool]:
+        """Signs of what is zero at the singularities of shoulder, elbow and wrist."""
+        g, q23 = self._arm.geometry, q[1] + q[2]
+        ahead = g.a2 * math.sin(q[1]) + g.a3 * math.sin(q23) + g.d5 * math.sin(q23 + q[3])
+        return ahead > 0.0, math.sin(q[2]) > 0.0, math.sin(q[4]) > 0.0

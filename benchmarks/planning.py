@@ -1,0 +1,294 @@
+"""Planning: how often and how fast a free way is found, and whether it is free; beside movej2.
+
+    python benchmarks/planning.py [--quick] [--save]
+
+Three scenes (a wall, a shelf with boxes, a narrow slot), three arms, and 100 random queries each:
+from a configuration on one side to a pose of the flange on the other. A query for which nothing is
+found within 1 s of processor time counts as unsolved if another search finds a way within 20 s; if
+that does not either, it is not known to be solvable, and another query takes its place. Each plan
+is checked closely (0.2°, 1 mm), and its trajectory is followed by the simulator's arm, step by
+step. `movej2` is the straight way of the joints to the nearest free solution of the same pose,
+looked at as closely. Times are processor time of the planner's process.
+
+TOPP-RA's durations are for the same path and the same limits of speed and acceleration, without
+one of jerk; beside the plans', which keep one, stand those of the same paths without.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import toppra
+import toppra.constraint
+from _common import percentile, print_table, write_results
+
+from aioduco import Joints, Pose
+from aioduco.errors import PlanningError
+from aioduco.kinematics import arm as arm_of
+from aioduco.models.rotation import matrix_from_rpy
+from aioduco.planning import MotionLimits, Planner, Scene
+from aioduco.planning.curve import through
+from aioduco.planning.timing import timed
+from aioduco.sim.physics.world import World
+from aioduco.sim.planner.path import JointSetPoint
+from aioduco.sim.scene import Box, mjcf_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from aioduco.kinematics import Arm
+    from aioduco.planning import Plan
+    from aioduco.planning.collision import CollisionChecker
+
+    Points = NDArray[np.float64]
+
+ARMS = ("gcr3_618", "gcr5_910", "gcr10_1300")
+V, A = 1.5, 3.0
+#: wall time for a search that is to take 1 s of the processor, and for the other one [s]
+FIRST, LONG = 10.0, 20.0
+DOWN, AHEAD = (np.pi, 0.0, 0.0), (0.0, 0.5 * np.pi, 0.0)
+
+
+class Side(NamedTuple):
+    """Where poses are drawn: corners of a box [of the arm's reach], and how the flange points."""
+
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+    facing: tuple[float, float, float]
+    tilt: float
+
+
+class Setting(NamedTuple):
+    """A scene with the two sides that queries lead between."""
+
+    things: list[Box]
+    start: Side
+    goal: Side
+
+
+def wall(r: float) -> Setting:
+    things = [Box(at=(0.65 * r, 0, 0.4 * r), size=(0.6 * r, 0.05 * r, 0.8 * r), name="wall")]
+    low, high = (0.4, 0.15, 0.25), (0.8, 0.6, 0.8)
+    other = Side((0.4, -0.6, 0.25), (0.8, -0.15, 0.8), DOWN, 0.6)
+    return Setting(things, Side(low, high, DOWN, 0.6), other)
+
+
+def shelf(r: float) -> Setting:
+    x, wide, deep, thick = 0.8 * r, 1.0 * r, 0.35 * r, 0.02 * r
+    things = [
+        Box(at=(x, 0, z * r), size=(deep, wide, thick), name=f"board{i}")
+        for i, z in enumerate((0.25, 0.65, 1.05))
+    ]
+    things += [
+        Box(at=(x, s * 0.5 * wide, 0.65 * r), size=(deep, thick, 0.82 * r), name=f"side{i}")
+        for i, s in enumerate((-1, 1))
+    ]
+    things += [
+        Box(at=(x + 0.5 * deep, 0, 0.65 * r), size=(thick, wide, 0.82 * r), name="back"),
+        Box(at=(x, 0.3 * r, 0.33 * r), size=(0.12 * r, 0.1 * r, 0.14 * r), name="box0"),
+        Box(at=(x, -0.2 * r, 0.32 * r), size=(0.1 * r, 0.12 * r, 0.12 * r), name="box1"),
+        Box(at=(x, 0.1 * r, 0.72 * r), size=(0.1 * r, 0.1 * r, 0.12 * r), name="box2"),
+    ]
+    within = Side((0.66, -0.42, 0.35), (0.8, 0.42, 0.95), AHEAD, 0.3)
+    return Setting(things, Side((0.1, -0.7, 0.3), (0.55, 0.7, 0.9), AHEAD, 0.8), within)
+
+
+def slot(r: float) -> Setting:
+    x, thick, middle, gap = 0.62 * r, 0.03 * r, 0.55 * r, 0.4 * r
+    wide, high = 1.8 * r, 1.4 * r
+    low = middle - 0.5 * gap
+    top = high - middle - 0.5 * gap
+    side = 0.5 * (wide - gap)
+    things = [
+        Box(at=(x, 0, 0.5 * low), size=(thick, wide, low), name="below"),
+        Box(at=(x, 0, high - 0.5 * top), size=(thick, wide, top), name="above"),
+        Box(at=(x, 0.5 * (gap + side), middle), size=(thick, side, gap), name="left"),
+        Box(at=(x, -0.5 * (gap + side), middle), size=(thick, side, gap), name="right"),
+    ]
+    beyond = Side((0.68, -0.1, 0.45), (0.85, 0.1, 0.65), AHEAD, 0.4)
+    return Setting(things, Side((0.1, -0.6, 0.3), (0.45, 0.6, 0.9), AHEAD, 0.8), beyond)
+
+
+SCENES: dict[str, Callable[[float], Setting]] = {"wall": wall, "shelf": shelf, "slot": slot}
+
+
+class Query(NamedTuple):
+    start: Joints
+    goal: Pose
+    direct: Joints
+
+
+def draw(arm: Arm, setting: Setting, checker: CollisionChecker, random: Any) -> Query:
+    """A query whose start and goal are free and within reach."""
+
+    def free(side: Side, near: Points) -> tuple[Pose, list[Points]]:
+        while True:
+            pose = np.eye(4)
+            tilt = random.uniform(-side.tilt, side.tilt, 3)
+            pose[:3, :3] = matrix_from_rpy(np.array(side.facing)) @ matrix_from_rpy(tilt)
+            pose[:3, 3] = random.uniform(np.array(side.low), np.array(side.high)) * arm.reach
+            found = [q for q in arm.ikine_all(pose) if checker.free(q)]
+            if found:
+                return Pose.from_matrix(pose), sorted(found, key=lambda q: np.abs(q - near).sum())
+
+    home = np.array([0.0, 0.0, 0.5 * np.pi, 0.0, -0.5 * np.pi, 0.0])
+    start = free(setting.start, home)[1][0]
+    pose, goals = free(setting.goal, start)
+    return Query(Joints.of(start), pose, Joints.of(goals[0]))
+
+
+def straight_collides(checker: CollisionChecker, query: Query) -> bool:
+    """Whether plain movej2 to the goal's nearest free solution would touch something."""
+    start, goal = query.start.array, query.direct.array
+    count = int(np.ceil(np.abs(goal - start) @ checker.radii / 0.001)) + 1
+    checker.padding = 0.0
+    try:
+        shares = np.linspace(0.0, 1.0, count)[:, None]
+        return not all(checker.free(q) for q in start + shares * (goal - start))
+    finally:
+        checker.padding = 0.005
+
+
+def touches(world: World, plan: Plan) -> str:
+    """What the simulator's arm touches as it follows the plan, step by step; empty for nothing."""
+    world.reset(plan.start.array)
+    times = np.arange(0.0, plan.duration + 0.3, 0.001)
+    curve = plan.trajectory.curve(plan.start)
+    q, qd = curve.at(times), curve.velocity(times)
+    qdd = np.gradient(qd, 0.001, axis=0)
+    for row in range(len(times)):
+        world.step(JointSetPoint(q[row], qd[row], qdd[row]))
+        if world.data.ncon:
+            return world.touched()
+    return ""
+
+
+def beyond_limits(plan: Plan) -> float:
+    """The largest share of a limit by differences of the positions; 1 is the limit itself."""
+    step = 0.0005
+    times = np.arange(0.0, plan.duration, step)
+    q = plan.trajectory.curve(plan.start).at(times)
+    shares = []
+    for order, limit in enumerate(plan.limits.arrays, start=1):
+        change = np.diff(q, order, axis=0) / step**order
+        shares.append(float((np.abs(change) / limit).max(initial=0.0)))
+    return max(shares)
+
+
+def of_toppra(plan: Plan) -> dict[str, float]:
+    """Durations against TOPP-RA's, which has no limit of jerk, on the same path.
+
+    Our plan's own with all its limits, and that of the same path with as good as none of jerk.
+    """
+    q = plan.trajectory.positions
+    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
+    rows = np.unique(np.searchsorted(length, np.arange(0.0, length[-1], 0.01)))
+    rows = np.append(rows[length[rows] < length[-1] - 5e-3], len(q) - 1)
+    speed, acceleration, _ = plan.limits.arrays
+    law = toppra.algorithm.TOPPRA(
+        [
+            toppra.constraint.JointVelocityConstraint(np.column_stack([-speed, speed])),
+            toppra.constraint.JointAccelerationConstraint(
+                np.column_stack([-acceleration, acceleration])
+            ),
+        ],
+        toppra.SplineInterpolator(length[rows], q[rows]),
+        np.linspace(0.0, length[-1], 400),
+        solver_wrapper="seidel",
+    )
+    fastest = float(law.compute_trajectory().duration)
+    loose = MotionLimits.of(plan.arm, speed, acceleration, 1000.0 * acceleration)
+    alike = timed(through(length[rows], q[rows]), loose)
+    return {
+        "all limits": plan.duration / fastest,
+        "no limit of jerk": float(alike.times[-1]) / fastest,
+    }
+
+
+def measure(arm: Arm, setting: Setting, number: int) -> dict[str, Any]:
+    """One scene and one arm."""
+    random = np.random.default_rng(7)
+    scene = Scene(arm, setting.things)
+    checker = scene.checker()
+    world = World(arm, scene=mjcf_of(setting.things, free=False))
+    path, times, durations, excess = [], [], [], []
+    shares: dict[str, list[float]] = {"all limits": [], "no limit of jerk": []}
+    late = obstructed = touched = collided = dropped = 0
+    with Planner(scene) as planner, Planner(scene, seed=2) as other:
+        planner.plan_blocking(Joints.of([0.0] * 6), Joints.of([0.1] + [0.0] * 5))  # starts it
+        done = 0
+        while done < number:
+            query = draw(arm, setting, checker, random)
+            try:
+                plan = planner.plan_blocking(query.start, query.goal, v=V, a=A, timeout=FIRST)
+            except PlanningError:
+                try:
+                    other.plan_blocking(query.start, query.goal, v=V, a=A, timeout=LONG)
+                except PlanningError:
+                    dropped += 1
+                    continue
+                late, done = late + 1, done + 1
+                continue
+            done += 1
+            late += plan.searching + plan.timing > 1.0
+            path.append(plan.searching)
+            times.append(plan.searching + plan.timing)
+            durations.append(plan.duration)
+            for name, share in of_toppra(plan).items():
+                shares[name].append(share)
+            excess.append(beyond_limits(plan))
+            obstructed += not plan.check(scene)
+            touched += bool(touches(world, plan))
+            collided += straight_collides(checker, query)
+    return {
+        "queries": number,
+        "solved_in_1_s_percent": round(100.0 * (number - late) / number, 1),
+        "not_known_to_be_solvable": dropped,
+        "path_p50_ms": round(percentile(sorted(path), 50) * 1e3, 1),
+        "path_p95_ms": round(percentile(sorted(path), 95) * 1e3, 1),
+        "with_times_p50_ms": round(percentile(sorted(times), 50) * 1e3, 1),
+        "with_times_p95_ms": round(percentile(sorted(times), 95) * 1e3, 1),
+        "fails_the_dense_check": obstructed,
+        "touches_in_the_simulator": touched,
+        "movej2_collides_percent": round(100.0 * collided / len(path), 1),
+        "duration_p50_s": round(percentile(sorted(durations), 50), 2),
+        "of_TOPPRA_p50": round(percentile(sorted(shares["all limits"]), 50), 3),
+        "of_TOPPRA_p95": round(percentile(sorted(shares["all limits"]), 95), 3),
+        "without_jerk_limit_p50": round(percentile(sorted(shares["no limit of jerk"]), 50), 3),
+        "without_jerk_limit_p95": round(percentile(sorted(shares["no limit of jerk"]), 95), 3),
+        "largest_share_of_a_limit": round(max(excess), 5),
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="5 queries each, for CI")
+    parser.add_argument("--queries", type=int, default=100, help="for each scene and arm")
+    parser.add_argument(
+        "--save", action="store_true", help="write benchmarks/results/planning.json"
+    )
+    options = parser.parse_args()
+    logging.getLogger("toppra").setLevel(logging.ERROR)
+    number = 5 if options.quick else options.queries
+    figures: dict[str, Any] = {}
+    for name, make in SCENES.items():
+        for model in ARMS:
+            arm = arm_of(model)
+            row = measure(arm, make(arm.reach), number)
+            figures[f"{name}, {model}"] = row
+            print(f"{name}, {model}: {row}", flush=True)
+    keys = ("solved_in_1_s_percent", "path_p50_ms", "with_times_p50_ms", "fails_the_dense_check",
+            "touches_in_the_simulator", "movej2_collides_percent", "of_TOPPRA_p50")  # fmt: skip
+    rows = [[name, *(row[key] for key in keys)] for name, row in figures.items()]
+    print_table("planning", ("scene", *keys), rows)
+    if options.save:
+        write_results("planning", {"planning": figures})
+
+
+if __name__ == "__main__":
+    main()

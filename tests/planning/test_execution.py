@@ -1,0 +1,119 @@
+"""Plans carried out on a simulated arm: supervised, and with an eye on what changes."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import aioduco
+from aioduco import FirstPointTooFar, Joints, ParameterError, PlanObstructed
+from aioduco.planning import Planner, Scene
+from aioduco.sim import Simulator
+from aioduco.sim.scene import Box, Sphere
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from pathlib import Path
+
+    from aioduco.robot import Robot
+
+LEFT = Joints.deg(50, 0, 90, 0, -90, 0)
+RIGHT = Joints.deg(-50, 0, 90, 0, -90, 0)
+BOARD = Box(at=(0.55, 0, 0.35), size=(0.5, 0.04, 0.7), name="board")
+
+
+@asynccontextmanager
+async def cell() -> AsyncIterator[tuple[Simulator, Robot, Scene, Planner]]:
+    scene = Scene("gcr5_910", [BOARD])
+    async with (
+        Simulator(scene=[BOARD], joints=LEFT) as sim,
+        aioduco.connect(sim.host, sim.port) as robot,
+        Planner(scene) as planner,
+    ):
+        await robot.bring_up()
+        yield sim, robot, scene, planner
+
+
+async def test_a_plan_is_followed_to_its_end_and_back_as_blended_motions() -> None:
+    async with cell() as (sim, robot, _, planner):
+        plan = await planner.plan(LEFT, RIGHT, v=2.0, a=6.0)
+        result = await robot.motion.execute(plan)
+        assert result is not None
+        assert np.abs(result.path_error).max() < 0.02
+        assert sim.joints == pytest.approx(RIGHT, abs=1e-3)
+        with pytest.raises(FirstPointTooFar, match="nothing was sent"):
+            await robot.motion.execute(plan)
+        back = await planner.plan(RIGHT, LEFT, v=2.0, a=6.0)
+        with pytest.raises(ParameterError, match="through"):
+            await robot.motion.execute(back, through="blended", feedback=print)
+        assert await robot.motion.execute(back, through="blended") is None
+        assert sim.joints == pytest.approx(LEFT, abs=1e-3)
+        # No collision was detected, which ends in an error.
+        assert not sim.view.errors
+
+
+async def test_what_comes_into_the_way_stops_the_arm_or_is_gone_round() -> None:
+    async with cell() as (sim, robot, scene, planner):
+        plan = await planner.plan(LEFT, RIGHT, v=0.6, a=3.0)
+        ahead = plan.pose(0.7 * plan.duration)
+
+        def appear(_: object) -> None:
+            if "ball" not in scene:
+                scene.add(Sphere(at=ahead[:3], radius=0.03, name="ball"))
+
+        with pytest.raises(PlanObstructed, match="brought to rest") as caught:
+            await robot.motion.execute(plan, watch=scene, feedback=appear)
+        assert caught.value.pair is not None
+        assert caught.value.pair[1] == "ball"
+        assert not sim.moving
+        assert not scene.collides(sim.joints)
+        scene.remove("ball")
+        plan = await planner.plan(sim.joints, LEFT, v=0.6, a=3.0)
+        scene.add(Sphere(at=plan.pose(0.5 * plan.duration)[:3], radius=0.03, name="ball"))
+        with pytest.raises(PlanObstructed, match="nothing was sent"):
+            await robot.motion.execute(plan, watch=scene)
+        scene.remove("ball")
+        await robot.motion.execute(plan)
+        plan = await planner.plan(LEFT, RIGHT, v=0.6, a=3.0)
+        ahead = plan.pose(0.7 * plan.duration)
+        await robot.motion.execute(plan, watch=scene, planner=planner, feedback=appear)
+        assert "ball" in scene
+        assert sim.joints == pytest.approx(RIGHT, abs=1e-3)
+
+
+def test_the_demonstration(tmp_path: Path) -> None:
+    told = tmp_path / "told.json"
+    command = [sys.executable, "-m", "aioduco.cli", "demo", "--plan", "--json", str(told)]
+    done = subprocess.run(
+        [*command, "--pictures", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=110,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    steps = json.loads(told.read_text(encoding="utf-8"))["steps"]
+    names = ["home", "a joint goal", "a pose goal", "a straight line", "round the board"]
+    assert [step["name"] for step in steps] == names
+    assert all(step["clearance"] > 0.0 for step in steps)
+    assert all(step["error"] < 0.05 for step in steps)
+    assert "a goal inside the board is refused" in done.stdout
+    before, after = (
+        np.asarray(Image.open(tmp_path / f"demo-{name}.png")) for name in ("before", "after")
+    )
+    assert before.shape == (480, 640, 3)
+    assert (before != after).mean() > 0.01
+
+
+def test_the_demonstration_is_for_a_simulated_arm() -> None:
+    command = [sys.executable, "-m", "aioduco.cli", "demo", "--plan", "--host", "127.0.0.1"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 2
+    assert "--plan" in done.stderr

@@ -1,0 +1,276 @@
+"""Plans: free, within the limits, and typed errors where there is none."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import anyio
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from aioduco import (
+    GoalInCollision,
+    GoalOutOfReach,
+    Joints,
+    NoPathFound,
+    ParameterError,
+    PathIncomplete,
+    Pose,
+    StartInCollision,
+)
+from aioduco.planning import Plan, Planner, Region, Scene
+from aioduco.sim.scene import Box
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+LEFT = Joints.deg(35, -15, 105, 0, -90, 0)
+RIGHT = Joints.deg(-50, -15, 105, 0, -90, 0)
+INSIDE = Joints.deg(0, 20, 70, 0, -90, 0)
+WALL = Box(at=(0.55, 0, 0.35), size=(0.5, 0.04, 0.7), name="wall")
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return Scene("gcr5_910", [WALL])
+
+
+@pytest.fixture(scope="module")
+def planner(scene: Scene) -> Iterator[Planner]:
+    with Planner(scene) as made:
+        yield made
+
+
+def straight_collides(scene: Scene, one: Joints, two: Joints) -> bool:
+    shares = np.linspace(0.0, 1.0, 200)[:, None]
+    return any(scene.collides(Joints.of(q)) for q in one.array + shares * (two.array - one.array))
+
+
+def excess(plan: Plan) -> float:
+    """The largest share of a limit, by differences of what will be sent."""
+    step = 0.0005
+    q = plan.trajectory.curve(plan.start).at(np.arange(0.0, plan.duration, step))
+    return max(
+        float((np.abs(np.diff(q, order, axis=0)) / step**order / limit).max())
+        for order, limit in enumerate(plan.limits.arrays, start=1)
+    )
+
+
+def free(scene: Scene, plan: Plan) -> bool:
+    """By another way than the plan's own check: every millisecond, by the scene."""
+    times = np.arange(0.0, plan.duration, 0.004)
+    return not any(
+        scene.collides(Joints.of(q)) for q in plan.trajectory.curve(plan.start).at(times)
+    )
+
+
+def test_a_way_round_a_wall(scene: Scene, planner: Planner) -> None:
+    assert straight_collides(scene, LEFT, RIGHT)
+    plan = planner.plan_blocking(LEFT, RIGHT, v=1.5, a=3.0)
+    assert plan.start == pytest.approx(LEFT, abs=1e-9)
+    assert plan.end == pytest.approx(RIGHT, abs=1e-9)
+    found = plan.check(scene)
+    assert found, str(found)
+    assert found.clearance.distance >= 0.9 * plan.padding
+    assert plan.clearance >= 0.9 * plan.padding
+    assert free(scene, plan)
+    assert excess(plan) <= 1.001
+    assert plan.trajectory.velocities is not None
+    assert np.abs(plan.trajectory.velocities[[0, -1]]).max() < 1e-9
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.cases(2)
+def test_limits_are_kept_for_any_of_them(scene: Scene, planner: Planner, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    v, a = random.uniform(0.3, 3.0, 6), random.uniform(0.5, 8.0, 6)
+    plan = planner.plan_blocking(LEFT, RIGHT, v=v, a=a, jerk=a * random.uniform(4.0, 60.0))
+    assert excess(plan) <= 1.001
+    assert plan.check(scene)
+
+
+def test_a_pose_is_reached_by_any_configuration(scene: Scene, planner: Planner) -> None:
+    pose = Pose.from_matrix(scene.arm.fkine(RIGHT))
+    plan = planner.plan_blocking(LEFT, pose)
+    assert scene.arm.fkine(plan.end) == pytest.approx(pose.matrix, abs=1e-9)
+    assert plan.check(scene)
+
+
+def test_one_of_several_goals_is_enough(scene: Scene, planner: Planner) -> None:
+    plan = planner.plan_blocking(LEFT, [Pose(3, 0, 0, 0, 0, 0), INSIDE, RIGHT])
+    assert plan.end == pytest.approx(RIGHT, abs=1e-9)
+
+
+def test_a_region_is_reached_within_its_bounds(scene: Scene, planner: Planner) -> None:
+    middle = Pose.from_matrix(scene.arm.fkine(RIGHT))
+    plan = planner.plan_blocking(LEFT, Region(middle, (0.1, 0.06, 0.02), (0.0, 0.0, 3.0)))
+    off = np.linalg.inv(middle.matrix) @ scene.arm.fkine(plan.end)
+    assert (np.abs(off[:3, 3]) <= np.array([0.05, 0.03, 0.01]) + 1e-9).all()
+    assert off[2, 2] == pytest.approx(1.0)
+
+
+def test_a_tool_that_is_kept_upright_never_tilts() -> None:
+    scene = Scene("gcr5_910", [Box(at=(0.45, 0, 0.15), size=(0.3, 0.04, 0.3), name="low wall")])
+    with Planner(scene, tool=(0.0, 0.0, 0.1, 0.0, 0.0, 0.0)) as planner:
+        plan = planner.plan_blocking(LEFT, RIGHT, upright=True)
+        assert plan.check(scene)
+        first = scene.arm.fkine(LEFT)[:3, :3]
+        for time in np.linspace(0.0, plan.duration, 60):
+            # By another maker's rotations: what is left after the turn about the vertical.
+            turn = Rotation.from_matrix(scene.arm.fkine(plan.at(time))[:3, :3] @ first.T)
+            assert np.hypot(*turn.as_rotvec()[:2]) < 1e-4
+        with pytest.raises(GoalOutOfReach, match="tilted"):
+            planner.plan_blocking(LEFT, Joints.deg(-50, -15, 105, 20, -90, 0), upright=True)
+
+
+def test_a_line_is_straight(scene: Scene, planner: Planner) -> None:
+    begin = Pose.from_matrix(scene.arm.fkine(LEFT))
+    to = Pose(begin.x, begin.y + 0.1, begin.z - 0.2, begin.rx, begin.ry, begin.rz)
+    plan = planner.line_blocking(LEFT, to, speed=0.1)
+    assert plan.fraction == 1.0
+    assert plan.check(scene)
+    assert excess(plan) <= 1.001
+    times = np.linspace(0.0, plan.duration, 400)
+    points = np.array([plan.pose(time)[:3] for time in times])
+    way = np.array(to[:3]) - begin[:3]
+    off = np.cross(points - begin[:3], way / np.linalg.norm(way))
+    assert np.abs(off).max() < 1e-6
+    speeds = np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(times)
+    assert 0.09 < speeds.max() <= 0.1 * 1.001
+    assert plan.pose(plan.duration).matrix == pytest.approx(to.matrix, abs=1e-9)
+
+
+def test_an_arc_is_round(scene: Scene, planner: Planner) -> None:
+    begin = Pose.from_matrix(scene.arm.fkine(LEFT))
+    turn = begin[3:]
+    via = Pose(begin.x, begin.y + 0.06, begin.z - 0.06, *turn)
+    to = Pose(begin.x, begin.y, begin.z - 0.12, *turn)
+    plan = planner.line_blocking(LEFT, to, via=via)
+    centre = np.array([begin.x, begin.y, begin.z - 0.06])
+    points = np.array([plan.pose(time)[:3] for time in np.linspace(0, plan.duration, 200)])
+    assert np.linalg.norm(points - centre, axis=1) == pytest.approx(0.06, abs=1e-6)
+    assert np.linalg.norm(points - via[:3], axis=1).min() < 2e-3
+    with pytest.raises(ParameterError, match="via"):
+        planner.line_blocking(LEFT, to, via=Pose(begin.x, begin.y, begin.z - 0.06, *turn))
+
+
+def test_a_line_into_a_wall_says_how_far_it_comes(scene: Scene, planner: Planner) -> None:
+    begin = Pose.from_matrix(scene.arm.fkine(LEFT))
+    to = Pose(0.5, -0.2, begin.z, begin.rx, begin.ry, begin.rz)
+    with pytest.raises(PathIncomplete, match="wall") as caught:
+        planner.line_blocking(LEFT, to)
+    assert 0.1 < caught.value.fraction < 0.9
+    assert caught.value.pair is not None
+    assert caught.value.pair[1] == "wall"
+    plan = planner.line_blocking(LEFT, to, partial=True)
+    assert plan.fraction == pytest.approx(caught.value.fraction)
+    assert plan.check(scene)
+    assert "% of the way" in repr(plan)
+
+
+def test_errors_name_bodies_and_place(planner: Planner) -> None:
+    with pytest.raises(StartInCollision, match=r"cannot begin at .* deep in wall") as start:
+        planner.plan_blocking(INSIDE, LEFT)
+    assert start.value.pair is not None
+    assert start.value.pair[1] == "wall"
+    assert start.value.joints == pytest.approx(INSIDE)
+    with pytest.raises(GoalInCollision, match="deep in wall"):
+        planner.plan_blocking(LEFT, INSIDE)
+    with pytest.raises(GoalInCollision, match=r"each of 8 configurations"):
+        planner.plan_blocking(LEFT, Pose(0.5, 0, 0.35, math.pi, 0, 0))
+    with pytest.raises(GoalOutOfReach, match="out of the reach"):
+        planner.plan_blocking(LEFT, Pose(3, 0, 0, 0, 0, 0))
+    with pytest.raises(ParameterError, match="goal"):
+        planner.plan_blocking(LEFT, [0.0] * 6)  # type: ignore[list-item] # what a user may give
+
+
+def test_where_there_is_no_way_none_is_found() -> None:
+    """Two curtains from close beside the base: the shoulder, 14 cm off the axis, cannot pass."""
+    curtains = [
+        Box(at=(side * 0.87, 0.0, 1.5), size=(1.5, 0.02, 3.0), name=f"curtain{side}")
+        for side in (-1, 1)
+    ]
+    scene = Scene("gcr5_910", curtains)
+    start, goal = Joints.deg(22, 0, 90, 0, -90, 0), Joints.deg(202, 0, 90, 0, -90, 0)
+    assert not scene.collides(start)
+    assert not scene.collides(goal)
+    with Planner(scene) as planner, pytest.raises(NoPathFound, match=r"within 0\.3 s"):
+        planner.plan_blocking(start, goal, timeout=0.3)
+
+
+async def test_planning_does_not_block_the_loop_and_can_be_cancelled(scene: Scene) -> None:
+    async with Planner(scene) as planner:
+        ticks = 0
+
+        async def tick() -> None:
+            nonlocal ticks
+            while True:
+                await anyio.lowlevel.checkpoint()
+                ticks += 1
+
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(tick)
+            await planner.plan(LEFT, RIGHT)
+            tasks.cancel_scope.cancel()
+        assert ticks > 10
+        with anyio.CancelScope() as scope:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(planner.plan, LEFT, RIGHT)
+                await anyio.lowlevel.checkpoint()
+                scope.cancel()
+        assert scope.cancelled_caught
+        plan = await planner.plan(LEFT, RIGHT)
+        assert plan.check(scene)
+
+
+def test_a_scene_that_changes_counts_for_the_next_plan() -> None:
+    scene = Scene("gcr5_910")
+    with Planner(scene) as planner:
+        plan = planner.plan_blocking(LEFT, RIGHT)
+        assert plan.check(scene)
+        scene.add(WALL)
+        found = plan.check(scene)
+        assert not found
+        assert "wall" in str(found)
+        assert planner.plan_blocking(LEFT, RIGHT).check(scene)
+
+
+def test_a_plan_to_where_the_arm_is_takes_no_time(planner: Planner) -> None:
+    assert planner.plan_blocking(LEFT, LEFT).duration == 0.0
+
+
+def test_waypoints_for_blends_stay_within_the_padding(scene: Scene, planner: Planner) -> None:
+    plan = planner.plan_blocking(LEFT, RIGHT)
+    found = plan.waypoints()
+    assert found[-1] == (plan.end, 0.0)
+    corners = [plan.start.array, *(q.array for q, _ in found)]
+    for one, two in itertools.pairwise(corners):
+        shares = np.linspace(0.0, 1.0, 30)[:, None]
+        assert not any(scene.collides(Joints.of(q)) for q in one + shares * (two - one))
+
+
+def test_nothing_is_printed_and_importing_loads_nothing_of_the_extra() -> None:
+    code = (
+        "import sys\n"
+        "from aioduco import Joints\n"
+        "from aioduco.planning import Planner, Scene\n"
+        "heavy = {'ompl', 'mujoco', 'scipy', 'toppra'} & set(sys.modules)\n"
+        "assert not heavy, heavy\n"
+        "with Planner(Scene()) as planner:\n"
+        "    start = Joints.deg(0, 0, 90, 0, -90, 0)\n"
+        "    planner.plan_blocking(start, Joints.deg(9, 0, 90, 0, -90, 0))\n"
+        "assert 'ompl' not in sys.modules\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert (done.stdout, done.stderr, done.returncode) == ("", "", 0)

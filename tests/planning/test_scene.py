@@ -1,0 +1,200 @@
+"""Scenes: what the arm touches, how far it is from it, and what may be done with a scene."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from aioduco import Joints, ParameterError, SceneError
+from aioduco.kinematics import arm as arm_of
+from aioduco.kinematics import models
+from aioduco.planning import Ground, Mesh, PointCloud, Scene
+from aioduco.sim import Simulator
+from aioduco.sim.scene import Box, Cylinder, Rod, Sphere
+
+READY = Joints.deg(0, 0, 90, 0, -90, 0)
+
+
+@pytest.mark.parametrize("model", models())
+def test_an_arm_that_stands_ready_is_free(model: str) -> None:
+    scene = Scene(model)
+    assert not scene.collides(READY)
+    assert scene.clearance(READY).distance > 0.01
+
+
+@pytest.mark.parametrize("radius", [0.02, 0.05])
+def test_a_distance_is_that_of_the_geometry(radius: float) -> None:
+    """A sphere under the flange's face: the flange's disc ends at the flange's origin."""
+    scene = Scene("gcr5_910")
+    tip = scene.arm.fkine(READY)
+    below = tip @ np.array([0.0, 0.0, radius + 0.03, 1.0])
+    scene.add(Sphere(at=tuple(below[:3]), radius=radius, name="ball"))
+    found = scene.clearance(READY)
+    assert found.pair is not None
+    # The wrist's round housing ends at the same height.
+    assert found.pair[0] in ("flange", "link5")
+    assert found.distance == pytest.approx(0.03, abs=1e-6)
+    assert "is 30.0 mm from ball" in str(found)
+
+
+@pytest.mark.parametrize(
+    "thing",
+    [
+        Box(at=(0.492, 0.1445, 0.42), size=(0.1, 0.1, 0.1), name="it"),
+        Cylinder(at=(0.492, 0.1445, 0.42), radius=0.05, length=0.1, name="it"),
+        Sphere(at=(0.492, 0.1445, 0.42), radius=0.05, name="it"),
+        Mesh(
+            at=(0.492, 0.1445, 0.42),
+            vertices=[
+                [x, y, z] for x in (-0.05, 0.05) for y in (-0.05, 0.05) for z in (-0.05, 0.05)
+            ],
+            name="it",
+        ),
+        PointCloud(
+            at=(0.492, 0.1445, 0.435), points=[[0.0, 0.0, 0.0], [0.03, 0.0, 0.0]], name="it"
+        ),
+        Ground(at=(0.0, 0.0, 0.45), name="it"),
+    ],
+    ids=lambda thing: type(thing).__name__,
+)
+@pytest.mark.cases(6)
+def test_every_kind_of_thing_is_touched(thing: Box) -> None:
+    scene = Scene("gcr5_910", [thing])
+    found = scene.clearance(READY)
+    assert found.distance < 0.0
+    assert found.pair is not None
+    assert found.pair[1] == "it"
+    scene.move("it", (0.0, 5.0, -5.0))
+    assert not scene.collides(READY)
+
+
+def test_a_box_and_the_mesh_of_its_corners_are_equally_far() -> None:
+    half = 0.06
+    corners = [[x, y, z] for x in (0, 2 * half) for y in (0, 2 * half) for z in (0, 2 * half)]
+    box = Scene("gcr5_910", [Box(at=(0.75, 0.1, 0.5), size=(2 * half,) * 3, name="it")])
+    mesh = Scene(
+        "gcr5_910", [Mesh(at=(0.75 - half, 0.1 - half, 0.5 - half), vertices=corners, name="it")]
+    )
+    random = np.random.default_rng(0)
+    seen = 0
+    for _ in range(200):
+        q = Joints.of(READY.array + random.uniform(-0.4, 0.4, 6))
+        one, other = box.clearance(q), mesh.clearance(q)
+        if one.pair is not None and one.pair[1] == "it" and one.distance > 0.0:
+            seen += 1
+            assert other.distance == pytest.approx(one.distance, abs=1e-5)
+    assert seen > 5
+
+
+def test_a_cloud_of_points_is_as_far_as_its_nearest_point() -> None:
+    tip = Scene("gcr5_910").arm.fkine(READY)
+    random = np.random.default_rng(1)
+    points = random.uniform(-0.3, 0.3, (400, 3)) - np.array([0.0, 0.0, 0.37])
+    cloud = PointCloud(at=tuple(tip[:3, 3]), points=points, radius=0.01, name="cloud")
+    near = Scene("gcr5_910", [cloud]).clearance(READY)
+    single = [
+        Scene(
+            "gcr5_910", [Sphere(at=tuple(tip[:3, 3] + point), radius=0.01, name="cloud")]
+        ).clearance(READY)
+        for point in points[np.argsort(-points[:, 2])[:10]]
+    ]
+    nearest = min(each.distance for each in single)
+    assert near.distance <= nearest + 1e-9
+    assert near.distance < 0.09
+
+
+def test_things_have_names_and_can_be_taken_away() -> None:
+    scene = Scene("gcr5_910", [Box(name="one"), Box()])
+    assert [thing.name for thing in scene] == ["one", "thing2"]
+    with pytest.raises(SceneError, match="a thing called 'one' already"):
+        scene.add(Box(name="one"))
+    before = scene.revision
+    scene.remove("one")
+    assert "one" not in scene
+    assert scene.revision > before
+    with pytest.raises(SceneError, match="nothing is called 'one'"):
+        scene.remove("one")
+    with pytest.raises(ParameterError, match="padding"):
+        Scene("gcr5_910", padding=0.0)
+
+
+def test_what_is_held_moves_with_the_arm_and_stays_where_it_is_let_go() -> None:
+    part = Box(at=(0.45, 0.1, 0.35), size=(0.04, 0.04, 0.04), name="part")
+    scene = Scene("gcr5_910", [part], tool=[Rod(length=0.05)])
+    turned = Joints.deg(40, 0, 90, 0, -90, 0)
+    before = scene.arm.fkine(READY)
+    scene.attach("part", READY)
+    assert scene.attached == ("part",)
+    post = Cylinder(at=(0.0, 0.0, 0.0), radius=0.02, length=0.1, name="post")
+    place = scene.arm.fkine(turned) @ np.linalg.inv(before) @ np.array([*part.at, 1.0])
+    scene.add(post)
+    scene.move("post", tuple(place[:3]))
+    assert scene.clearance(READY).distance > 0.0
+    assert scene.clearance(turned).pair == ("part", "post")
+    scene.allow("part", "post")
+    assert not scene.collides(turned)
+    scene.detach("part", turned)
+    assert scene["part"].at[:3] == pytest.approx(place[:3], abs=1e-9)
+    assert not list(scene.attached)
+    with pytest.raises(SceneError, match="is held"):
+        scene.detach("part", turned)
+
+
+def test_a_contact_that_is_allowed_is_none_until_it_is_forbidden() -> None:
+    scene = Scene("gcr5_910", [Box(at=(0.492, 0.1445, 0.42), size=(0.1, 0.1, 0.1), name="it")])
+    found = scene.clearance(READY)
+    assert found.pair is not None
+    touching = set()
+    while (found := scene.clearance(READY)).distance < 0.0:
+        assert found.pair is not None
+        touching.add(found.pair)
+        scene.allow(*found.pair)
+    assert touching
+    scene.forbid(*touching.pop())
+    assert scene.collides(READY)
+    with pytest.raises(SceneError, match="nothing is called 'nobody'"):
+        scene.allow("nobody", "it")
+
+
+def test_the_scene_of_a_running_simulator_is_as_it_is_now() -> None:
+    box = Box(at=(0.4, 0.3, 0.5), size=(0.1, 0.1, 0.1), mass=0.5, name="box")
+    table = Box(at=(0.4, 0.3, 0.1), size=(0.3, 0.3, 0.2), name="table")
+    with Simulator(speed=math.inf, scene=[box, table]) as simulator:
+        simulator.wait_until(lambda: simulator.time > 1.0)
+        scene = Scene.from_simulator(simulator)
+    resting = 0.25 - 0.01  # fallen onto the table, whose top is at 0.2
+    tip = scene.arm
+    above = tip.ikine([0.4, 0.3, resting + 0.05 + 0.02, math.pi, 0.0, 0.0], READY)
+    found = scene.clearance(Joints.of(above))
+    assert found.pair is not None
+    assert found.pair[1] == "box"
+    assert found.distance == pytest.approx(0.01, abs=2e-3)
+    scene.attach("box", Joints.of(above))
+    lifted = tip.ikine([0.4, -0.3, 0.6, math.pi, 0.0, 0.0], READY)
+    assert not scene.collides(Joints.of(lifted))
+
+
+@pytest.mark.parametrize("mounting", ["floor", "wall", "ceiling"])
+def test_the_mounting_is_the_simulators(mounting: str) -> None:
+    scene = Scene("gcr3_618", mounting=mounting)  # type: ignore[arg-type] # one of the three
+    assert not scene.collides(READY)
+    below = scene.mounting.matrix @ scene.arm.fkine(READY) @ np.array([0, 0, 0.06, 1.0])
+    scene.add(Sphere(at=tuple(below[:3]), radius=0.03, name="ball"))
+    found = scene.clearance(READY)
+    assert found.pair is not None
+    assert found.pair[1] == "ball"
+    assert found.distance == pytest.approx(0.03, abs=1e-6)
+
+
+def test_what_is_given_wrongly_is_refused() -> None:
+    with pytest.raises(ParameterError, match="vertices"):
+        Mesh(vertices=[[0.0, 0.0, 0.0]], name="flat")
+    with pytest.raises(ParameterError, match="points"):
+        PointCloud(points=np.zeros((3, 2)))
+    with pytest.raises(SceneError, match="does not exist"):
+        Mesh(file="nowhere.stl")
+    with pytest.raises(SceneError, match="no thing"):
+        Scene("gcr5_910", ["box"])  # type: ignore[list-item] # what a user may give
+    assert arm_of("gcr5_910") is Scene("gcr5_910").arm
