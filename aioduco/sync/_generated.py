@@ -372,13 +372,8 @@ class Motion(_Section):
             TaskError: a blended motion did not succeed.
         """
         work = self._section.execute(
-            plan,
-            watch=watch,
-            planner=planner,
-            through=through,
-            tolerances=tolerances,
-            feedback=feedback,
-            options=options,
+            plan, watch=watch, planner=planner, through=through, tolerances=tolerances,
+            feedback=feedback, options=options
         )
         return self._runner.call(work)
 
