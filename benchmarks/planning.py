@@ -202,7 +202,8 @@ def of_toppra(plan: Plan) -> dict[str, float]:
         solver_wrapper="seidel",
     )
     fastest = float(law.compute_trajectory().duration)
-    loose = MotionLimits.of(plan.arm, speed, acceleration, 1000.0 * acceleration)
+    jerk = 1000.0 * acceleration
+    loose = MotionLimits.of(plan.arm, speed.tolist(), acceleration.tolist(), jerk.tolist())
     alike = timed(through(length[rows], q[rows]), loose)
     return {
         "all limits": plan.duration / fastest,

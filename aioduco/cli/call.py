@@ -9,6 +9,7 @@ import json as json_module
 import re
 from typing import Annotated, Any
 
+import numpy as np
 import typer
 
 __all__ = ["call", "function_of"]
@@ -107,7 +108,7 @@ def _plain(value: Any) -> Any:
         return {
             field.name: _plain(getattr(value, field.name)) for field in dataclasses.fields(value)
         }
-    if hasattr(value, "tolist"):
+    if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, dict):
         return {str(key): _plain(each) for key, each in value.items()}

@@ -116,7 +116,7 @@ class CollisionChecker:
                 model.geom_conaffinity[geom] &= ~_FLOOR
         self._moves = ~still
         self.radii: Vector = _radii(model)
-        self.count = 0
+        self.count: int = 0
         self.padding = padding
 
     @property

@@ -196,7 +196,7 @@ class _Selector(selectors.EpollSelector):
 def _loops(clock: ProgramClock) -> None:
     _Selector.clock = clock
     base: Any = asyncio.base_events.BaseEventLoop
-    selecting: Any = asyncio.selector_events.BaseSelectorEventLoop
+    selecting: Any = asyncio.SelectorEventLoop.__base__
     soon_from_thread = base.call_soon_threadsafe
     loop_time, call_at, create_task = base.time, base.call_at, base.create_task
     init = selecting.__init__
@@ -316,7 +316,9 @@ def _addresses(clock: ProgramClock, cell: Cell) -> None:
     def made(self: Any, host: str, port: int, settings: Any) -> None:
         there = cell.address()
         assert cell.simulator is not None
-        patient = {name: max(least, getattr(settings, name)) for name, least in _PATIENCE.items()}
+        patient: dict[str, Any] = {
+            name: max(least, getattr(settings, name)) for name, least in _PATIENCE.items()
+        }
         if settings.heartbeat is not None:
             patient["heartbeat"] = max(_HEARTBEAT, settings.heartbeat)
         patient["clock"] = cell.simulator.clock

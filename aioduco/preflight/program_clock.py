@@ -72,8 +72,8 @@ class Wait:
     __slots__ = ("counts", "thread")
 
     def __init__(self, thread: int) -> None:
-        self.thread = thread
-        self.counts = False
+        self.thread: int = thread
+        self.counts: bool = False
 
 
 class ProgramClock:

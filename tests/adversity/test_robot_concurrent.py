@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import anyio
 import numpy as np
@@ -89,7 +89,11 @@ async def test_every_motion_ends_truly_and_the_arm_stands(
     with anyio.fail_after(120):
         guard: GuardKind | None = "process" if part % 2 else None
         # a starved machine is not what is tested
-        patience = {"connect_timeout": 20.0, "stop_timeout": 20.0, "standstill_timeout": 20.0}
+        patience: dict[str, Any] = {
+            "connect_timeout": 20.0,
+            "stop_timeout": 20.0,
+            "standstill_timeout": 20.0,
+        }
         async with aioduco.connect(sim.host, sim.port, guard=guard, **patience) as robot:
             await robot.bring_up()
             players = Players(sim, robot, rng)
