@@ -15,6 +15,7 @@ import random
 import runpy
 import sys
 import threading
+from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -226,4 +227,5 @@ def main(argument: str) -> NoReturn:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    # by its own name: what runs as `__main__` counts as the program
+    import_module("aioduco.preflight.child").main(sys.argv[1])

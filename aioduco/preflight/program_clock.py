@@ -193,6 +193,10 @@ class ProgramClock:
     def waiting(self) -> Iterator[Wait]:
         """In this block the calling thread waits, if it is an actor."""
         wait = Wait(threading.get_ident())
+        if wait.thread not in self._actors:
+            # without the lock: the simulation's thread waits holding what `_hold` takes under it
+            yield wait
+            return
         with self._state:
             if wait.thread in self._actors:
                 wait.counts = True
@@ -205,6 +209,8 @@ class ProgramClock:
 
     def wake(self, wait: Wait) -> None:
         """A wait is over, although its thread may not have come to run yet."""
+        if not wait.counts:
+            return
         with self._state:
             if wait.counts:
                 wait.counts = False
