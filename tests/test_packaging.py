@@ -95,15 +95,17 @@ def test_jerk_limits_need_their_extra_and_not_the_simulator() -> None:
     extras = project["optional-dependencies"]
     names = {
         extra: {re.split(r"[<>=\[]", one)[0] for one in extras[extra]}
-        for extra in ("sim", "stream", "cli", "plot")
+        for extra in ("sim", "stream", "cli", "plot", "plan", "sweep")
     }
     assert names == {
         "sim": {"mujoco-core", "ruckig"},
         "stream": {"ruckig"},
         "cli": {"typer", "rich"},
         "plot": {"matplotlib", "pillow"},
+        "plan": {"aioduco", "ompl", "toppra", "scipy"},
+        "sweep": {"distributed"},
     }
-    assert extras["all"] == ["aioduco[sim,stream,cli,plot]"]
+    assert extras["all"] == ["aioduco[sim,stream,cli,plot,plan]"]
 
 
 def test_licence_is_whole() -> None:

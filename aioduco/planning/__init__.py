@@ -13,7 +13,7 @@ knows no robot: `robot.motion.execute` carries a plan out.
 
 from __future__ import annotations
 
-from aioduco.planning.limits import MotionLimits
+from aioduco.planning.motion_limits import MotionLimits
 from aioduco.planning.plan import Plan, PlanCheck
 from aioduco.planning.planner import Planner
 from aioduco.planning.problem import Region

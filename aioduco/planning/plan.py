@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.planning.clearance import Clearance
     from aioduco.planning.execution import MotionSection, ReadJoints
-    from aioduco.planning.limits import MotionLimits
+    from aioduco.planning.motion_limits import MotionLimits
     from aioduco.planning.problem import PlanningProblem, Solution
     from aioduco.planning.scene import Scene
     from aioduco.sim.view.camera import Camera

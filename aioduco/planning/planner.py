@@ -17,7 +17,7 @@ import numpy as np
 from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningError
 from aioduco.models.pose import Joints, Pose
 from aioduco.planning.exchange import WorkerScene, receive, send
-from aioduco.planning.limits import MotionLimits
+from aioduco.planning.motion_limits import MotionLimits
 from aioduco.planning.plan import Plan
 from aioduco.planning.problem import GoalLike, PlanningProblem, Solution, goals_of
 from aioduco.planning.toolpath import poses_along

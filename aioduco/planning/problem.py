@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.kinematics import Arm
-    from aioduco.planning.limits import MotionLimits
+    from aioduco.planning.motion_limits import MotionLimits
 
     Points = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.planning.curve import Curve
-    from aioduco.planning.limits import MotionLimits
+    from aioduco.planning.motion_limits import MotionLimits
 
     Points = NDArray[np.float64]
 

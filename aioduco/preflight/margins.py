@@ -10,7 +10,7 @@ import numpy as np
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.forward import singular_values
 from aioduco.preflight.findings import PreflightFinding, running
-from aioduco.sim.physics.clearance import FARTHEST, Clearance
+from aioduco.sim.physics.arm_distance import FARTHEST, ArmDistance
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -128,7 +128,7 @@ def margins(
     found.append(made("singularity", _SINGULAR[kind], singular[at, kind], "of 1", at))
     positions = samples["positions"]
     if len(positions) == len(times) and positions.shape[1] == world.model.nq:
-        clearance = Clearance(world)
+        clearance = ArmDistance(world)
         chosen = np.unique(np.linspace(0, len(times) - 1, _LOOKS).astype(int))
         looks = [(clearance.at(positions[n]), int(n)) for n in chosen]
         near, sample = min(looks, key=lambda look: look[0].distance)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["Clearance", "Nearest"]
+__all__ = ["ArmDistance", "Nearest"]
 
 #: what is further away than this is not looked at [m]
 FARTHEST = 0.5
@@ -32,7 +32,7 @@ class Nearest(NamedTuple):
     other: str
 
 
-class Clearance:
+class ArmDistance:
     """Distances between the moving parts of an arm, with what it carries, and all else.
 
     Args:
