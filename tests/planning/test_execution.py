@@ -88,7 +88,10 @@ async def test_what_comes_into_the_way_stops_the_arm_or_is_gone_round() -> None:
         assert sim.joints == pytest.approx(RIGHT, abs=1e-3)
 
 
-def test_the_demonstration(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_the_demonstration(tmp_path: Path, thorough: bool) -> None:
+    if not thorough:
+        pytest.skip("a whole program, with pictures: --thorough")
     told = tmp_path / "told.json"
     command = [sys.executable, "-m", "aioduco.cli", "demo", "--plan", "--json", str(told)]
     done = subprocess.run(
