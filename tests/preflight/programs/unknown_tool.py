@@ -9,9 +9,8 @@ async def main() -> None:
     async with aioduco.connect("192.168.1.10") as robot:
         await robot.bring_up()
         here = await robot.state.get_tcp_pose()
-        await robot.motion.movel(
-            here.shifted(z=0.05), v=0.2, a=0.5, tool="gripper"
-        )  # FAULT unknown tool
+        above = here.shifted(z=0.05)
+        await robot.motion.movel(above, v=0.2, a=0.5, tool="gripper")  # FAULT unknown tool
 
 
 anyio.run(main)
