@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import faulthandler
 import gc
 import json
 import os
 import random
 import runpy
+import signal
 import sys
 import threading
 from importlib import import_module
@@ -223,7 +225,10 @@ def _end() -> NoReturn:
 def main(argument: str) -> NoReturn:
     """Run the program that the options name."""
     sys.setswitchinterval(0.0005)
-    _Child(json.loads(argument)).run()
+    options = json.loads(argument)
+    with (Path(options["folder"]) / "stacks").open("w") as stacks:
+        faulthandler.register(signal.SIGUSR1, stacks)  # asked for when the time is over
+        _Child(options).run()
 
 
 if __name__ == "__main__":

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -31,6 +33,8 @@ __all__ = ["PreflightError", "PreflightReport", "PreflightSettings", "preflight"
 #: time of a cycle of the simulation [s]: half as many as a controller has, for the sake of speed
 CYCLE = 0.002
 _LAST_WORDS = 2000
+#: time for a program that did not end to tell where it is [s]
+_STACKS = 1.0
 
 
 class PreflightError(DucoError):
@@ -214,7 +218,13 @@ def _run(
         try:
             process.wait(timeout)
         except subprocess.TimeoutExpired:
-            raise PreflightError(f"the program had not ended after {timeout:g} s") from None
+            process.send_signal(signal.SIGUSR1)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(_STACKS)
+            stacks = (folder / "stacks").read_text(encoding="utf-8") or "not known"
+            raise PreflightError(
+                f"the program had not ended after {timeout:g} s; its stacks were:\n{stacks}"
+            ) from None
         finally:
             process.kill()
             process.wait()
