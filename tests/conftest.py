@@ -14,15 +14,10 @@ from typing import Any
 import pytest
 import quick
 from hypothesis import settings
-
-import aioduco
-import aioduco.sync
+from patient import be_patient
 
 _FAULTS = {False: 300, True: 10_000}
 _FRAMES = {False: 300, True: 3_000}
-#: s that the tests' robots give by default before they judge a loop, a connection or a controller
-#: lost: a busy machine takes seconds over what takes a millisecond. Tests about such a time set it.
-_PATIENCE = {"heartbeat": 20.0, "loop_stall_limit": 15.0, "call_timeout": 10.0}
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -65,8 +60,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    for connect in (aioduco.connect, aioduco.sync.connect):
-        connect.__kwdefaults__ = {**(connect.__kwdefaults__ or {}), **_PATIENCE}
+    be_patient()
     all_of_it: bool = config.getoption("thorough")
     for option, number in (("faults", _FAULTS), ("frames", _FRAMES)):
         if config.getoption(option) is None:

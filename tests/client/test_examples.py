@@ -13,6 +13,7 @@ from moments import complaints
 from aioduco.sim import Simulator
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
+PATIENT = str(Path(__file__).parents[1] / "patient.py")
 
 SAYS = {
     "01_connect_and_move.py": ["ready: robot ENABLE", "finished", "back, within 0.0"],
@@ -29,7 +30,7 @@ SAYS = {
 
 def run(*command: str) -> str:
     done = subprocess.run(
-        [sys.executable, "-W", "error", *command],
+        [sys.executable, "-W", "error", PATIENT, *command],
         check=False,
         capture_output=True,
         text=True,

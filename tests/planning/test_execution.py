@@ -6,10 +6,12 @@ import json
 import subprocess
 import sys
 from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from moments import complaints
 from PIL import Image
 
 import aioduco
@@ -20,7 +22,6 @@ from aioduco.sim.scene import Box, Sphere
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
-    from pathlib import Path
 
     from aioduco.robot import Robot
 
@@ -113,6 +114,15 @@ def test_the_demonstration(tmp_path: Path, thorough: bool) -> None:
     )
     assert before.shape == (480, 640, 3)
     assert (before != after).mean() > 0.01
+
+
+def test_the_example() -> None:
+    root = Path(__file__).parents[2]
+    example = root / "examples" / "16_plan_round_obstacle.py"
+    command = [sys.executable, "-W", "error", str(root / "tests" / "patient.py"), str(example)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
+    assert (complaints(done.stderr), done.returncode) == ("", 0)
+    assert "on the right side\non the left side again, round a ball" in done.stdout
 
 
 def test_the_demonstration_is_for_a_simulated_arm() -> None:

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from aioduco.sim.process import SimulatorProcess
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-NUMBERED = sorted(EXAMPLES.glob("1?_*.py"))
+PATIENT = str(Path(__file__).parents[1] / "patient.py")
+NUMBERED = sorted(EXAMPLES.glob("1[0-5]_*.py"))
 CLOSED = r"<StreamStatistics ENDED \(CLOSED\): \d+ sent"
 
 #: what each says at its end
@@ -42,7 +43,7 @@ def sim() -> Iterator[SimulatorProcess]:
 
 def run(name: str, *arguments: str) -> str:
     done = subprocess.run(
-        [sys.executable, "-W", "error", str(EXAMPLES / name), *arguments],
+        [sys.executable, "-W", "error", PATIENT, str(EXAMPLES / name), *arguments],
         check=False,
         capture_output=True,
         text=True,
@@ -87,7 +88,7 @@ def test_teleoperation_by_keys_from_a_pipe() -> None:
     with Simulator() as sim:
         program = subprocess.Popen(
             [
-                *(sys.executable, "-W", "error", str(EXAMPLES / "11_teleoperation.py")),
+                *(sys.executable, "-W", "error", PATIENT, str(EXAMPLES / "11_teleoperation.py")),
                 *(sim.host, "--port", str(sim.port)),
             ],
             stdin=subprocess.PIPE,
