@@ -2,9 +2,10 @@
 
     python benchmarks/planning.py [--quick] [--save]
 
-Three scenes (a wall, a shelf with boxes, a narrow slot), three arms, and 100 random queries each:
-from a configuration on one side to a pose of the flange on the other. A query for which nothing is
-found within 1 s of processor time counts as unsolved if another search finds a way within 20 s; if
+Three scenes (a wall, a shelf with boxes, a narrow slot), three arms, and random queries for each of
+the nine, 100 if `--queries` does not say otherwise: from a configuration on one side to a pose of
+the flange on the other. A query for which nothing is found
+within 1 s of processor time counts as unsolved if another search finds a way within 20 s; if
 that does not either, it is not known to be solvable, and another query takes its place. Each plan
 is checked closely (0.2°, 1 mm), and its trajectory is followed by the simulator's arm, step by
 step. `movej2` is the straight way of the joints to the nearest free solution of the same pose,

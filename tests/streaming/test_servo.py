@@ -86,8 +86,9 @@ async def test_a_whole_array_is_played_by_its_times(
     async with controller.servo.joints(v=1.0, a=50.0, rate=500, options=options) as stream:
         await stream.play(trajectory, [0.0, 0.2, 0.4])
     points = np.array(controller.points())
-    # 0.4 s at 500 Hz, and what it takes to meet the last point
-    assert 201 <= len(points) <= 210
+    # 0.4 s at 500 Hz, and what it takes to meet the last point; a late program ends it later
+    under_way = np.flatnonzero(np.abs(points - HERE).max(axis=1) > 1e-9)[-1] + 2
+    assert 201 - stream.statistics().missed <= under_way <= 210
     assert points[:, 0].max() == pytest.approx(HERE[0] + 0.05, abs=2e-3)
     np.testing.assert_allclose(points[-1], HERE, atol=1e-9)
 

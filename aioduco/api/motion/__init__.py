@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import TYPE_CHECKING, Any, Literal, Protocol, get_args
 
 from aioduco.api.motion.curves import Curves
@@ -13,7 +14,7 @@ from aioduco.api.motion.teaching import Teaching
 from aioduco.api.motion.trajectory import follow
 from aioduco.api.motion.velocity import Velocity
 from aioduco.api.section import done
-from aioduco.errors import ParameterError, UnknownFunction
+from aioduco.errors import ParameterError, StopUnconfirmed, UnknownFunction
 from aioduco.models import ranges
 from aioduco.models.rules import Integer
 from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
@@ -270,7 +271,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         self._supervisor.check_open("execute")
         return await plan.run_on(
             self,
-            self._rpc.get_actual_joints_position,
+            self._joints_at_rest,
             watch=watch,
             planner=planner,
             through=through,
@@ -278,6 +279,14 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
             feedback=feedback,
             options=options,
         )
+
+    async def _joints_at_rest(self) -> list[float]:
+        """Read the joints, once the arm stands: what was stopped last may still come to rest."""
+        timeout = self._supervisor.settings.standstill_timeout
+        # what moves on is refused when the plan is sent
+        with contextlib.suppress(StopUnconfirmed):
+            await self._supervisor.stop_coordinator.rest(None, timeout)
+        return await self._rpc.get_actual_joints_position()
 
     async def _has_queue(self) -> bool:
         """Whether the controller has a realtime queue; older ones do not know the function."""
