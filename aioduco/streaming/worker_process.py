@@ -51,6 +51,8 @@ class WorkerHandle:
         self._link: socket.socket | None = None
         self._woken = anyio.Event()
         self._gone = False
+        # A controller that is stopping refuses a set-point that was on its way.
+        self._halted = False
         self.block: Block = Block.make(config, shared=not self._in_thread)
         self._outcome: tuple[Reason, str] | None = None
 
@@ -81,7 +83,8 @@ class WorkerHandle:
             return self._outcome[0]
         if self._gone and self.block.status[StatusWord.STATE] != StreamState.ENDED:
             return Reason.LANE_DIED
-        return Reason(self.block.status[StatusWord.REASON])
+        reason = Reason(self.block.status[StatusWord.REASON])
+        return Reason.STOPPED if reason is Reason.REFUSED and self._halted else reason
 
     @property
     def gone(self) -> bool:
@@ -107,6 +110,8 @@ class WorkerHandle:
         """
         # The block may be let go of at any moment, by another thread: then the worker is gone.
         with contextlib.suppress(ValueError):
+            if command is StreamCommand.HALT and not self.reason:
+                self._halted = True
             self.block.control[command] = 1
 
     def touch(self, alive: bool = True) -> None:

@@ -11,6 +11,10 @@ import pytest
 import aioduco
 from aioduco import ParameterError, RealtimeMode
 from aioduco._wire import idl
+from aioduco.streaming.options import LaneOptions
+from aioduco.streaming.shared.block import StatusWord, StreamCommand
+from aioduco.streaming.shared.state import Reason
+from aioduco.streaming.worker_process import WorkerHandle
 
 NOBODY = aioduco.connect("192.0.2.1")
 #: what each function that makes a stream needs at least
@@ -78,3 +82,18 @@ def test_a_wrong_argument_is_refused(section: str, name: str, parameter: str) ->
             make(**needed | {parameter: value})
         assert raised.value.parameter.partition("[")[0] == parameter
         assert str(raised.value).endswith("nothing was sent")
+
+
+def test_what_a_stopping_controller_refuses_ends_by_the_stop() -> None:
+    """A set-point may be on its way when the robot is stopped."""
+    stream = NOBODY.servo.joints(v=1.0, a=5.0, options=LaneOptions(lane="thread"))
+    reasons = []
+    for before in (Reason.REFUSED, Reason.NONE):
+        host = WorkerHandle(stream._session._config, lambda _block, _link: None)
+        status = host.block.status
+        status[StatusWord.REASON] = before
+        host.command(StreamCommand.HALT)
+        status[StatusWord.REASON] = Reason.REFUSED
+        reasons.append(host.reason)
+        host.release()
+    assert reasons == [Reason.REFUSED, Reason.STOPPED]
