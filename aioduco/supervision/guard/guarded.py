@@ -238,20 +238,24 @@ class GuardedStopChannel(StopChannel):
     async def _by_guard(self, timeout: float) -> bool:
         """Have the guard send a stop; the guard has it before this first waits."""
         done = anyio.Event()
+        # No longer than it is waited for: one that comes after the local way's would stop what was
+        # sent since.
+        timeout = min(CONFIRM_LIMIT, timeout)
         answer = self._asked(timeout, loop_callback(done.set))
         if answer is None:
             return False
-        with anyio.move_on_after(min(CONFIRM_LIMIT, timeout)):
+        with anyio.move_on_after(timeout):
             await done.wait()
         return answer.given and not answer.error
 
     def _by_guard_now(self, timeout: float) -> bool:
         done: SimpleQueue[None] = SimpleQueue()
+        timeout = min(CONFIRM_LIMIT, timeout)
         answer = self._asked(timeout, lambda: done.put(None))
         if answer is None:
             return False
         try:
-            done.get(timeout=min(CONFIRM_LIMIT, timeout))
+            done.get(timeout=timeout)
         except Empty:
             return False
         return not answer.error
