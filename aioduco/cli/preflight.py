@@ -43,6 +43,10 @@ def preflight(
     allow: Annotated[
         list[str] | None, typer.Option(help="Body that the arm may touch; may be repeated.")
     ] = None,
+    reach: Annotated[
+        list[str] | None,
+        typer.Option(help="host:port that the program itself may connect to; may be repeated."),
+    ] = None,
     patience: Annotated[
         float, typer.Option(min=1.0, help="The program's time without any change that hangs [s].")
     ] = 60.0,
@@ -84,6 +88,7 @@ def preflight(
         vendor=vendor,
         module=module,
         allowed=tuple(allow or ()),
+        reachable=tuple(reach or ()),
         patience=patience,
         timeout=timeout,
         vary=tuple(filter(None, vary.split(","))),

@@ -192,7 +192,7 @@ def _starts(found: TimedPath) -> tuple[Points, Points, Points]:
     return found.positions[:-1], found.velocities[:-1], found.accelerations[:-1]
 
 
-class _Bounds(toppra.constraint.LinearConstraint):  # type: ignore[misc] # without types
+class _Bounds(toppra.constraint.LinearConstraint):  # type: ignore[misc]  # TOPP-RA has no types
     """The limits at each node, and a lower rate where the curve bends more and more sharply."""
 
     def __init__(self, limits: MotionLimits, ease: Points, rate: float) -> None:

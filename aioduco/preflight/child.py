@@ -25,6 +25,7 @@ import numpy as np
 
 from aioduco.kinematics import arm as arm_of
 from aioduco.preflight import lines, patches
+from aioduco.preflight.borders import guard_borders
 from aioduco.preflight.program_clock import ProgramClock
 from aioduco.preflight.run_recorder import ProgramCall, RunRecorder
 from aioduco.preflight.variation import Variation
@@ -60,6 +61,12 @@ class _Child:
         """Run the program to its end, write what was found, and end this process."""
         self.clock.start()
         patches.install(self.clock, self.recorder, self._cell, self._serve)
+        guard_borders(
+            self.options["reachable"],
+            self._cell.ports,
+            patches.asked_by_package,
+            self.recorder.not_reached,
+        )
         self._own_simulators()
         threading.Thread(target=self._watch, name="preflight-watch", daemon=True).start()
         status = self._program()

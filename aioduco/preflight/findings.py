@@ -17,7 +17,7 @@ KINDS = (
     *("unreachable", "joint limit", "singularity", "collision", "self-collision"),
     *("collision of the tool", "wrong mode", "full queue", "starved stream", "bad blend"),
     *("unknown tool", "endless wait", "forgotten await", "motion after a stop"),
-    *("blocked event loop", "failed task", "refused", "error"),
+    *("blocked event loop", "failed task", "refused", "error", "not reached"),
 )
 
 #: by kind, what an error of it says: the controller's errors have texts and no codes

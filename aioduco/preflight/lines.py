@@ -133,4 +133,5 @@ def _actor() -> int:
     return threading.get_ident()
 
 
-_RUN_ONCE = asyncio.base_events.BaseEventLoop._run_once.__code__  # type: ignore[attr-defined]  # CPython's
+_LOOP: Any = asyncio.BaseEventLoop
+_RUN_ONCE = _LOOP._run_once.__code__

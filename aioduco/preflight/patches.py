@@ -92,6 +92,12 @@ class Cell:
             self.simulator = simulator
             self._attached(simulator)
 
+    def ports(self) -> set[int]:
+        """The ports of the simulator that is used."""
+        # Without the lock: a thread that holds it may be connecting.
+        used = self.simulator
+        return set() if used is None else {used.port, used.status_port or used.port}
+
     def close(self) -> None:
         """Close the preflight's simulator, if there is one."""
         if self.own is not None:
@@ -112,6 +118,11 @@ def _asked_by_program(depth: int = 2) -> bool | None:
             return True
         frame = frame.f_back
     return None
+
+
+def asked_by_package() -> bool:
+    """Whether a part of this package does what an audit hook is told of, and not the program."""
+    return not _asked_by_program(3)
 
 
 def _by_program() -> bool:
@@ -172,7 +183,8 @@ def _clocks(clock: ProgramClock, recorder: RunRecorder) -> None:
             recorder.blocked(lines.current(), seconds)
         clock.sleep(seconds)
 
-    time.sleep = slept  # type: ignore[assignment]  # takes what the original takes
+    module: Any = time
+    module.sleep = slept
 
 
 class _Selector(selectors.EpollSelector):

@@ -12,6 +12,7 @@ import numpy as np
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco.models.enums import TaskState
 from aioduco.preflight import lines
+from aioduco.preflight.borders import NotReached
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -156,8 +157,15 @@ class RunRecorder:
         text = f"time.sleep({seconds:g}) blocks the event loop: the heartbeat ends, the arm stops"
         self._note("blocked event loop", mark and mark.where, text)
 
+    def not_reached(self, text: str) -> None:
+        """The program tried to reach something outside of the preflight."""
+        mark = lines.current()
+        self._note("not reached", mark and mark.where, text)
+
     def failed(self, error: BaseException) -> None:
         """The program ended with an error."""
+        if isinstance(error, NotReached):
+            return  # it was told of already, at its line
         if isinstance(error, BaseExceptionGroup):
             for each in error.exceptions:
                 self.failed(each)
@@ -295,9 +303,11 @@ class RunRecorder:
         widest = max((each.size for each in self._positions), default=0)
         same = [each for each in self._positions if each.size == widest]
         return {
-            "time": np.array(self._times), "q": np.reshape(self._q, (-1, 6)),
-            "qd": np.reshape(self._qd, (-1, 6)), "positions": np.reshape(same, (len(same), -1)),
-        }  # fmt: skip
+            "time": np.array(self._times),
+            "q": np.reshape(self._q, (-1, 6)),
+            "qd": np.reshape(self._qd, (-1, 6)),
+            "positions": np.reshape(same, (len(same), widest)),  # (0, 0) if the arm never moved
+        }
 
 
 def _of_arm(name: str) -> bool:

@@ -54,6 +54,8 @@ class PreflightSettings:
         vendor: whether the vendor's modules are to be found by the program's imports.
         module: whether the program is the name of a module and no file.
         allowed: names of bodies that the arm may touch.
+        reachable: addresses as "host:port" that connections of the program's own may lead to;
+            others are refused, since they could lead to an arm.
         patience: the program's time without a motion or a change after which it hangs [s].
         timeout: time of the wall after which it is ended [s].
         vary: what a seed varies: "start", "latency", "faults", "payload".
@@ -69,6 +71,7 @@ class PreflightSettings:
     vendor: bool = False
     module: bool = False
     allowed: tuple[str, ...] = ()
+    reachable: tuple[str, ...] = ()
     patience: float = 60.0
     timeout: float = 600.0
     vary: tuple[str, ...] = ()
@@ -172,6 +175,9 @@ def preflight(
     name = os.fspath(program)
     if not settings.module and not Path(name).is_file():
         raise PreflightError(f"{name} is no file: nothing was run")
+    for address in settings.reachable:
+        if not address.rpartition(":")[2].isdecimal():
+            raise PreflightError(f'{address!r} is no address as "host:port": nothing was run')
     begin = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="aioduco-preflight-") as folder:
         options = {
