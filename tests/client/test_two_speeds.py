@@ -63,6 +63,7 @@ def standing(sim: Simulator) -> bool:
 async def home(sim: Simulator, robot: aioduco.Robot) -> None:
     """To where each call begins, on the fast clock."""
     speed, sim.speed = sim.speed, math.inf
+    await robot.stop()  # ends a mode that the call before has left on
     await robot.recover()
     if np.abs(sim.joints.array - HOME).max() > 1e-5:
         await robot.motion.movej2(HOME, v=3.0, a=20.0)
