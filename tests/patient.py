@@ -7,15 +7,35 @@ A busy machine takes seconds over what takes a millisecond.
 
 from __future__ import annotations
 
+import contextlib
 import runpy
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import aioduco
 import aioduco.sync
+from aioduco.streaming.realtime import RealtimeStreams
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 #: s that the tests' robots give by default; tests about such a time set it
 PATIENCE = {"heartbeat": 20.0, "loop_stall_limit": 15.0, "call_timeout": 10.0}
+#: how streams through the realtime queue are opened then, which else may run dry for 20 ms only
+PATIENT_QUEUE = {"com_lost_time": 0.5, "depth": 100}
+
+
+@contextlib.contextmanager
+def patient_queue() -> Iterator[None]:
+    """Make these the defaults of the realtime queue's streams for a while."""
+    stream = RealtimeStreams.stream
+    before = stream.__kwdefaults__ or {}
+    stream.__kwdefaults__ = {**before, **PATIENT_QUEUE}
+    try:
+        yield
+    finally:
+        stream.__kwdefaults__ = before
 
 
 def be_patient() -> None:
@@ -28,4 +48,5 @@ if __name__ == "__main__":
     be_patient()
     del sys.argv[0]
     sys.path[0] = str(Path(sys.argv[0]).parent)
-    runpy.run_path(sys.argv[0], run_name="__main__")
+    with patient_queue():
+        runpy.run_path(sys.argv[0], run_name="__main__")

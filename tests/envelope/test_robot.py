@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 START = Joints(0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
 TOOL = Pose(0, 0, 0, 0, 0, 0)
 #: simulated seconds in a real one
+CYCLE = 0.001
 SPEED = 10.0
 #: the tool at START
 AT = (0.492, 0.1445, 0.442)
@@ -44,7 +45,7 @@ def seen() -> Iterator[Seen]:
 
 @pytest.fixture(scope="module")
 def sim(seen: Seen) -> Iterator[Simulator]:
-    with Simulator(speed=SPEED, joints=START) as sim:
+    with Simulator(speed=SPEED, joints=START, cycle=CYCLE) as sim:
         yield sim
 
 
@@ -132,7 +133,7 @@ async def test_a_motion_is_sent_more_slowly(robot: aioduco.Robot, seen: Seen) ->
 
 def _fastest(seen: Seen) -> float:
     tool = ARM.fkine(np.array(seen.q))[:, :3, 3]
-    return float(np.linalg.norm(np.diff(tool, axis=0), axis=1).max() / 0.001)
+    return float(np.linalg.norm(np.diff(tool, axis=0), axis=1).max() / CYCLE)
 
 
 async def test_stop_ends_what_runs_before_it(robot: aioduco.Robot) -> None:

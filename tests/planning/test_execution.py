@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from moments import complaints
+from patient import patient_queue
 from PIL import Image
 
 import aioduco
@@ -21,13 +22,19 @@ from aioduco.sim import Simulator
 from aioduco.sim.scene import Box, Sphere
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Iterator
 
     from aioduco.robot import Robot
 
 LEFT = Joints.deg(50, 0, 90, 0, -90, 0)
 RIGHT = Joints.deg(-50, 0, 90, 0, -90, 0)
 BOARD = Box(at=(0.55, 0, 0.35), size=(0.5, 0.04, 0.7), name="board")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _patient() -> Iterator[None]:
+    with patient_queue():
+        yield
 
 
 @asynccontextmanager

@@ -91,7 +91,17 @@ def test_a_pool_that_ran_dry_is_resumed_by_the_next_points() -> None:
     assert (pool.state, pool.drained, pool.starved) == (StreamState.HOLDING, 1, 2)
     assert pool.look(0, 20, 0.3) is Todo.RESUME
     assert pool.state is StreamState.FOLLOWING
-    assert pool.look(20, 0, 0.4) is Todo.FOLLOW
+    assert pool.look(19, 0, 0.4) is Todo.FOLLOW
+
+
+def test_a_pool_that_ran_dry_unseen_is_resumed() -> None:
+    pool = following()
+    assert pool.look(5, 0, 0.0) is Todo.FOLLOW
+    assert pool.look(0, 20, 0.1) is Todo.RESUME  # it ran dry between two looks
+    assert pool.look(18, 0, 0.2) is Todo.FOLLOW
+    assert pool.look(2, 20, 0.3) is Todo.FOLLOW  # it runs dry before the points are in it
+    assert pool.look(22, 0, 0.4) is Todo.RESUME
+    assert pool.look(21, 0, 0.5) is Todo.FOLLOW
 
 
 def test_a_pool_that_stays_dry_ends() -> None:

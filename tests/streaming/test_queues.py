@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from typing import Any
@@ -14,6 +15,7 @@ from aioduco._wire.rpc import PointOp, RealTimeControlData
 from aioduco.errors import (
     FirstPointTooFar,
     ParameterError,
+    StreamError,
     StreamRefused,
     StreamStarved,
     StreamStopped,
@@ -253,6 +255,7 @@ class PoolDrive:
         self.points: list[Any] = []
         self.taken = 0
         self.running = False
+        self.ended = 4
         self.starts = 0
         self._per_look = per_look
         for name, answer in {
@@ -278,6 +281,7 @@ class PoolDrive:
 
     def start(self, *_: Any) -> int:
         self.running = True
+        self.ended = 4
         self.starts += 1
         return 1234
 
@@ -290,7 +294,11 @@ class PoolDrive:
     def state(self, _task: int) -> int:
         if self.taken == len(self.points):
             self.running = False
-        return 1 if self.running else 4
+        return 1 if self.running else self.ended
+
+    def end(self, state: int) -> None:
+        """Take no more points, though there are some."""
+        self.running, self.ended = False, state
 
 
 @lanes
@@ -342,6 +350,31 @@ async def test_a_pool_that_ran_dry_is_started_again(controller: Controller) -> N
         await eventually_async(lambda: len(pool.points) == 40)
     assert pool.starts == 2
     assert stream.statistics().drained >= 1
+
+
+@pytest.mark.parametrize(
+    ("state", "error"), [(4, None), (3, StreamStopped), (6, StreamRefused)], ids=str
+)
+async def test_a_pool_from_which_nobody_takes_is_started_again_if_its_motion_has_come_to_rest(
+    controller: Controller, state: int, error: type[StreamError] | None
+) -> None:
+    """The pool may run dry in the instant before new points are in it."""
+    pool = PoolDrive(controller, per_look=1)
+    opened = TrackStreams(controller.endpoint).stream(
+        "joints", speed=0.5, acc=1.0, low=10, high=20, period=0.005, options=THREAD
+    )
+
+    async def program() -> None:
+        async with opened as stream:
+            for n in range(100):
+                await stream.send(near(1e-4 * n))
+                if n == 30:
+                    await eventually_async(lambda: pool.starts == 1)
+                    pool.end(state)
+
+    with contextlib.nullcontext() if error is None else pytest.raises(error):
+        await program()
+    assert pool.starts == (2 if error is None else 1)
 
 
 async def test_a_program_that_feeds_no_more_ends_the_track(controller: Controller) -> None:

@@ -17,7 +17,7 @@ from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.worker.directions import Directions
 from aioduco.streaming.worker.encoding import Batch
 from aioduco.streaming.worker.setpoints import SetpointFeed, within
-from aioduco.streaming.worker.watch import ControllerWatch, refused
+from aioduco.streaming.worker.watch import ControllerWatch, ended, refused
 
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
@@ -90,7 +90,7 @@ class Todo(Enum):
     FOLLOW = auto()
     """Nothing: the arm follows."""
     RESUME = auto()
-    """The pool had run dry: have the controller begin anew, if it has come to rest."""
+    """The controller may have come to rest at the last point it had: have it begin anew then."""
     WAIT = auto()
     """Nothing: the pool is dry, and the program sends nothing."""
     FINISH = auto()
@@ -123,6 +123,7 @@ class PoolStates:
         self._hold = hold
         self._closing = False
         self._dry_since: float | None = None
+        self._filled = 0  # points that were in the pool after the last look at it
         self.state: StreamState = StreamState.WAITING
         self.reason: Reason = Reason.NONE
         self.drained: int = 0
@@ -157,11 +158,14 @@ class PoolStates:
             added: points that were added to it.
             now: the time [s].
         """
-        was_dry = self._dry_since is not None
+        # The pool runs dry between two looks, too, and even between a look and what it adds:
+        # points that nobody takes any more tell of that.
+        untaken = 0 < self._filled <= left
+        self._filled = left + added
         if left or added:
             self._dry_since = None
             self.state = StreamState.FOLLOWING
-            return Todo.RESUME if was_dry and added else Todo.FOLLOW
+            return Todo.RESUME if not left or untaken else Todo.FOLLOW
         if self._dry_since is None:
             self._dry_since = now
             self.drained += not self._closing
@@ -419,7 +423,7 @@ class TrackPoolDriver:
             case Todo.FINISH:
                 return self._task_runs() or self._finish(Reason.CLOSED, "")
             case Todo.RESUME:
-                if not self._task_runs() and not self._go():
+                if not self._resume():
                     return False
             case Todo.EMPTY:
                 self._empty()
@@ -437,6 +441,17 @@ class TrackPoolDriver:
             return self._finish(Reason.REFUSED, f"{name} answered {self._task}")
         self._states.begin()
         return True
+
+    def _resume(self) -> bool:
+        """Have the controller go on if it has come to rest by itself, and by nothing else."""
+        state = self._state()
+        if state in _RUNNING:
+            return True
+        reason, text = ended(self._task, state)
+        if reason:
+            return self._finish(reason, text)
+        # It may have taken the last point meanwhile.
+        return self._connection.call("getQueueSize", (), self._timeout) <= 0 or self._go()
 
     def _add(self, room: int, first: SetPoint | None = None) -> int:
         """Add points of the program to the pool.
@@ -471,10 +486,12 @@ class TrackPoolDriver:
         self._connection.call("trackClearQueue", (), self._timeout)
 
     def _task_runs(self) -> bool:
-        if not self._task:
-            return False
-        state = self._connection.call("get_noneblock_taskstate", (self._task,), self._timeout)
-        return state in _RUNNING
+        return bool(self._task) and self._state() in _RUNNING
+
+    def _state(self) -> int:
+        """State of the motion through the pool."""
+        state: int = self._connection.call("get_noneblock_taskstate", (self._task,), self._timeout)
+        return state
 
     def _finish(self, reason: Reason, text: str) -> bool:
         self._states.end(reason)

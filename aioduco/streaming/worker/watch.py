@@ -10,7 +10,7 @@ from aioduco.streaming.shared.state import Reason
 if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
 
-__all__ = ["ControllerWatch", "refused"]
+__all__ = ["ControllerWatch", "ended", "refused"]
 
 _ENABLED = 6  # robot state (manual 1.2)
 _TASK_STOPPED = 3
@@ -20,6 +20,20 @@ _TASK_FAILED = (6, 7, 8)  # error, illegal, parameter mismatch (manual 1.2)
 def refused(answer: int) -> bool:
     """Whether an answer says that a call was not carried out: it is no id of a task, either."""
     return answer < 0 or answer in _TASK_FAILED
+
+
+def ended(task: int, state: int) -> tuple[Reason, str]:
+    """Why a stream must end because of its task, and in words; NONE if it need not.
+
+    Args:
+        task: its id.
+        state: the state that the controller gave for it.
+    """
+    if state == _TASK_STOPPED:
+        return Reason.STOPPED, f"the controller stopped task {task}"
+    if state in _TASK_FAILED:
+        return Reason.REFUSED, f"task {task} ended in state {state} (manual 1.2)"
+    return Reason.NONE, ""
 
 
 class ControllerWatch:
@@ -54,11 +68,7 @@ class ControllerWatch:
         self._task_next = not self._task_next
         if self._task_next and task > 0:
             state = self._connection.call("get_noneblock_taskstate", (task,), self._timeout)
-            if state == _TASK_STOPPED:
-                return Reason.STOPPED, f"the controller stopped task {task}"
-            if state in _TASK_FAILED:
-                return Reason.REFUSED, f"task {task} ended in state {state} (manual 1.2)"
-            return Reason.NONE, ""
+            return ended(task, state)
         robot, *_ = self._connection.call("get_robot_state", (), self._timeout) or [_ENABLED]
         if robot != _ENABLED:
             return Reason.REFUSED, f"the robot is in state {robot}, not enabled (manual 1.2)"
