@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,9 @@ from aioduco.models.pose import Pose
 from aioduco.sim.simulator import READY, Simulator
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
+
+    from aioduco.sim.runtime import SimulationSnapshot
 
     from .conftest import Program
 
@@ -133,19 +136,16 @@ def test_paths_end_in_the_branch_of_the_joints_given(
     assert move(list(own + 0.1)) == TaskState.FINISHED  # joints nearby, not those of the target
 
 
-def test_points_of_a_spline_trigger_as_they_are_passed(connect: Callable[..., Program]) -> None:
-    # Not as fast as possible: the thread that looks on shall get to see the arm often.
-    with Simulator(speed=2.0) as sim:
-        robot = connect(sim)
-        robot.bring_up()
-        start = tip(robot, sim)
-        goals = [start.shifted(x=0.05 * i, z=-0.04 * (i % 2)) for i in range(1, 4)]
-        middle = Op(time_or_dist_1=1, trig_io_1=2, trig_value_1=True)
-        operations = (Op(), middle, Op())
-        points = [PointOp(list(goal), op) for goal, op in zip(goals, operations, strict=True)]
+def test_points_of_a_spline_trigger_as_they_are_passed(sim: Simulator, robot: Program) -> None:
+    start = tip(robot, sim)
+    goals = [start.shifted(x=0.05 * i, z=-0.04 * (i % 2)) for i in range(1, 4)]
+    middle = Op(time_or_dist_1=1, trig_io_1=2, trig_value_1=True)
+    operations = (Op(), middle, Op())
+    points = [PointOp(list(goal), op) for goal, op in zip(goals, operations, strict=True)]
+    with first_moment(sim, lambda _: sim.signals.standard_out[2]) as set_at:
         id_ = robot.spline_op(points, 0.05, 1.0, "", "", False, Op(), 0.0, False)
-        assert 0.09 < at_output(sim, robot, 2, start) < 0.14
-        sim.wait_until(lambda: robot.get_noneblock_taskstate(id_) == TaskState.FINISHED, 60.0)
+    assert way_of(sim, set_at[0], start) == pytest.approx(goals[1].distance(start)[0], abs=2e-3)
+    sim.wait_until(lambda: robot.get_noneblock_taskstate(id_) == TaskState.FINISHED, 60.0)
 
 
 def test_how_far_motions_are_read_ahead_has_a_range(robot: Program) -> None:
@@ -162,17 +162,25 @@ def line(robot: Program, op: Op, way: float = 0.1, v: float = 0.05, *, block: bo
     return robot.tcp_move([0, 0, way, 0, 0, 0], v, 1.0, 0.0, "", block, op, False)
 
 
-def at_output(sim: Simulator, robot: Program, num: int, start: Pose) -> float:
-    """How far the tool was when an output was set."""
-    found: list[float] = []
+@contextlib.contextmanager
+def first_moment(
+    sim: Simulator, holds: Callable[[SimulationSnapshot], bool]
+) -> Iterator[list[SimulationSnapshot]]:
+    """The state after the first cycle with which something holds: in the list, once it does."""
+    found: list[SimulationSnapshot] = []
 
-    def seen() -> bool:
-        if robot.get_standard_digital_out(num):
-            found.append(Pose.from_matrix(sim.arm.fkine(sim.joints)).distance(start)[0])
-        return bool(found)
+    def look(snapshot: SimulationSnapshot, _: Any) -> None:
+        if not found and holds(snapshot):
+            found.append(snapshot)
 
-    sim.wait_until(seen, 60.0)
-    return found[0]
+    sim.observe(look)
+    yield found
+    sim.wait_until(lambda: bool(found), 60.0)
+    sim.observe(None)
+
+
+def way_of(sim: Simulator, snapshot: SimulationSnapshot, start: Pose) -> float:
+    return Pose.from_matrix(sim.arm.fkine(snapshot.q)).distance(start)[0]
 
 
 @pytest.mark.parametrize(
@@ -185,23 +193,27 @@ def at_output(sim: Simulator, robot: Program, num: int, start: Pose) -> float:
     ],
 )
 def test_triggers_by_time_and_distance(
-    connect: Callable[..., Program], op: dict[str, Any], way: float
+    sim: Simulator, robot: Program, op: dict[str, Any], way: float
 ) -> None:
-    # Not as fast as possible: the thread that looks on shall get to see the arm often.
-    with Simulator(speed=1.0) as sim:
-        robot = connect(sim)
-        robot.bring_up()
-        start = tip(robot, sim)
+    start = tip(robot, sim)
+    with first_moment(sim, lambda _: sim.signals.standard_out[5]) as set_at:
         line(robot, Op(**op), block=False)
-        assert at_output(sim, robot, 5, start) == pytest.approx(way, abs=0.015)
+    assert way_of(sim, set_at[0], start) == pytest.approx(way, abs=1e-3)
 
 
 def test_a_trigger_after_the_end(sim: Simulator, robot: Program) -> None:
     op = Op(time_or_dist_2=1, trig_time_2=-500, trig_io_2=101, trig_value_2=True)
-    assert line(robot, op, 0.02) == TaskState.FINISHED
-    begin = sim.time
-    sim.wait_until(lambda: robot.getRobotIOStatus().boolRegisterOutputs[0], 10.0)
-    assert sim.time - begin > 0.3
+    last: list[float] = []  # time at which the set-points moved
+
+    def is_set(snapshot: SimulationSnapshot) -> bool:
+        if snapshot.setpoint.qd.any():
+            last.append(snapshot.time)
+        return sim.signals.bool_out[1]
+
+    with first_moment(sim, is_set) as set_at:
+        assert line(robot, op, 0.02) == TaskState.FINISHED
+    # the motion has ended once the arm stands, too
+    assert 0.5 <= set_at[0].time - last[-1] < 0.6
     later = Op(time_or_dist_2=2, trig_dist_2=-0.01, trig_io_2=7, trig_value_2=True)
     assert line(robot, later, 0.02) == TaskState.FINISHED
     assert not robot.get_standard_digital_out(7)
