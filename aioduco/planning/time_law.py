@@ -28,9 +28,11 @@ if TYPE_CHECKING:
 __all__ = ["PaceSpline", "PathNodes", "faster"]
 
 _STEPS = 40  # of Newton's method, at most
-_SOFT, _HARD = 1e-3, 3e-6  # weight of the barriers, at first and at last
-_STEEPER = 0.3
+_SOFT, _HARD = 3e-4, 6e-6  # weight of the barriers, at first and at last
+_STEEPER = 0.15
 _INSIDE = 0.97  # of the limits, at which it begins
+_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # of derivatives
+_ENOUGH = 2e-3  # of the duration that a step may still gain
 _BASES = 4  # of a cubic spline that are not zero at one place
 
 
@@ -134,13 +136,16 @@ class _Barriers:
         self._fast = np.maximum(
             (np.abs(one) * tighter[:, :1] / speed).max(axis=1) ** 2, (rates / rate) ** 2
         )
-        # The same, of the coefficients. Shape (n, 6, 4) each.
-        self._hard_rows = self._hard @ self._bases[:, :, :2].transpose(0, 2, 1)
-        self._sharp_rows = self._sharp @ self._bases.transpose(0, 2, 1)
-        upper = np.triu_indices(_BASES)
-        self._upper = upper
-        band = _BASES - 1 - (upper[1] - upper[0])
-        self._places = (band * self._count + first[:, None] + upper[1]).ravel()
+        first_of, other = np.triu_indices(_BASES)
+        self._places = (
+            (_BASES - 1 - other + first_of) * self._count + first[:, None] + other
+        ).ravel()
+        self._slopes = self._bases.transpose(0, 2, 1)
+        # What each second derivative by value and derivatives of b counts for two coefficients.
+        twice = self._bases[:, first_of, :, None] * self._bases[:, other, None, :]
+        twice = (twice + twice.transpose(0, 1, 3, 2)).transpose(0, 2, 3, 1)
+        twice[:, range(3), range(3)] *= 0.5
+        self._curves = twice[:, *np.triu_indices(3)]
 
     def at(self, coefficients: Points) -> Points:
         """The square of the pace and its derivatives at the nodes. Shape (n, 3)."""
@@ -148,61 +153,78 @@ class _Barriers:
 
     def worst(self, b: Points) -> float:
         """How many times the square of the pace is too large."""
-        _, hard, sharp, _ = self._used(b)
-        sharpest = float(np.abs(sharp).max()) ** (2.0 / 3.0)
-        return max(float(np.abs(hard).max()), sharpest, float((self._fast * b[:, 0]).max()))
+        hard, unscaled = self.shares(b)
+        sharpest = float((np.abs(unscaled).max(axis=1) * np.sqrt(b[:, 0])).max())
+        fastest = float((self._fast * b[:, 0]).max())
+        return max(float(np.abs(hard).max()), float(np.cbrt(sharpest**2)), fastest)
 
-    def value(self, b: Points, weight: float) -> float:
+    def shares(self, b: Points) -> tuple[Points, Points]:
+        """Shares of the limits of acceleration, and of jerk at a pace of one; linear in b."""
+        hard = np.matmul(self._hard, b[:, :2, None])[:, :, 0]
+        return hard, np.matmul(self._sharp, b[:, :, None])[:, :, 0]
+
+    def value(self, square: Points, hard: Points, unscaled: Points, weight: float) -> float:
         """What is made least; infinite outside of the limits."""
-        if b[:, 0].min() <= 0.0:
+        if square.min() <= 0.0:
             return float("inf")
-        root, hard, sharp, _ = self._used(b)
-        room = [1.0 - hard**2, 1.0 - sharp**2, 1.0 - self._fast * b[:, 0]]
-        if min(float(each.min()) for each in room) <= 0.0:
+        room = (1.0 - hard * hard).prod(axis=1) * (1.0 - self._fast * square)
+        sharp = 1.0 - unscaled * unscaled * square[:, None]
+        inside = min(sharp.min(), (1.0 - np.abs(hard)).min(), (1.0 - self._fast * square).min())
+        if inside <= 0.0:
             return float("inf")
-        return float((self._shares / root).sum() - weight * sum(np.log(r).sum() for r in room))
+        barriers = np.log(room * sharp.prod(axis=1)).sum()
+        return float((self._shares / np.sqrt(square)).sum() - weight * barriers)
 
-    def step(self, b: Points, weight: float) -> tuple[Points, float]:
+    def furthest(self, square: Points, hard: Points, change: Points, of_hard: Points) -> float:
+        """How far a step may go, at most 1, within the limits of speed and acceleration."""
+        with np.errstate(divide="ignore"):
+            ends = [
+                (np.abs(of_hard) / (1.0 - np.where(of_hard > 0.0, hard, -hard))).max(),
+                (self._fast * change / (1.0 - self._fast * square)).max(),
+                (-change / square).max(),
+            ]
+        return min(1.0, 0.95 / max(float(max(ends)), 1e-9))
+
+    def step(
+        self, value: Points, hard: Points, unscaled: Points, weight: float
+    ) -> tuple[Points, float]:
         """Newton's step of the coefficients, and by how much it is to lower the value.
 
         Raises:
             LinAlgError: there is none.
         """
-        root, hard, sharp, unscaled = self._used(b)
-        value = b[:, 0]
+        root = np.sqrt(value)
+        sharp = unscaled * root[:, None]
         hard_room, sharp_room, left = 1.0 - hard**2, 1.0 - sharp**2, 1.0 - self._fast * value
-        bases = self._bases[:, :, 0]
-        sharp_rows = self._sharp_rows * root[:, None, None]
-        sharp_rows += (0.5 * unscaled / root[:, None])[:, :, None] * bases[:, None, :]
-        slope = np.matmul((2.0 * weight * hard / hard_room)[:, None, :], self._hard_rows)[:, 0]
-        slope += np.matmul((2.0 * weight * sharp / sharp_room)[:, None, :], sharp_rows)[:, 0]
-        of_value = weight * self._fast / left - 0.5 * self._shares * value**-1.5
-        slope += of_value[:, None] * bases
-        # Of the barriers the part that is never negative (Gauss and Newton's).
-        bent = np.concatenate(
-            [
-                self._hard_rows * (np.sqrt(2.0 * weight * (1.0 + hard**2)) / hard_room)[:, :, None],
-                sharp_rows * (np.sqrt(2.0 * weight * (1.0 + sharp**2)) / sharp_room)[:, :, None],
-                bases[:, None, :]
-                * np.sqrt(
-                    0.75 * self._shares * value**-2.5 + weight * (self._fast / left) ** 2
-                )[:, None, None],
-            ],
-            axis=1,
-        )
-        local = np.matmul(bent.transpose(0, 2, 1), bent)[:, self._upper[0], self._upper[1]]
+        # Derivatives of the shares of acceleration and jerk by b, b' and b''.
+        ones = [self._hard[:, :, 0], self._hard[:, :, 1]]
+        twos = [self._sharp[:, :, i] * root[:, None] for i in range(3)]
+        twos[0] = twos[0] + 0.5 * unscaled / root[:, None]
+        push, pull = hard / hard_room, sharp / sharp_room
+        slope = np.zeros((len(value), 3))
+        for i, share in enumerate(twos):
+            slope[:, i] = (pull * share).sum(axis=1)
+        for i, share in enumerate(ones):
+            slope[:, i] += (push * share).sum(axis=1)
+        slope *= 2.0 * weight
+        slope[:, 0] += weight * self._fast / left - 0.5 * self._shares * value**-1.5
+        # Of the second derivatives the part that is never negative (Gauss and Newton's).
+        stiff, stiffer = (1.0 + hard**2) / hard_room**2, (1.0 + sharp**2) / sharp_room**2
+        curves = np.empty((len(value), 6))
+        for column, (i, j) in enumerate(_PAIRS):
+            curves[:, column] = (stiffer * twos[i] * twos[j]).sum(axis=1)
+            if j < 2:
+                curves[:, column] += (stiff * ones[i] * ones[j]).sum(axis=1)
+        curves *= 2.0 * weight
+        curves[:, 0] += 0.75 * self._shares * value**-2.5 + weight * (self._fast / left) ** 2
+        local = np.matmul(curves[:, None, :], self._curves)
         count = self._count
         banded = np.bincount(self._places, local.ravel(), _BASES * count).reshape(_BASES, count)
         banded[-1] += 1e-12 * banded[-1].max()
-        gradient = np.bincount(self._rows.ravel(), slope.ravel(), count)
+        slopes = np.matmul(slope[:, None, :], self._slopes)
+        gradient = np.bincount(self._rows.ravel(), slopes.ravel(), count)
         found: Points = -solveh_banded(banded, gradient, check_finite=False)
         return found, float(-(gradient @ found))
-
-    def _used(self, b: Points) -> tuple[Points, Points, Points, Points]:
-        root = np.sqrt(b[:, 0])
-        hard = np.matmul(self._hard, b[:, :2, None])[:, :, 0]
-        unscaled = np.matmul(self._sharp, b[:, :, None])[:, :, 0]
-        return root, hard, unscaled * root[:, None], unscaled
 
 
 def faster(
@@ -223,25 +245,31 @@ def faster(
     """
     barriers = _Barriers(nodes, pace, limits, rate)
     coefficients = pace.coefficients
-    weight, rest = soft, 2
+    weight = soft
     coefficients = coefficients * (_INSIDE / barriers.worst(barriers.at(coefficients)))
     b = barriers.at(coefficients)
+    square, hard, sharp = b[:, 0], *barriers.shares(b)
     for _ in range(_STEPS):
         try:
-            step, gain = barriers.step(b, weight)
+            step, gain = barriers.step(square, hard, sharp, weight)
         except LinAlgError:
             break
-        before, change, part = barriers.value(b, weight), barriers.at(step), 1.0
-        while not barriers.value(b + part * change, weight) <= before - 1e-4 * part * gain:
-            part *= 0.6
+        b = barriers.at(step)
+        change, of_hard, of_sharp = b[:, 0], *barriers.shares(b)
+        before = barriers.value(square, hard, sharp, weight)
+        part = barriers.furthest(square, hard, change, of_hard)
+        while True:
+            moved = square + part * change, hard + part * of_hard, sharp + part * of_sharp
+            if barriers.value(*moved, weight) <= before - 1e-4 * part * gain:
+                break
+            part *= 0.5
             if part < 1e-6:
                 return PaceSpline(pace.end, pace.spans, coefficients)
-        coefficients, b = coefficients + part * step, b + part * change
-        if weight <= _HARD:
-            rest -= 1
-            if rest == 0:
-                break
-        elif part > 0.3:
+        coefficients = coefficients + part * step
+        square, hard, sharp = moved
+        if weight <= _HARD and gain < _ENOUGH:
+            break
+        if part > 0.2:
             weight = max(weight * _STEEPER, _HARD)
     return PaceSpline(pace.end, pace.spans, coefficients)
 

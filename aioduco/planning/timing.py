@@ -112,7 +112,9 @@ def _slower(curve: Curve, limits: MotionLimits, rate: float) -> tuple[BSpline[An
     begin, end = float(curve.t[0]), float(curve.t[-1])
     moved = np.abs(np.diff(curve(np.linspace(begin, end, 50)), axis=0)).sum(axis=0).max()
     grid = np.linspace(begin, end, max(int(moved / _GRID), _LEAST) + 1)
-    law = toppra.algorithm.TOPPRA([_Bounds(limits, rate)], _Path(curve), grid, solver_wrapper="seidel")
+    law = toppra.algorithm.TOPPRA(
+        [_Bounds(limits, rate)], _Path(curve), grid, solver_wrapper="seidel"
+    )
     rates = law.compute_parameterization(0.0, 0.0)[1]
     if rates is None or not np.isfinite(rates).all():
         raise PlanningError("no speeds were found along the path within the limits")

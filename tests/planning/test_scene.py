@@ -11,8 +11,10 @@ from aioduco import Joints, ParameterError, SceneError
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics import models
 from aioduco.planning import Ground, Mesh, PointCloud, Scene
+from aioduco.preflight.margins import margins
 from aioduco.sim import Simulator
-from aioduco.sim.scene import Box, Cylinder, Rod, Sphere
+from aioduco.sim.physics.world import World
+from aioduco.sim.scene import Box, Cylinder, Rod, Sphere, mjcf_of
 
 READY = Joints.deg(0, 0, 90, 0, -90, 0)
 
@@ -186,6 +188,29 @@ def test_the_mounting_is_the_simulators(mounting: str) -> None:
     assert found.pair is not None
     assert found.pair[1] == "ball"
     assert found.distance == pytest.approx(0.03, abs=1e-6)
+
+
+def test_preflight_tells_the_same_distance() -> None:
+    things = [
+        Box(at=(0.75, 0.1, 0.5), size=(0.1, 0.1, 0.4), name="post"),
+        Sphere(at=(0.3, 0.75, 0.4), radius=0.08, name="ball"),
+    ]
+    scene = Scene("gcr5_910", things)
+    world = World(scene.arm, scene=mjcf_of(things, free=False))
+    random = np.random.default_rng(3)
+    seen: set[str] = set()
+    for _ in range(60):
+        q = READY.array + random.uniform(-1.2, 1.2, 6)
+        here = scene.clearance(Joints.of(q))
+        if here.pair is None or here.pair[1] not in scene:
+            continue  # nothing is near, or the arm itself
+        samples = {"time": np.zeros(1), "q": q[None], "qd": np.zeros((1, 6)), "positions": q[None]}
+        margin = margins({"calls": []}, samples, "gcr5_910", world)[-1]
+        assert margin.of == "obstacle"
+        assert margin.what == " and ".join(here.pair)
+        assert margin.value == pytest.approx(here.distance, abs=1e-6)
+        seen.add(here.pair[1])
+    assert seen == {"post", "ball"}
 
 
 def test_what_is_given_wrongly_is_refused() -> None:
