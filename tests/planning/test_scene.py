@@ -193,7 +193,7 @@ def test_the_mounting_is_the_simulators(mounting: str) -> None:
 def test_preflight_tells_the_same_distance() -> None:
     things = [
         Box(at=(0.75, 0.1, 0.5), size=(0.1, 0.1, 0.4), name="post"),
-        Sphere(at=(0.3, 0.75, 0.4), radius=0.08, name="ball"),
+        Sphere(at=(0.45, -0.1, 0.45), radius=0.08, name="ball"),
     ]
     scene = Scene("gcr5_910", things)
     world = World(scene.arm, scene=mjcf_of(things, free=False))
