@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 __all__ = ["PaceSpline", "PathNodes", "faster"]
 
 _STEPS = 40  # of Newton's method, at most
-_SOFT, _HARD = 3e-4, 6e-6  # weight of the barriers, at first and at last
-_STEEPER = 0.15
+_SOFT, _HARD = 3e-4, 8e-6  # weight of the barriers, at first and at last
+_STEEPER = 0.1
 _INSIDE = 0.97  # of the limits, at which it begins
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # of derivatives
-_ENOUGH = 2e-3  # of the duration that a step may still gain
+_ENOUGH = 4e-3  # of the duration that a step may still gain
 _BASES = 4  # of a cubic spline that are not zero at one place
 
 
