@@ -210,7 +210,7 @@ def compared(plan: Plan) -> dict[str, float]:
     loose = MotionLimits.of(plan.arm, speed.tolist(), acceleration.tolist(), jerk.tolist())
     alike = float(timed(curve, loose).times[-1])
     usual = float(timed(curve, plan.limits).times[-1])
-    with changed(timing, _TICK=0.002), changed(time_law, _HARD=8e-7, _ENOUGH=4e-4):
+    with changed(timing, _TICK=0.002), changed(time_law, _HARD=2e-4, _ENOUGH=4e-4):
         best = min(float(timed(curve, plan.limits).times[-1]), usual)
     return {
         "without_jerk_limit_of_TOPPRA": alike / fastest,

@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 __all__ = ["PaceSpline", "PathNodes", "faster"]
 
 _STEPS = 40  # of Newton's method, at most
-_SOFT, _HARD = 3e-4, 8e-6  # weight of the barriers, at first and at last
-_STEEPER = 0.1
+_SOFT, _HARD = 0.025, 2.5e-3  # weight of the barriers of all nodes, at first and at last
+_STEEPER = 0.15
 _INSIDE = 0.97  # of the limits, at which it begins
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # of derivatives
-_ENOUGH = 4e-3  # of the duration that a step may still gain
+_ENOUGH = 5e-3  # of the duration that a step may still gain
 _BASES = 4  # of a cubic spline that are not zero at one place
 
 
@@ -241,11 +241,11 @@ def faster(
         pace: to begin with; it is scaled so far that it is within the limits.
         limits: of the joints.
         rate: how fast the path's length may be passed [its unit per second].
-        soft: weight of the barriers at first; less for a pace that is nearly the best.
+        soft: weight of all barriers at first; less for a pace that is nearly the best.
     """
     barriers = _Barriers(nodes, pace, limits, rate)
     coefficients = pace.coefficients
-    weight = soft
+    weight, last = soft / len(nodes.times), _HARD / len(nodes.times)
     coefficients = coefficients * (_INSIDE / barriers.worst(barriers.at(coefficients)))
     b = barriers.at(coefficients)
     square, hard, sharp = b[:, 0], *barriers.shares(b)
@@ -267,10 +267,10 @@ def faster(
                 return PaceSpline(pace.end, pace.spans, coefficients)
         coefficients = coefficients + part * step
         square, hard, sharp = moved
-        if weight <= _HARD and gain < _ENOUGH:
+        if weight <= last and gain < _ENOUGH:
             break
         if part > 0.2:
-            weight = max(weight * _STEEPER, _HARD)
+            weight = max(weight * _STEEPER, last)
     return PaceSpline(pace.end, pace.spans, coefficients)
 
 

@@ -43,7 +43,7 @@ _EDGE = 6  # ticks at either end that are looked at twice as closely
 _PLACES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # in an interval at which speeds are looked at
 _ROUNDS = 3
 _CLOSE = 1.004  # times too fast that is not worth another round
-_SOFT = 3e-5  # weight of the barriers in another round
+_SOFT = 8e-3  # weight of the barriers in another round
 
 
 class TimedPath(NamedTuple):
