@@ -44,7 +44,7 @@ def excess(found: TimedPath, limits: MotionLimits) -> float:
     ("way", "least", "within"),
     [
         # The speed is reached, and the acceleration on the way to it.
-        (2.0, 2.0 / V + V / A + A / JERK, 1.015),
+        (2.0, 2.0 / V + V / A + A / JERK, 1.02),
         # Neither is: the jerk alone is at its limit, four times.
         (0.02, 4.0 * (0.02 / (2.0 * JERK)) ** (1.0 / 3.0), 1.04),
     ],
