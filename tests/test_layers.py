@@ -62,7 +62,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "planning": BASE | {"models", "kinematics", "streaming", "sim"},
     "recording": CLIENT | {"robot", "__init__"},
     "sync": CLIENT | {"robot", "__init__"},
-    "preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat"},
+    "preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat", "planning"},
     "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "sync", "testing", "preflight"},
     "cli": CLIENT
     | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "preflight", "planning"},
@@ -129,7 +129,7 @@ ONLY_IN: dict[str, set[str]] = {
     # OMPL's bindings complain when an interpreter ends: it is loaded in the planner's process alone
     "ompl": {"planning/search.py"},
     "toppra": {"planning/timing.py"},
-    "scipy": {"planning/curve.py", "planning/timing.py"},
+    "scipy": {"planning/curve.py", "planning/time_law.py", "planning/timing.py"},
     "ruckig": {"sim/planner", "streaming"},
     "typer": {"cli"},
     "rich": {"cli", "streaming/report.py", "streaming/doctor.py"},

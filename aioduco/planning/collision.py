@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from aioduco.planning.clearance import FURTHEST, Clearance
 from aioduco.sim.physics.model import assemble, compiled, mjcf, part
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from numpy.typing import NDArray
 
@@ -98,7 +99,7 @@ class CollisionChecker:
     def __init__(self, model: Any, padding: float, positions: Vector | None = None) -> None:
         self._model, self._data = model, mujoco.MjData(model)
         if positions is not None:
-            self._data.qpos[6:] = positions
+            self.loose = positions
         self._qpos: Vector = self._data.qpos[:6]
         arm = {model.body(name).id for name in ("base", *(f"link{i}" for i in range(1, 7)))}
         moving = np.array([_belongs(model, body, arm) for body in range(model.nbody)])
@@ -143,23 +144,60 @@ class CollisionChecker:
         self.count += 1
         return not data.ncon
 
-    def clearance(self, q: Vector, within: float = FURTHEST) -> Clearance:
+    @contextlib.contextmanager
+    def looking_within(self, within: float) -> Iterator[Callable[[Any], float]]:
+        """Give a quick way to ask for distances alone.
+
+        Args:
+            within: distance up to which is looked [m].
+
+        Returns:
+            A function that takes six joint angles [rad] and gives the distance of the arm from the
+            nearest thing, at most `within` [m].
+        """
+
+        def distance(q: Any) -> float:
+            return within if self.free(q) else float(self._data.contact.dist.min())
+
+        self._within(within)
+        try:
+            yield distance
+        finally:
+            self._within(self._padding)
+
+    @property
+    def loose(self) -> Vector:
+        """Positions of what is loose in the scene."""
+        found: Vector = self._data.qpos[6:]
+        return found
+
+    @loose.setter
+    def loose(self, positions: Vector) -> None:
+        self._data.qpos[6:] = positions
+
+    def clearance(self, q: Vector, within: float = FURTHEST, *, itself: bool = True) -> Clearance:
         """Tell how far the arm is from the nearest thing, and which two bodies that are.
 
         Args:
             q: joint angles [rad]. Shape (6,).
             within: distance up to which is looked [m].
+            itself: whether distances between parts of the arm count too.
         """
         self._within(within)
         try:
             if self.free(q):
                 return Clearance(within)
             contact = self._data.contact
-            nearest = int(np.argmin(contact.dist))
-            pair = sorted(contact.geom[nearest].tolist(), key=lambda geom: not self._moves[geom])
+            distances, geoms = contact.dist, contact.geom
+            if not itself:
+                distances = np.where(self._moves[geoms].all(axis=1), within, distances)
+            nearest = int(np.argmin(distances))
+            if distances[nearest] >= within:
+                return Clearance(within)
+            pair = sorted(geoms[nearest].tolist(), key=lambda geom: not self._moves[geom])
             one, other = (self._name(geom) for geom in pair)
             x, y, z = contact.pos[nearest].tolist()
-            return Clearance(float(contact.dist[nearest]), (one, other), (x, y, z))
+            return Clearance(float(distances[nearest]), (one, other), (x, y, z))
         finally:
             self._within(self._padding)
 

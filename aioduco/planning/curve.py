@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -25,6 +26,7 @@ Curve: TypeAlias = "BSpline[Any]"
 _DEGREE = 3
 _WIDEST = 0.3  # spans of the curve where nothing is near [m of the arm's furthest point, about]
 _NARROWEST = 0.004
+_SEEN = 0.06  # distance up to which is looked along a curve [m]
 _FIT = 0.01  # between two configurations that a curve of joints goes through [m, about]
 
 
@@ -75,8 +77,9 @@ def certain(
 ) -> bool:
     """Tell whether a part of a curve is free, also between the places that are looked at.
 
-    Places follow each other so closely that no point of the arm moves further than twice the
-    padding, and at each nothing is within the padding.
+    At each place nothing is within the padding. Two that follow each other are so close that no
+    point of the arm moves further than twice the padding, or than leaves the padding of the
+    distances that were found at both: where nothing is near, few places are looked at.
 
     Args:
         curve: of points of the space, over a length.
@@ -84,21 +87,39 @@ def certain(
         checker: of the scene.
         begin, end: the part.
     """
-    reach = 1.9 * checker.padding
+    padding = checker.padding
+    reach = 1.9 * padding
     count = max(int(np.ceil((end - begin) / reach)), 1) + 1
     while True:
         q = space.joints(curve(np.linspace(begin, end, count)))
         if q is None:
             return False
-        furthest = float((np.abs(np.diff(q, axis=0)) @ checker.radii).max())
+        steps = np.abs(np.diff(q, axis=0)) @ checker.radii
+        furthest = float(steps.max())
         if furthest <= reach:
             break
         if furthest > 1.0 and count > 64:
             return False  # a jump, not a curve
         count = int(np.ceil((count - 1) * furthest / reach)) + 2
-    width = max(int(count - 1).bit_length(), 1)
-    order = sorted(range(count), key=lambda i: int(f"{i:0{width}b}"[::-1], 2))
-    return all(checker.free(q[i]) for i in order)
+    moved: list[float] = np.concatenate([[0.0], np.cumsum(steps)]).tolist()
+    places: list[list[float]] = q.tolist()
+    with checker.looking_within(_SEEN) as distance:
+        first, last = distance(places[0]), distance(places[-1])
+        if min(first, last) <= padding:
+            return False
+        todo = deque([(0, first, count - 1, last)])
+        # The widest gap first: what is in the way is found soonest by looks that are far apart.
+        while todo:
+            low, before, high, after = todo.popleft()
+            way = moved[high] - moved[low]
+            if high - low < 2 or way <= max(reach, before + after - 2.0 * padding):
+                continue
+            middle = (low + high) // 2
+            there = distance(places[middle])
+            if there <= padding:
+                return False
+            todo += [(low, before, middle, there), (middle, there, high, after)]
+    return True
 
 
 def joint_curve(curve: Any, space: PathSpace) -> Curve | None:

@@ -1,8 +1,9 @@
 """When the arm is where on a curve: as fast as speed, acceleration and jerk of the joints allow.
 
 TOPP-RA finds the fastest time law for speed and acceleration. Its acceleration jumps; a moving
-average of the speed over the time that the jerk needs makes it continuous, and the whole is slowed
-down by the little that is then still beyond a limit.
+average of the speed over the time that the jerk needs makes it continuous. That law is passed at
+the pace that makes it the fastest within all limits (`time_law`), and the whole is scaled by the
+little that the interpolation between the points is beyond a limit, or has left.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from aioduco.errors import PlanningError
+from aioduco.planning.time_law import PaceSpline, PathNodes, faster
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,14 +32,18 @@ else:
 
 __all__ = ["TimedPath", "timed"]
 
-_GRID = 0.02  # between two nodes of the time law [rad of the joint that moves most]
-_TICK = 0.008  # between two points of the result [s]
-_ORDER = 5
-_PLACES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # in an interval at which speeds are looked at
+_GRID = 0.02  # between two nodes of TOPP-RA's law [rad of the joint that moves most]
 _LEAST = 40
-_ROUNDS = 2
-_WINDOWS = (1.0, 1.4, 2.0)  # of the moving average, of the time from rest to full acceleration
-_CLOSE = 1.02
+_TICK = 0.008  # between two points of the result, at most [s]
+_FINEST = 0.002  # and at least, if the jerk may be high [s]
+_TICKS = 40  # at least, of a short path
+_ORDER = 5
+_SPAN = 2  # ticks in a span of the pace
+_EDGE = 6  # ticks at either end that are looked at twice as closely
+_PLACES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # in an interval at which speeds are looked at
+_ROUNDS = 3
+_CLOSE = 1.004  # times too fast that is not worth another round
+_SOFT = 8e-3  # weight of the barriers in another round
 
 
 class TimedPath(NamedTuple):
@@ -68,31 +74,21 @@ def timed(curve: Curve, limits: MotionLimits, rate: float = np.inf) -> TimedPath
         PlanningError: no time law was found.
     """
     logging.getLogger("toppra").setLevel(logging.CRITICAL)  # what it warns of is raised here
-    _, acceleration, jerk = limits.arrays
-    begin, end = float(curve.t[0]), float(curve.t[-1])
-    moved = np.abs(np.diff(curve(np.linspace(begin, end, 50)), axis=0)).sum(axis=0).max()
-    grid = np.linspace(begin, end, max(int(moved / _GRID), _LEAST) + 1)
-    path = _Path(curve)
-    least = float((acceleration / jerk).max())
-    ease = np.ones(len(grid))
+    law, ramp = _slower(curve, limits, rate)
+    end = float(law.t[-1 - _ORDER])
+    tick = min(max(0.08 * ramp, _FINEST), _TICK, end / _TICKS)
+    times = _ticks(curve, law, end, tick)
+    pace = PaceSpline(end, int(np.ceil(end / (_SPAN * tick))))
+    tighter = np.ones((len(times), 3))
     best: TimedPath | None = None
-    for _ in range(_ROUNDS):
-        law = toppra.algorithm.TOPPRA(
-            [_Bounds(limits, ease, rate)], path, grid, solver_wrapper="seidel"
-        )
-        rates = law.compute_parameterization(0.0, 0.0)[1]
-        if rates is None or not np.isfinite(rates).all():
-            raise PlanningError("no speeds were found along the path within the limits")
-        times, rates = _law(grid, np.asarray(rates))
-        tries = []
-        for window in _WINDOWS:
-            smooth = _smooth(grid, times, rates, window * least)
-            found = _along(curve, smooth)
-            excess = _excess(found, limits)
-            excess = np.maximum(excess, 1e-9)
-            tries.append((float(excess.max()) * found.times[-1], found, excess, smooth[1]))
-        _, found, excess, places = min(tries, key=lambda each: each[0])
-        slower = max(float(excess.max()), 1.0 if np.isfinite(rate) else 1e-3)
+    for count in range(_ROUNDS):
+        nodes = _nodes(curve, law, times, tighter, tick)
+        pace = faster(nodes, pace, limits, rate, *([_SOFT] if count else []))
+        found = _along(curve, law, times, pace)
+        beyond = _beyond(found, limits)
+        excess = float((beyond ** (1.0, 1.0 / 2.0, 1.0 / 3.0)).max())
+        # Slower by what is beyond a limit; faster by what is left, but not along a line.
+        slower = max(excess, 1.0) if np.isfinite(rate) else excess
         if best is None or slower * found.times[-1] < best.times[-1]:
             best = TimedPath(
                 found.times * slower,
@@ -103,10 +99,31 @@ def timed(curve: Curve, limits: MotionLimits, rate: float = np.inf) -> TimedPath
         if slower < _CLOSE:
             break
         # Where a limit is exceeded, less is asked for the next time.
-        here = np.interp(grid, places[:-1], np.minimum(1.0 / excess, 1.0) ** 2)
-        ease *= np.minimum.reduce([here, np.roll(here, 1), np.roll(here, -1)])
+        more = np.maximum(beyond, 1.0)
+        tighter[:-1] *= more
+        tighter[1:] *= np.where(tighter[1:] < tighter[:-1], more, 1.0)
     assert best is not None
     return best
+
+
+def _slower(curve: Curve, limits: MotionLimits, rate: float) -> tuple[BSpline[Any], float]:
+    """Give a law whose acceleration is continuous, and the time from rest to full acceleration."""
+    _, acceleration, jerk = limits.arrays
+    begin, end = float(curve.t[0]), float(curve.t[-1])
+    moved = np.abs(np.diff(curve(np.linspace(begin, end, 50)), axis=0)).sum(axis=0).max()
+    grid = np.linspace(begin, end, max(int(moved / _GRID), _LEAST) + 1)
+    law = toppra.algorithm.TOPPRA(
+        [_Bounds(limits, rate)], _Path(curve), grid, solver_wrapper="seidel"
+    )
+    rates = law.compute_parameterization(0.0, 0.0)[1]
+    if rates is None or not np.isfinite(rates).all():
+        raise PlanningError("no speeds were found along the path within the limits")
+    rates = np.asarray(rates)
+    # The rate over time is straight between two nodes.
+    steps = 2.0 * np.diff(grid) / np.maximum(rates[1:] + rates[:-1], 1e-9)
+    times = np.concatenate([[0.0], np.cumsum(steps)])
+    ramp = float((acceleration / jerk).max())
+    return _smooth(grid, times, rates, ramp), ramp
 
 
 class _Path:
@@ -122,19 +139,10 @@ class _Path:
         return self._curve(at, order)
 
 
-def _law(grid: Points, rates: Points) -> tuple[Points, Points]:
-    """Give the rate over time, from that at each node: straight between two of them."""
-    steps = 2.0 * np.diff(grid) / np.maximum(rates[1:] + rates[:-1], 1e-9)
-    return np.concatenate([[0.0], np.cumsum(steps)]), rates
+def _smooth(grid: Points, times: Points, rates: Points, window: float) -> BSpline[Any]:
+    """Give the place over time after a moving average of the rate, from rest to rest.
 
-
-def _smooth(grid: Points, times: Points, rates: Points, window: float) -> tuple[Points, ...]:
-    """Give place, rate and its change at equal intervals, after a moving average of the rate.
-
-    The place is a spline of fifth order, whose derivatives are exact.
-
-    Returns:
-        Times, places, rates, and their derivatives.
+    It is a spline of fifth order, whose derivatives are exact.
     """
     count = max(int(np.ceil(times[-1] / _TICK)), 2)
     tick = float(times[-1]) / count
@@ -145,27 +153,69 @@ def _smooth(grid: Points, times: Points, rates: Points, window: float) -> tuple[
     places = np.concatenate([[0.0], np.cumsum(rate)])
     places = grid[0] + places * ((grid[-1] - grid[0]) / places[-1])
     control = np.concatenate([np.full(_ORDER, places[0]), places, np.full(_ORDER, places[-1])])
-    knots = tick * (np.arange(len(control) + _ORDER + 1) - _ORDER)
-    law = BSpline(knots, control, _ORDER)
-    at = tick * np.arange(len(control) - _ORDER + 1)
-    place: Points = np.clip(law(at), grid[0], grid[-1]).astype(np.float64)
-    rate_then: Points = law(at, 1)
-    change: Points = law(at, 2)
-    return at.astype(np.float64), place, rate_then, change
+    return BSpline(tick * (np.arange(len(control) + _ORDER + 1) - _ORDER), control, _ORDER)
 
 
-def _along(curve: Curve, law: tuple[Points, ...]) -> TimedPath:
-    """Give the joints at places reached with a rate."""
-    times, places, rates, pushes = law
-    one, two = curve(places, 1), curve(places, 2)
-    velocities = one * rates[:, None]
-    return TimedPath(
-        times, curve(places), velocities, one * pushes[:, None] + two * rates[:, None] ** 2
+def _ticks(curve: Curve, law: BSpline[Any], end: float, tick: float) -> Points:
+    """Times of the law for the points of the result.
+
+    Where the curve's third derivative jumps, at its knots, there is a point.
+    """
+    times = np.linspace(0.0, end, int(np.ceil(end / tick)) + 1)
+    if curve.k >= _ORDER:
+        return times
+    places = np.unique(curve.t)[1:-1]
+    jumps = np.interp(places, law(times), times)
+    # Closer by some steps of Newton's method than by straight parts.
+    for _ in range(2):
+        jumps = np.clip(jumps - (law(jumps) - places) / np.maximum(law(jumps, 1), 1e-6), 0.0, end)
+    jumps = jumps[(jumps > tick) & (jumps < end - tick)]
+    jumps = jumps[np.concatenate([[True], np.diff(jumps) > 0.3 * tick])] if len(jumps) else jumps
+    away = np.abs(times[:, None] - jumps).min(axis=1) if len(jumps) else np.full(len(times), tick)
+    return np.sort(np.concatenate([times[away > 0.3 * tick], jumps]))
+
+
+def _nodes(
+    curve: Curve, law: BSpline[Any], times: Points, tighter: Points, tick: float
+) -> PathNodes:
+    """Give what the limits ask at the points, closer at the ends and on both sides of a jump."""
+    half = 0.5 * (times[:-1] + times[1:])
+    near = half[(half < _EDGE * tick) | (half > times[-1] - _EDGE * tick)]
+    uneven = np.diff(times) < 0.99 * np.diff(times).max()
+    sides = times[:-1][uneven] + 1e-6 * tick, times[1:][uneven] - 1e-6 * tick
+    at = np.unique(np.concatenate([times, near, *sides]))
+    place = np.clip(law(at), curve.t[0], curve.t[-1])
+    one, two, three = (law(at, order)[:, None] for order in (1, 2, 3))
+    first, second, third = (curve(place, order) for order in (1, 2, 3))
+    left = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 1)
+    right = np.clip(np.searchsorted(times, at), 0, len(times) - 1)
+    return PathNodes(
+        at,
+        first * one,
+        second * one**2 + first * two,
+        third * one**3 + 3.0 * second * one * two + first * three,
+        one[:, 0],
+        np.maximum(tighter[left], tighter[right]),
     )
 
 
-def _excess(found: TimedPath, limits: MotionLimits) -> Points:
-    """By interval, how many times slower it must be to be within all limits. Shape (n - 1,)."""
+def _along(curve: Curve, law: BSpline[Any], times: Points, pace: PaceSpline) -> TimedPath:
+    """Give the joints where a law is passed at a pace."""
+    place = np.clip(law(times), curve.t[0], curve.t[-1])
+    place[[0, -1]] = curve.t[0], curve.t[-1]
+    one, two = law(times, 1), law(times, 2)
+    square, slope, _ = pace(times).T
+    rate = one * np.sqrt(square)
+    change = two * square + 0.5 * one * slope
+    first, second = curve(place, 1), curve(place, 2)
+    velocities = first * rate[:, None]
+    accelerations = first * change[:, None] + second * rate[:, None] ** 2
+    velocities[[0, -1]] = accelerations[[0, -1]] = 0.0
+    return TimedPath(pace.passed(times), curve(place), velocities, accelerations)
+
+
+def _beyond(found: TimedPath, limits: MotionLimits) -> Points:
+    """By interval, how many times each limit is reached. Shape (n - 1, 3)."""
     step = np.diff(found.times)[:, None]
     p, v, a = (part * step**i for i, part in enumerate(_starts(found)))
     way = found.positions[1:] - p
@@ -180,12 +230,13 @@ def _excess(found: TimedPath, limits: MotionLimits) -> Points:
     # The jerk is a parabola of u: its extreme besides its ends.
     with np.errstate(divide="ignore", invalid="ignore"):
         top = np.nan_to_num(np.clip(-0.2 * fourth / fifth, 0.0, 1.0))
-    three = [6 * third + at * (24 * fourth + at * 60 * fifth) for at in (0.0, top, 1.0)]
-    fast = np.abs(one / (step * speed)).max(axis=(0, 2))
-    hard = np.abs(two / (step**2 * acceleration)).max(axis=(0, 2))
-    sharp = np.abs(np.array(three) / (step**3 * jerk)).max(axis=(0, 2))
-    worst: Points = np.maximum(np.maximum(fast, np.sqrt(hard)), np.cbrt(sharp))
-    return worst
+    three = np.stack([6 * third + at * (24 * fourth + at * 60 * fifth) for at in (0.0, top, 1.0)])
+    shares = (
+        one / (step * speed),
+        two / (step**2 * acceleration),
+        three / (step**3 * jerk),
+    )
+    return np.stack([np.abs(share).max(axis=(0, 2)) for share in shares], axis=1)
 
 
 def _starts(found: TimedPath) -> tuple[Points, Points, Points]:
@@ -195,23 +246,21 @@ def _starts(found: TimedPath) -> tuple[Points, Points, Points]:
 class _Bounds(toppra.constraint.LinearConstraint):  # type: ignore[misc]  # TOPP-RA has no types
     """The limits at each node, and a lower rate where the curve bends more and more sharply."""
 
-    def __init__(self, limits: MotionLimits, ease: Points, rate: float) -> None:
+    def __init__(self, limits: MotionLimits, rate: float) -> None:
         super().__init__()
-        self._limits, self._ease, self._rate = limits, ease, min(rate, 1e3)
+        self._limits, self._rate = limits, min(rate, 1e3)
         self.identical = True
         self.set_discretization_type(1)  # between the nodes too
 
     def compute_constraint_params(self, path: Any, grid: Points, *_: Any) -> tuple[Any, ...]:
         """Coefficients of the limits, as TOPP-RA wants them."""
         speed, acceleration, jerk = self._limits.arrays
-        ease = self._ease[:, None]
         along, bend, change = (path(grid, order) for order in (1, 2, 3))
         with np.errstate(divide="ignore"):
             fastest = (speed / np.abs(along)).min(axis=1) ** 2
             smooth = (jerk / np.abs(change)).min(axis=1) ** (2.0 / 3.0)
-        most = np.minimum(np.minimum(fastest, smooth), self._rate**2) * self._ease
+        most = np.minimum(np.minimum(fastest, smooth), self._rate**2)
         bounds = np.column_stack([np.zeros(len(grid)), most])
-        scale = ease * acceleration
         sides = np.vstack([np.eye(6), -np.eye(6)])
         zero = np.zeros((len(grid), 6))
-        return along / scale, bend / scale, zero, sides, np.ones(12), None, bounds
+        return along / acceleration, bend / acceleration, zero, sides, np.ones(12), None, bounds

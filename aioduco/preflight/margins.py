@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -9,8 +10,9 @@ import numpy as np
 
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics.forward import singular_values
+from aioduco.planning.clearance import Clearance
+from aioduco.planning.collision import CollisionChecker
 from aioduco.preflight.findings import PreflightFinding, running
-from aioduco.sim.physics.arm_distance import FARTHEST, ArmDistance
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,6 +25,8 @@ __all__ = ["Margin", "margins", "near_singularities"]
 
 #: at most so many samples are compared with the scene
 _LOOKS = 400
+#: obstacles that are further away are not told of [m]
+_FURTHEST = 0.5
 #: measure of a singularity below which a path of the tool is a finding: a controller that takes
 #: it turns joints as fast as they can
 _NEAR = 0.02
@@ -128,11 +132,13 @@ def margins(
     found.append(made("singularity", _SINGULAR[kind], singular[at, kind], "of 1", at))
     positions = samples["positions"]
     if len(positions) == len(times) and positions.shape[1] == world.model.nq:
-        clearance = ArmDistance(world)
-        chosen = np.unique(np.linspace(0, len(times) - 1, _LOOKS).astype(int))
-        looks = [(clearance.at(positions[n]), int(n)) for n in chosen]
-        near, sample = min(looks, key=lambda look: look[0].distance)
-        if near.distance < FARTHEST:
-            what = f"{near.body} and {near.other}"
-            found.append(made("obstacle", what, near.distance, "m", int(sample)))
+        checker = CollisionChecker(copy.copy(world.model), 0.0)
+        near, sample = Clearance(_FURTHEST), 0
+        for n in np.unique(np.linspace(0, len(times) - 1, _LOOKS).astype(int)).tolist():
+            checker.loose = positions[n, 6:]
+            # The same distance as a planning scene's, with the arm's own links left aside.
+            seen = checker.clearance(positions[n, :6], _FURTHEST, itself=False)
+            near, sample = min((near, sample), (seen, n), key=lambda look: look[0].distance)
+        if near.pair is not None:
+            found.append(made("obstacle", " and ".join(near.pair), near.distance, "m", sample))
     return tuple(found)

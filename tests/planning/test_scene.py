@@ -11,8 +11,10 @@ from aioduco import Joints, ParameterError, SceneError
 from aioduco.kinematics import arm as arm_of
 from aioduco.kinematics import models
 from aioduco.planning import Ground, Mesh, PointCloud, Scene
+from aioduco.preflight.margins import margins
 from aioduco.sim import Simulator
-from aioduco.sim.scene import Box, Cylinder, Rod, Sphere
+from aioduco.sim.physics.world import World
+from aioduco.sim.scene import Box, Cylinder, Rod, Sphere, mjcf_of
 
 READY = Joints.deg(0, 0, 90, 0, -90, 0)
 
@@ -94,13 +96,11 @@ def test_a_cloud_of_points_is_as_far_as_its_nearest_point() -> None:
     points = random.uniform(-0.3, 0.3, (400, 3)) - np.array([0.0, 0.0, 0.37])
     cloud = PointCloud(at=tuple(tip[:3, 3]), points=points, radius=0.01, name="cloud")
     near = Scene("gcr5_910", [cloud]).clearance(READY)
-    single = [
-        Scene(
-            "gcr5_910", [Sphere(at=tuple(tip[:3, 3] + point), radius=0.01, name="cloud")]
-        ).clearance(READY)
+    spheres = [
+        Sphere(at=tuple(tip[:3, 3] + point), radius=0.01)
         for point in points[np.argsort(-points[:, 2])[:10]]
     ]
-    nearest = min(each.distance for each in single)
+    nearest = Scene("gcr5_910", spheres).clearance(READY).distance
     assert near.distance <= nearest + 1e-9
     assert near.distance < 0.09
 
@@ -186,6 +186,29 @@ def test_the_mounting_is_the_simulators(mounting: str) -> None:
     assert found.pair is not None
     assert found.pair[1] == "ball"
     assert found.distance == pytest.approx(0.03, abs=1e-6)
+
+
+def test_preflight_tells_the_same_distance() -> None:
+    things = [
+        Box(at=(0.75, 0.1, 0.5), size=(0.1, 0.1, 0.4), name="post"),
+        Sphere(at=(0.45, -0.1, 0.45), radius=0.08, name="ball"),
+    ]
+    scene = Scene("gcr5_910", things)
+    world = World(scene.arm, scene=mjcf_of(things, free=False))
+    random = np.random.default_rng(3)
+    seen: set[str] = set()
+    for _ in range(60):
+        q = READY.array + random.uniform(-1.2, 1.2, 6)
+        here = scene.clearance(Joints.of(q))
+        if here.pair is None or here.pair[1] not in scene:
+            continue  # nothing is near, or the arm itself
+        samples = {"time": np.zeros(1), "q": q[None], "qd": np.zeros((1, 6)), "positions": q[None]}
+        margin = margins({"calls": []}, samples, "gcr5_910", world)[-1]
+        assert margin.of == "obstacle"
+        assert margin.what == " and ".join(here.pair)
+        assert margin.value == pytest.approx(here.distance, abs=1e-6)
+        seen.add(here.pair[1])
+    assert seen == {"post", "ball"}
 
 
 def test_what_is_given_wrongly_is_refused() -> None:

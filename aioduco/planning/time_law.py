@@ -1,0 +1,283 @@
+"""The fastest way through a path in time: an interior-point method, from a law that is slower.
+
+A law gives the place on the path over a time. It is passed at another pace: with `b`, the square of
+the pace over that time, speed, acceleration and jerk of each joint are
+
+    q' √b,    q'' b + q' b'/2,    √b (q''' b + 3/2 q'' b' + q' b''/2)
+
+where q', q'', q''' are those of the law itself. The ends are at rest for any pace, as the law is.
+`b` is a cubic spline; its coefficients are moved by Newton's method on the duration with barriers
+at the limits, which are made steeper from step to step. Each step costs what grows with the
+number of nodes, not more.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from scipy.linalg import LinAlgError, solveh_banded
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from aioduco.planning.motion_limits import MotionLimits
+
+    Points = NDArray[np.float64]
+
+__all__ = ["PaceSpline", "PathNodes", "faster"]
+
+_STEPS = 40  # of Newton's method, at most
+_SOFT, _HARD = 0.025, 2.5e-3  # weight of the barriers of all nodes, at first and at last
+_STEEPER = 0.15
+_INSIDE = 0.97  # of the limits, at which it begins
+_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # of derivatives
+_ENOUGH = 5e-3  # of the duration that a step may still gain
+_BASES = 4  # of a cubic spline that are not zero at one place
+
+
+class PathNodes(NamedTuple):
+    """Places of a law at which the limits are kept.
+
+    Attributes:
+        times: rising, from 0 [s]. Shape (n,).
+        first, second, third: derivatives of the joints over the time. Shape (n, 6) each.
+        rates: of the path's length over the time. Shape (n,).
+        tighter: how many times lower speed, acceleration and jerk have to be than their limits.
+            Shape (n, 3).
+    """
+
+    times: Points
+    first: Points
+    second: Points
+    third: Points
+    rates: Points
+    tighter: Points
+
+
+class PaceSpline:
+    """The square of a pace over the time of a law.
+
+    Args:
+        end: of the law [s].
+        spans: of the spline.
+        coefficients: Shape (spans + 3,); None for a pace of one.
+    """
+
+    def __init__(self, end: float, spans: int, coefficients: Points | None = None) -> None:
+        self.end, self.spans = end, spans
+        self.coefficients: Points = (
+            np.ones(spans + _BASES - 1) if coefficients is None else coefficients
+        )
+
+    def __call__(self, times: Points) -> Points:
+        """The square and its first two derivatives. Shape (n, 3)."""
+        first, bases = self.bases(times)
+        return _weighed(bases, self.coefficients[_rows(first)])
+
+    def bases(self, times: Points) -> tuple[Any, Points]:
+        """The first coefficient that counts at each time, and what it and the next count.
+
+        Returns:
+            Shapes (n,) and (n, 4, 3): value and two derivatives.
+        """
+        width = self.end / self.spans
+        at = np.clip(times / width, 0.0, self.spans)
+        first = np.minimum(at.astype(int), self.spans - 1)
+        u = at - first
+        w = 1.0 - u
+        value = [w**3, 3 * u**3 - 6 * u**2 + 4, 3 * w**3 - 6 * w**2 + 4, u**3]
+        slope = [-(w**2), 3 * u**2 - 4 * u, -3 * w**2 + 4 * w, u**2]
+        bend = [w, 3 * u - 2, 3 * w - 2, u]
+        found = np.empty((len(times), _BASES, 3))
+        found[:, :, 0] = np.transpose(value) / 6.0
+        found[:, :, 1] = np.transpose(slope) / (2.0 * width)
+        found[:, :, 2] = np.transpose(bend) / width**2
+        return first, found
+
+    def passed(self, times: Points) -> Points:
+        """When the law's times are reached at this pace [s]. Shape (n,)."""
+        # Gauss's rule of three points in each interval.
+        off, weights = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)]), np.array([5.0, 8.0, 5.0]) / 18
+        widths = np.diff(times)
+        inner = times[:-1, None] + widths[:, None] * (0.5 + 0.5 * off)
+        slowness = 1.0 / np.sqrt(self(inner.ravel())[:, 0])
+        took = slowness.reshape(inner.shape) @ weights * widths
+        return np.concatenate([[0.0], np.cumsum(took)])
+
+
+class _Barriers:
+    """The duration with barriers at the limits, over the spline's coefficients.
+
+    Args:
+        nodes: where the limits are kept.
+        pace: whose coefficients are moved.
+        limits: of the joints.
+        rate: how fast the path's length may be passed.
+    """
+
+    def __init__(
+        self, nodes: PathNodes, pace: PaceSpline, limits: MotionLimits, rate: float
+    ) -> None:
+        speed, acceleration, jerk = limits.arrays
+        times, one, two, three, rates, tighter = nodes
+        first, self._bases = pace.bases(times)
+        self._rows = _rows(first)
+        self._count = len(pace.coefficients)
+        shares = np.zeros(len(times))
+        shares[:-1] += np.diff(times)
+        shares[1:] += np.diff(times)
+        self._shares = 0.5 * shares / times[-1]
+        hard = tighter[:, None, 1] / acceleration
+        sharp = tighter[:, None, 2] / jerk
+        # What value and derivatives of b count in acceleration and jerk, as shares of the limits.
+        self._hard = np.stack([two * hard, 0.5 * one * hard], axis=2)
+        self._sharp = np.stack([three * sharp, 1.5 * two * sharp, 0.5 * one * sharp], axis=2)
+        self._fast = np.maximum(
+            (np.abs(one) * tighter[:, :1] / speed).max(axis=1) ** 2, (rates / rate) ** 2
+        )
+        first_of, other = np.triu_indices(_BASES)
+        self._places = (
+            (_BASES - 1 - other + first_of) * self._count + first[:, None] + other
+        ).ravel()
+        self._slopes = self._bases.transpose(0, 2, 1)
+        # What each second derivative by value and derivatives of b counts for two coefficients.
+        twice = self._bases[:, first_of, :, None] * self._bases[:, other, None, :]
+        twice = (twice + twice.transpose(0, 1, 3, 2)).transpose(0, 2, 3, 1)
+        twice[:, range(3), range(3)] *= 0.5
+        self._curves = twice[:, *np.triu_indices(3)]
+
+    def at(self, coefficients: Points) -> Points:
+        """The square of the pace and its derivatives at the nodes. Shape (n, 3)."""
+        return _weighed(self._bases, coefficients[self._rows])
+
+    def worst(self, b: Points) -> float:
+        """How many times the square of the pace is too large."""
+        hard, unscaled = self.shares(b)
+        sharpest = float((np.abs(unscaled).max(axis=1) * np.sqrt(b[:, 0])).max())
+        fastest = float((self._fast * b[:, 0]).max())
+        return max(float(np.abs(hard).max()), float(np.cbrt(sharpest**2)), fastest)
+
+    def shares(self, b: Points) -> tuple[Points, Points]:
+        """Shares of the limits of acceleration, and of jerk at a pace of one; linear in b."""
+        hard = np.matmul(self._hard, b[:, :2, None])[:, :, 0]
+        return hard, np.matmul(self._sharp, b[:, :, None])[:, :, 0]
+
+    def value(self, square: Points, hard: Points, unscaled: Points, weight: float) -> float:
+        """What is made least; infinite outside of the limits."""
+        if square.min() <= 0.0:
+            return float("inf")
+        room = (1.0 - hard * hard).prod(axis=1) * (1.0 - self._fast * square)
+        sharp = 1.0 - unscaled * unscaled * square[:, None]
+        inside = min(sharp.min(), (1.0 - np.abs(hard)).min(), (1.0 - self._fast * square).min())
+        if inside <= 0.0:
+            return float("inf")
+        barriers = np.log(room * sharp.prod(axis=1)).sum()
+        return float((self._shares / np.sqrt(square)).sum() - weight * barriers)
+
+    def furthest(self, square: Points, hard: Points, change: Points, of_hard: Points) -> float:
+        """How far a step may go, at most 1, within the limits of speed and acceleration."""
+        with np.errstate(divide="ignore"):
+            ends = [
+                (np.abs(of_hard) / (1.0 - np.where(of_hard > 0.0, hard, -hard))).max(),
+                (self._fast * change / (1.0 - self._fast * square)).max(),
+                (-change / square).max(),
+            ]
+        return min(1.0, 0.95 / max(float(max(ends)), 1e-9))
+
+    def step(
+        self, value: Points, hard: Points, unscaled: Points, weight: float
+    ) -> tuple[Points, float]:
+        """Newton's step of the coefficients, and by how much it is to lower the value.
+
+        Raises:
+            LinAlgError: there is none.
+        """
+        root = np.sqrt(value)
+        sharp = unscaled * root[:, None]
+        hard_room, sharp_room, left = 1.0 - hard**2, 1.0 - sharp**2, 1.0 - self._fast * value
+        # Derivatives of the shares of acceleration and jerk by b, b' and b''.
+        ones = [self._hard[:, :, 0], self._hard[:, :, 1]]
+        twos = [self._sharp[:, :, i] * root[:, None] for i in range(3)]
+        twos[0] = twos[0] + 0.5 * unscaled / root[:, None]
+        push, pull = hard / hard_room, sharp / sharp_room
+        slope = np.zeros((len(value), 3))
+        for i, share in enumerate(twos):
+            slope[:, i] = (pull * share).sum(axis=1)
+        for i, share in enumerate(ones):
+            slope[:, i] += (push * share).sum(axis=1)
+        slope *= 2.0 * weight
+        slope[:, 0] += weight * self._fast / left - 0.5 * self._shares * value**-1.5
+        # Of the second derivatives the part that is never negative (Gauss and Newton's).
+        stiff, stiffer = (1.0 + hard**2) / hard_room**2, (1.0 + sharp**2) / sharp_room**2
+        curves = np.empty((len(value), 6))
+        for column, (i, j) in enumerate(_PAIRS):
+            curves[:, column] = (stiffer * twos[i] * twos[j]).sum(axis=1)
+            if j < 2:
+                curves[:, column] += (stiff * ones[i] * ones[j]).sum(axis=1)
+        curves *= 2.0 * weight
+        curves[:, 0] += 0.75 * self._shares * value**-2.5 + weight * (self._fast / left) ** 2
+        local = np.matmul(curves[:, None, :], self._curves)
+        count = self._count
+        banded = np.bincount(self._places, local.ravel(), _BASES * count).reshape(_BASES, count)
+        banded[-1] += 1e-12 * banded[-1].max()
+        slopes = np.matmul(slope[:, None, :], self._slopes)
+        gradient = np.bincount(self._rows.ravel(), slopes.ravel(), count)
+        found: Points = -solveh_banded(banded, gradient, check_finite=False)
+        return found, float(-(gradient @ found))
+
+
+def faster(
+    nodes: PathNodes,
+    pace: PaceSpline,
+    limits: MotionLimits,
+    rate: float,
+    soft: float = _SOFT,
+) -> PaceSpline:
+    """Give the pace at which a law is passed soonest within all limits.
+
+    Args:
+        nodes: where the limits are kept.
+        pace: to begin with; it is scaled so far that it is within the limits.
+        limits: of the joints.
+        rate: how fast the path's length may be passed [its unit per second].
+        soft: weight of all barriers at first; less for a pace that is nearly the best.
+    """
+    barriers = _Barriers(nodes, pace, limits, rate)
+    coefficients = pace.coefficients
+    weight, last = soft / len(nodes.times), _HARD / len(nodes.times)
+    coefficients = coefficients * (_INSIDE / barriers.worst(barriers.at(coefficients)))
+    b = barriers.at(coefficients)
+    square, hard, sharp = b[:, 0], *barriers.shares(b)
+    for _ in range(_STEPS):
+        try:
+            step, gain = barriers.step(square, hard, sharp, weight)
+        except LinAlgError:
+            break
+        b = barriers.at(step)
+        change, of_hard, of_sharp = b[:, 0], *barriers.shares(b)
+        before = barriers.value(square, hard, sharp, weight)
+        part = barriers.furthest(square, hard, change, of_hard)
+        while True:
+            moved = square + part * change, hard + part * of_hard, sharp + part * of_sharp
+            if barriers.value(*moved, weight) <= before - 1e-4 * part * gain:
+                break
+            part *= 0.5
+            if part < 1e-6:
+                return PaceSpline(pace.end, pace.spans, coefficients)
+        coefficients = coefficients + part * step
+        square, hard, sharp = moved
+        if weight <= last and gain < _ENOUGH:
+            break
+        if part > 0.2:
+            weight = max(weight * _STEEPER, last)
+    return PaceSpline(pace.end, pace.spans, coefficients)
+
+
+def _rows(first: Any) -> Any:
+    return first[:, None] + np.arange(_BASES)
+
+
+def _weighed(bases: Points, coefficients: Points) -> Points:
+    found: Points = np.matmul(coefficients[:, None, :], bases)[:, 0]
+    return found

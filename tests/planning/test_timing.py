@@ -1,0 +1,84 @@
+"""Times along a path: as short as the limits allow, and never shorter."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+import pytest
+import toppra
+import toppra.constraint
+from scipy.interpolate import BSpline
+
+from aioduco.kinematics import arm as arm_of
+from aioduco.planning import MotionLimits
+from aioduco.planning.timing import TimedPath, timed
+from aioduco.streaming.joint_trajectory import JointTrajectory
+
+ARM = arm_of("gcr5_910")
+V, A, JERK = 1.5, 3.0, 30.0
+
+
+def wavy(seed: int) -> BSpline:
+    """A path of six joints with bends, over a length of 3."""
+    control = np.random.default_rng(seed).uniform(-1.0, 1.0, (6, 6))
+    knots = np.concatenate([[0.0] * 3, np.linspace(0.0, 3.0, 4), [3.0] * 3])
+    return BSpline(knots, control, 3)
+
+
+def excess(found: TimedPath, limits: MotionLimits) -> float:
+    """The largest share of a limit, by differences of what will be sent."""
+    trajectory = JointTrajectory(
+        found.positions, found.times, found.velocities, found.accelerations
+    )
+    step = 0.0005
+    times = np.arange(0.0, found.times[-1], step)
+    q = trajectory.curve(found.positions[0].tolist()).at(times)
+    return max(
+        float((np.abs(np.diff(q, order, axis=0)) / step**order / limit).max())
+        for order, limit in enumerate(limits.arrays, start=1)
+    )
+
+
+@pytest.mark.parametrize(
+    ("way", "least", "within"),
+    [
+        # The speed is reached, and the acceleration on the way to it.
+        (2.0, 2.0 / V + V / A + A / JERK, 1.02),
+        # Neither is: the jerk alone is at its limit, four times.
+        (0.02, 4.0 * (0.02 / (2.0 * JERK)) ** (1.0 / 3.0), 1.04),
+    ],
+)
+def test_a_straight_way_takes_the_time_of_the_closed_form(
+    way: float, least: float, within: float
+) -> None:
+    limits = MotionLimits.of(ARM, V, A, JERK)
+    control = np.outer(np.linspace(0.0, way, 4), [1.0, 0.5, -0.3, 0.0, 0.2, -1.0])
+    found = timed(BSpline([0.0] * 4 + [1.0] * 4, control, 3), limits)
+    assert least * 0.999 <= found.times[-1] <= least * within
+    assert excess(found, limits) <= 1.001
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.cases(2)
+def test_without_a_limit_of_jerk_it_is_as_fast_as_toppra(seed: int) -> None:
+    logging.getLogger("toppra").setLevel(logging.ERROR)
+    curve = wavy(seed)
+    law = toppra.algorithm.TOPPRA(
+        [
+            toppra.constraint.JointVelocityConstraint(np.array([[-V, V]] * 6)),
+            toppra.constraint.JointAccelerationConstraint(np.array([[-A, A]] * 6)),
+        ],
+        toppra.SplineInterpolator(at := np.linspace(0.0, 3.0, 400), curve(at)),
+        np.linspace(0.0, 3.0, 400),
+        solver_wrapper="seidel",
+    )
+    fastest = float(law.compute_trajectory().duration)
+    limits = MotionLimits.of(ARM, V, A, 1000.0 * A)
+    found = timed(curve, limits)
+    assert found.times[-1] <= 1.05 * fastest
+    assert excess(found, limits) <= 1.001
+    # The jerk costs the time of a few ramps of the acceleration, of 0.1 s each.
+    smooth = timed(curve, MotionLimits.of(ARM, V, A, JERK))
+    assert smooth.times[-1] <= 1.15 * fastest
+    assert excess(smooth, MotionLimits.of(ARM, V, A, JERK)) <= 1.001
