@@ -26,6 +26,7 @@ import time
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -517,9 +518,9 @@ def main() -> int:
     sys.stdout.write(json.dumps(figures, indent=2, ensure_ascii=False) + "\n")
     if options.save:
         sys.path.insert(0, str(RESULTS.parents[1]))
-        from _common import write_results  # noqa: PLC0415
-
-        sys.stdout.write(f"written: {write_results(RESULTS.stem, figures)}\n")
+        figures = {"command": f".ci/envelope-trials --count {options.count} --save", **figures}
+        path = import_module("_common").write_results(RESULTS.stem, figures)
+        sys.stdout.write(f"written: {path}\n")
     return 1 if figures["failed"] else 0
 
 
