@@ -424,10 +424,18 @@ async def run(
             await robot.frames.set_tool_data("probe", TOOL, [0.1, 0, 0, 0.05])
             trials = Trials(robot, sim, seen)
             for number in numbers:
-                try:
-                    await trials.carry_out(kind or KINDS[number % 3], seed, number)
-                except (AssertionError, aioduco.DucoError) as exc:
-                    failed[str(number)] = f"{type(exc).__name__}: {exc}".splitlines()[0]
+                for left in reversed(range(_AGAIN)):
+                    try:
+                        await trials.carry_out(kind or KINDS[number % 3], seed, number)
+                    except aioduco.DucoError as exc:
+                        # Such as a heartbeat that a busy machine held up: nothing of zones.
+                        trials.counts["begun again"] += 1
+                        if left:
+                            continue
+                        failed[str(number)] = f"{type(exc).__name__}: {exc}".splitlines()[0]
+                    except AssertionError as exc:
+                        failed[str(number)] = str(exc).splitlines()[0]
+                    break
     nearest = None if math.isinf(trials.nearest) else trials.nearest
     return Outcome(numbers[0], dict(trials.counts), trials.deepest, nearest, failed)
 

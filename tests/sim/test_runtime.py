@@ -245,6 +245,24 @@ def test_time_can_be_held(
     let_go()
 
 
+def test_time_that_is_held_to_last_stands_until_it_is_let_go(
+    runtime: SimulationRuntime, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Also where others who held it were given up."""
+    monkeypatch.setattr(module, "_HOLD", 0.01)
+    clock = SimulatedClock(runtime)
+    let_go = clock.hold(-math.inf, lasting=True)
+    held = math.nan
+    for number in range(1, 6):
+        clock.hold(-math.inf)
+        eventually(lambda number=number: caplog.text.count("and goes on") == number, 30.0)
+        if number == 1:
+            held = clock.now()
+    assert clock.now() == held
+    let_go()
+    eventually(lambda: clock.now() > held, 30.0)
+
+
 def test_a_task_has_ended_only_when_its_snapshot_is_there(
     arm: Follower, monkeypatch: pytest.MonkeyPatch
 ) -> None:
