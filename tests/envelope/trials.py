@@ -217,6 +217,10 @@ class Trials:
                 await self._robot.stop()  # what stopped the last one may still be under way
                 await self._robot.bring_up()
                 await self._robot.motion.movej2(q, v=3.9, a=40.0)
+            except aioduco.HeartbeatLost:
+                await self._robot.rearm_heartbeat()  # the program was held up, and the arm stands
+                if not left:
+                    raise
             except (aioduco.TaskError, aioduco.ConnectionLost):
                 if not left:
                     raise
