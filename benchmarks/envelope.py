@@ -152,7 +152,7 @@ def figures(passes: list[list[float]], idle: float) -> dict[str, float]:
 
 def main() -> None:
     options = arguments(__doc__, "envelope")
-    streams, count, passes = (3, 1000, 3) if options.quick else (20, 5000, 5)
+    streams, count, passes = (3, 1000, 3) if options.quick else (10, 2000, 7)
     rng = np.random.default_rng(1)
     near, bare = "20 zones close to the tool", "no envelope"
     names = [bare, "20 zones about the arm", near]

@@ -34,7 +34,8 @@ h1{font-size:1.5rem;margin-bottom:.2rem}h2{font-size:1.1rem;margin-top:2rem}
 .ok{color:#17723a}.bad{color:#b3261e}table{border-collapse:collapse;width:100%;font-size:.86rem}
 td,th{padding:.3rem .5rem;border-bottom:1px solid #dde3e8;text-align:left;vertical-align:top}
 code{font-family:ui-monospace,monospace;font-size:.86em}
-figure{display:inline-block;margin:.4rem 0;vertical-align:top}img{max-width:100%;height:auto}
+figure{display:inline-block;margin:.4rem .8rem .4rem 0;vertical-align:top}
+img{max-width:100%;height:auto}
 h1,p{overflow-wrap:anywhere}.wide{overflow-x:auto}.wide svg{min-width:640px}
 figcaption{font-size:.8rem;max-width:460px}svg text{font:11px system-ui,sans-serif;fill:#3b4a57}
 @media(prefers-color-scheme:dark){body{background:#14191e;color:#dbe3ea}td,th{border-color:#2c3640}
