@@ -153,6 +153,19 @@ def test_the_same_holds_for_poses_of_the_tool(seed: int) -> None:
     assert CountingChecker.looks < PlainChecker.looks / 2
 
 
+def test_a_way_between_poses_that_no_joints_reach_is_checked() -> None:
+    """Its ends are clear of the zone that it leads through."""
+    far = Zone.sphere((3.0, 0.0, 0.5), 0.1, bodies=("tool",))
+    other = Zone.sphere((0.0, 0.0, -5.0), 0.1, bodies=("elbow",))  # so that joints are sought
+    checker = EnvelopeChecker(Envelope(ARM, far, other).packed(TOOL), by_tip=True)
+    checker.near = tuple(START.tolist())
+    one, two = ((1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0, 3.0, y, 0.5) for y in (-0.5, 0.5))
+    assert checker.begin(one) is None
+    found = checker.sweep(one, two)
+    assert found is not None
+    assert found.limit == far.title
+
+
 @pytest.mark.parametrize("way", ["none", "cubic", "ruckig"])
 def test_no_set_point_is_beyond_a_zone(way: str, thorough: bool) -> None:
     """And each keeps to the stream's limits, also while it brakes before a zone."""
