@@ -6,8 +6,8 @@
 on a local cluster of one worker and of two. Asked for: at least 1.7 times as fast with 200 runs, on
 a machine with nothing else to do. "cores" is the processor time of all processes over the wall:
 where one worker uses more than one core, as its program, simulator and client are threads beside
-each other, two workers on two cores cannot be twice as fast. "start" is from the beginning to the first
-result. If the processor time of a run is the same for both, nothing but the cores limits them.
+each other, two workers on two cores cannot be twice as fast. "start" is from the beginning to the
+first result. If the processor time of a run is the same for both, the cores alone limit them.
 """
 
 from __future__ import annotations
@@ -33,7 +33,8 @@ def spent() -> float:
 def swept(runs: int, workers: int) -> dict[str, float]:
     """The figures of one sweep."""
     settings = PreflightSettings(module=True, vary=VARY, timeout=300.0)
-    begin, before, first = time.perf_counter(), spent(), []
+    begin, before = time.perf_counter(), spent()
+    first: list[float] = []
 
     def done(_: Any) -> None:
         if not first:

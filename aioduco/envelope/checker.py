@@ -239,6 +239,8 @@ class EnvelopeChecker:
         self.near: Joints6 = ()
         self.stray: float = 0.0
         self._at: Sequence[float] = ()
+        #: how far the joints have turned in all, and until when their margins suffice [rad]
+        self._turned = self._joints_due = 0.0
         #: the start that `clear` has found zones near to, and how far from it [m]
         self._marked = _UNMARKED
         self._kept: _Look = ((), (), ())
@@ -371,6 +373,7 @@ class EnvelopeChecker:
         self._at = config
         self._elbow.begin()
         self._wrist.begin()
+        self._turned = self._joints_due = 0.0
         places = self._look(config)[1]
         for zone in self._zones:
             depths = [-zone.margin(*places[body]) for body in zone.bodies if _known(places[body])]
@@ -382,6 +385,7 @@ class EnvelopeChecker:
         """Take where the arm goes next, without a check: it is known to be within the limits."""
         elbow, tip, _ = self._travel(self._at, config)
         self._went(config, elbow, tip)
+        self._joints_due = 0.0
 
     def _went(self, config: Sequence[float], bend: float, tip: float) -> None:
         self._at = config
@@ -390,6 +394,7 @@ class EnvelopeChecker:
         if self._wrist.way > _LONG_WAY:
             self._elbow.begin()
             self._wrist.begin()
+            self._turned = self._joints_due = 0.0
 
     def clear(self, start: Sequence[float], more: float) -> bool:
         """Take where the arm goes next, and say whether it may go on so without a closer look.
@@ -401,7 +406,7 @@ class EnvelopeChecker:
         Returns:
             Whether `sweep` from there, so far, would find nothing for sure: no limit is in reach.
         """
-        if self._by_tip or self._by_joints or start is self._at:
+        if self._by_tip or start is self._at:
             return False
         a1, a2, a3, a4, a5, a6 = self._at
         b1, b2, b3, b4, b5, b6 = start
@@ -411,14 +416,30 @@ class EnvelopeChecker:
         t4, t5, t6 = abs(b4 - a4), abs(b5 - a5), abs(b6 - a6)
         bend = e1 * t1 + e2 * t2
         tip = r1 * t1 + r2 * t2 + r3 * t3 + r4 * t4 + r5 * t5 + r6 * t6
+        turn = t1 + t2 + t3 + t4 + t5 + t6
         self._went(start, bend, tip)
+        self._turned += turn
         # The way of a sweep bends by no more than this, by which bodies may leave the straight way
-        turn = (t1 + t2 + t3 + t4 + t5 + t6) * more
+        turn *= more
         off = tip * more * (turn / 4 + self.stray) + _ROUNDING
         elbow, wrist = bend * more + off, tip * more + off
         if self._near(start, elbow, wrist):
             self._marked = start, elbow, wrist
             return False
+        return not self._by_joints or self._joints_clear(start, turn + _ROUNDING)
+
+    def _joints_clear(self, start: Sequence[float], room: float) -> bool:
+        """Whether no margin of the joints is less than they turn in all [rad].
+
+        By so much, at the most, changes a distance from a limit, and from a singularity.
+        """
+        if self._turned + room < self._joints_due:
+            return True
+        _, places, q = self._look(start)
+        least = min(each.margin for each in self._joint_margins(q, places[0]))
+        if least <= room:
+            return False
+        self._joints_due = self._turned + least
         return True
 
     def _near(self, start: Sequence[float], elbow: float, wrist: float) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 from aioduco.preflight.program_clock import ProgramClock
@@ -12,6 +13,10 @@ from aioduco.testing import eventually
 
 if TYPE_CHECKING:
     import pytest
+
+
+def _given_up(log: pytest.LogCaptureFixture, times: int) -> bool:
+    return log.text.count("and goes on") == times
 
 
 def test_a_program_that_is_held_up_for_long_finds_its_time_where_it_was(
@@ -27,7 +32,7 @@ def test_a_program_that_is_held_up_for_long_finds_its_time_where_it_was(
         at = math.nan
         for number in range(1, 6):
             simulator.clock.hold(-math.inf)
-            eventually(lambda number=number: caplog.text.count("and goes on") == number, 30.0)
+            eventually(partial(_given_up, caplog, number), 30.0)
             if number == 1:
                 at = clock.passed
         assert clock.passed == at

@@ -6,6 +6,7 @@ import logging
 import math
 import threading
 import time
+from functools import partial
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
@@ -245,6 +246,10 @@ def test_time_can_be_held(
     let_go()
 
 
+def _given_up(log: pytest.LogCaptureFixture, times: int) -> bool:
+    return log.text.count("and goes on") == times
+
+
 def test_time_that_is_held_to_last_stands_until_it_is_let_go(
     runtime: SimulationRuntime, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -255,7 +260,7 @@ def test_time_that_is_held_to_last_stands_until_it_is_let_go(
     held = math.nan
     for number in range(1, 6):
         clock.hold(-math.inf)
-        eventually(lambda number=number: caplog.text.count("and goes on") == number, 30.0)
+        eventually(partial(_given_up, caplog, number), 30.0)
         if number == 1:
             held = clock.now()
     assert clock.now() == held
