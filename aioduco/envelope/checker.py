@@ -5,8 +5,9 @@ each sample of the state. For one set-point numpy would take longer, and the wor
 
 A step of the arm is checked as a sweep: from a configuration to another one, straight in joint
 angles or straight in the tool's pose. What makes that quick: a distance to a zone changes by no
-more than the body moves. So of each zone it is kept how far the arm may go before it has to be
-looked at again.
+more than the body moves, and a body moves by no more than a joint's angle times its distance from
+the joint's axis. So of each zone it is kept how far a body may go before it has to be looked at
+again. What is found is the same as if each zone were looked at in each sweep.
 """
 
 from __future__ import annotations
@@ -32,12 +33,15 @@ _Margin: TypeAlias = "Callable[[float, float, float], float]"
 _HALVINGS = 8  # of a chord, before a zone that it passes closely counts as crossed
 _BESIDE = 3e-3  # how far beyond a zone an arm may stand, and still leave it [m]
 _NOWHERE = (math.nan, math.nan, math.nan)
+_ROUNDING = 1e-9  # more than what adding up an arm's way may be off by [m]
+_UNMARKED: tuple[Sequence[float], float, float] = ((), 0.0, 0.0)
+_LONG_WAY = 100.0  # after which it is added up from zero again, for the sake of rounding [m]
 
 
 class _Zone:
     """A zone as the checker keeps it."""
 
-    __slots__ = ("action", "bodies", "bulges", "due", "give", "margin", "name", "speed")
+    __slots__ = ("action", "bodies", "bulges", "give", "margin", "name", "near", "speed")
 
     def __init__(self, name: str, action: str, speed: float, *shape: Any) -> None:
         kind, keep_in, bodies, at, size, turn = shape
@@ -53,8 +57,8 @@ class _Zone:
             self.margin = _sphere(sign, at, size[0])
         else:
             self.margin = _box(sign, at, size, turn)
-        #: the arm's way at which it is to be looked at next [m]
-        self.due = 0.0
+        #: whether a body may come to it within the sweep that is looked at
+        self.near = False
         #: how far the arm stood beyond it at the beginning, by a little: no further from there [m]
         self.give = 0.0
 
@@ -102,6 +106,71 @@ def _box(sign: float, at: Sequence[float], size: Sequence[float], turn: Sequence
         return sign * (w if w > nearest else nearest)
 
     return margin
+
+
+class _Approach:
+    """A body and a zone.
+
+    Attributes:
+        due: way of the body at which the margin is to be looked at next [m].
+    """
+
+    __slots__ = ("body", "due", "margin", "zone")
+
+    def __init__(self, zone: _Zone, body: int) -> None:
+        self.zone, self.body, self.margin = zone, body, zone.margin
+        self.due = 0.0
+
+
+class _Approaches:
+    """Those of bodies whose ways are added up as one.
+
+    Attributes:
+        way: at least as far as each of the bodies has gone [m].
+    """
+
+    __slots__ = ("all", "soonest", "way")
+
+    def __init__(self, zones: Sequence[_Zone], bodies: Sequence[int]) -> None:
+        self.all = [
+            _Approach(zone, body) for zone in zones for body in zone.bodies if body in bodies
+        ]
+        self.begin()
+
+    def begin(self) -> None:
+        """Look at all of them in the next sweep."""
+        self.way = 0.0
+        #: the least of all that are due
+        self.soonest = 0.0 if self.all else math.inf
+        for each in self.all:
+            each.due = 0.0
+
+    def look(self, places: Sequence[Point], room: float) -> bool:
+        """Look at those that are due within a sweep.
+
+        Args:
+            places: where the bodies are at its start.
+            room: how far they may go in it, and aside [m].
+
+        Returns:
+            Whether one may come to a zone within it: those zones are marked as near.
+        """
+        way = self.way
+        until, soonest, near = way + room, math.inf, False
+        for each in self.all:
+            due = each.due
+            if due <= until:
+                zone = each.zone
+                x, y, z = places[each.body]
+                margin = each.margin(x, y, z) + zone.give
+                if margin > room:
+                    each.due = due = way + margin
+                else:  # or it is not known where the body is
+                    near = zone.near = True
+            if due < soonest:  # noqa: PLR1730 - min() would take longer than all the rest
+                soonest = due
+        self.soonest = soonest
+        return near
 
 
 class EnvelopeChecker:
@@ -160,13 +229,20 @@ class EnvelopeChecker:
             d6 + tip,
             hypot(self._offset[0], self._offset[1]),
         )
+        #: how far the elbow is from those of the first two, which alone move it [m]
+        self._elbow_reaches = hypot(a2, d2), abs(a2)
         self._lever = tip
+        self._elbow = _Approaches(self._zones, (1,))
+        self._wrist = _Approaches(self._zones, (0, 2))
         self._solve: Any = None
         self._nearest: Any = None
         self.near: Joints6 = ()
         self.stray: float = 0.0
-        self._way = 0.0
         self._at: Sequence[float] = ()
+        #: how far the joints have turned in all, and until when their margins suffice [rad]
+        self._turned = self._joints_due = 0.0
+        #: the start that `clear` has found zones near to, and how far from it [m]
+        self._marked = _UNMARKED
         self._kept: _Look = ((), (), ())
         self._ahead: _Look = ((), (), ())
 
@@ -294,10 +370,12 @@ class EnvelopeChecker:
         Returns:
             What of it is beyond a limit, if anything is.
         """
-        self._way, self._at = 0.0, config
+        self._at = config
+        self._elbow.begin()
+        self._wrist.begin()
+        self._turned = self._joints_due = 0.0
         places = self._look(config)[1]
         for zone in self._zones:
-            zone.due = 0.0
             depths = [-zone.margin(*places[body]) for body in zone.bodies if _known(places[body])]
             depth = max(depths, default=0.0)
             zone.give = depth if 0.0 < depth <= _BESIDE else 0.0
@@ -305,8 +383,73 @@ class EnvelopeChecker:
 
     def moved(self, config: Sequence[float]) -> None:
         """Take where the arm goes next, without a check: it is known to be within the limits."""
-        self._way += self._travel(self._at, config)
+        elbow, tip, _ = self._travel(self._at, config)
+        self._went(config, elbow, tip)
+        self._joints_due = 0.0
+
+    def _went(self, config: Sequence[float], bend: float, tip: float) -> None:
         self._at = config
+        self._elbow.way += bend
+        self._wrist.way += tip
+        if self._wrist.way > _LONG_WAY:
+            self._elbow.begin()
+            self._wrist.begin()
+            self._turned = self._joints_due = 0.0
+
+    def clear(self, start: Sequence[float], more: float) -> bool:
+        """Take where the arm goes next, and say whether it may go on so without a closer look.
+
+        Args:
+            start: joint angles [rad].
+            more: how many times it would go on as it came there, from the last ones.
+
+        Returns:
+            Whether `sweep` from there, so far, would find nothing for sure: no limit is in reach.
+        """
+        if self._by_tip or start is self._at:
+            return False
+        a1, a2, a3, a4, a5, a6 = self._at
+        b1, b2, b3, b4, b5, b6 = start
+        r1, r2, r3, r4, r5, r6 = self._reaches
+        e1, e2 = self._elbow_reaches
+        t1, t2, t3 = abs(b1 - a1), abs(b2 - a2), abs(b3 - a3)
+        t4, t5, t6 = abs(b4 - a4), abs(b5 - a5), abs(b6 - a6)
+        bend = e1 * t1 + e2 * t2
+        tip = r1 * t1 + r2 * t2 + r3 * t3 + r4 * t4 + r5 * t5 + r6 * t6
+        turn = t1 + t2 + t3 + t4 + t5 + t6
+        self._went(start, bend, tip)
+        self._turned += turn
+        # The way of a sweep bends by no more than this, by which bodies may leave the straight way
+        turn *= more
+        off = tip * more * (turn / 4 + self.stray) + _ROUNDING
+        elbow, wrist = bend * more + off, tip * more + off
+        if self._near(start, elbow, wrist):
+            self._marked = start, elbow, wrist
+            return False
+        return not self._by_joints or self._joints_clear(start, turn + _ROUNDING)
+
+    def _joints_clear(self, start: Sequence[float], room: float) -> bool:
+        """Whether no margin of the joints is less than they turn in all [rad].
+
+        By so much, at the most, changes a distance from a limit, and from a singularity.
+        """
+        if self._turned + room < self._joints_due:
+            return True
+        _, places, q = self._look(start)
+        least = min(each.margin for each in self._joint_margins(q, places[0]))
+        if least <= room:
+            return False
+        self._joints_due = self._turned + least
+        return True
+
+    def _near(self, start: Sequence[float], elbow: float, wrist: float) -> bool:
+        """Whether a zone may be within a sweep in which the bodies go so far [m]."""
+        near = False
+        if self._wrist.way + wrist >= self._wrist.soonest:
+            near = self._wrist.look(self._look(start)[1], wrist)
+        if self._elbow.way + elbow >= self._elbow.soonest:
+            near = self._elbow.look(self._look(start)[1], elbow) or near
+        return near
 
     def sweep(
         self, start: Sequence[float], end: Sequence[float], speed: float = math.inf
@@ -323,26 +466,29 @@ class EnvelopeChecker:
         """
         if start is not self._at:
             self.moved(start)
-        way = self._way
-        ahead = way if end is start else way + self._travel(start, end)
-        sag = -1.0
-        places: tuple[Point, ...] = ()
-        further: tuple[Point, ...] = ()
-        chords: list[float] = []
-        for zone in self._zones:
-            if ahead < zone.due or (zone.action == "slow" and speed <= zone.speed):
-                continue
-            if sag < 0.0:
-                # Some zone may be near: see how far the bodies go indeed, mostly much less.
-                places = self._look(start)[1]
-                further = places if end is start else self._look_ahead(end)[1]
-                # How far their ways bend away from their chords.
-                sag = 0.0 if end is start else self._sag(start, end) + self.stray * (ahead - way)
-                chords = [math.dist(a, b) for a, b in zip(places, further, strict=True)]
-                ahead = way + max(chord for chord in chords if not math.isnan(chord)) + sag
-                if ahead < zone.due:
+        elbow = tip = sag = 0.0
+        if end is not start:
+            elbow, tip, sag = self._travel(start, end)
+            if self.stray:
+                sag += self.stray * tip
+        elbow += sag + _ROUNDING
+        tip += sag + _ROUNDING
+        marked, most_elbow, most_tip = self._marked
+        # what `clear` has just found near is not sought again
+        if (marked is start and elbow <= most_elbow and tip <= most_tip) or self._near(
+            start, elbow, tip
+        ):
+            self._marked = _UNMARKED
+            # See how far the bodies go indeed, mostly much less.
+            places = self._look(start)[1]
+            further = places if end is start else self._look_ahead(end)[1]
+            chords = [math.dist(a, b) for a, b in zip(places, further, strict=True)]
+            found = None
+            for zone in self._zones:
+                near, zone.near = zone.near, False
+                if not near or found or (zone.action == "slow" and speed <= zone.speed):
                     continue
-            found = self._sweep_zone(zone, places, further, chords, sag)
+                found = self._sweep_zone(zone, places, further, chords, sag)
             if found is not None:
                 return found
         if self._by_joints:
@@ -389,7 +535,6 @@ class EnvelopeChecker:
         chords: Sequence[float],
         sag: float,
     ) -> Crossing | None:
-        least = math.inf
         for body in zone.bodies:
             a, b = places[body], further[body]
             if a[0] != a[0] or b[0] != b[0]:
@@ -403,8 +548,6 @@ class EnvelopeChecker:
             if low < 0.0:
                 place = a if first < last else b
                 return Crossing(zone.name, BODIES[body], place, low, "m", zone.action)
-            least = min(least, first)
-        zone.due = self._way + least
         return None
 
     def _lowest(
@@ -436,48 +579,46 @@ class EnvelopeChecker:
             todo.append((mid, b, between, last, middle, end, left - 1))
         return low
 
-    def _travel(self, start: Sequence[float], end: Sequence[float]) -> float:
-        """How far any body moves between two configurations, at the most [m]."""
-        if self._by_tip:
-            if self._needs_joints:
-                a, b = self._look(start)[2], self._look_ahead(end)[2]
-                if not a or not b:
-                    return math.inf
-                return self._travel_joints(a, b)
-            return math.dist(start[9:], end[9:]) + self._lever * _turned(start, end)
-        return self._travel_joints(start, end)
+    def _travel(self, start: Sequence[float], end: Sequence[float]) -> tuple[float, float, float]:
+        """How far the bodies move between two configurations, at the most [m].
 
-    def _travel_joints(self, a: Sequence[float], b: Sequence[float]) -> float:
+        Returns:
+            The elbow; tool and flange; and how far their ways bend away from their chords.
+        """
+        if not self._by_tip:
+            return self._travel_joints(start, end)
+        turn = _turned(start, end)
+        sag = self._lever * turn * turn / 8
+        if not self._needs_joints:
+            return 0.0, math.dist(start[9:], end[9:]) + self._lever * turn, sag
+        a, b = self._look(start)[2], self._look_ahead(end)[2]
+        if not a or not b:
+            return math.inf, math.inf, sag
+        elbow, tip, bend = self._travel_joints(a, b)
+        return elbow, tip, sag + bend
+
+    def _travel_joints(self, a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
         a1, a2, a3, a4, a5, a6 = a
         b1, b2, b3, b4, b5, b6 = b
         r1, r2, r3, r4, r5, r6 = self._reaches
-        travel: float = (
-            r1 * abs(b1 - a1)
-            + r2 * abs(b2 - a2)
-            + r3 * abs(b3 - a3)
-            + r4 * abs(b4 - a4)
-            + r5 * abs(b5 - a5)
-            + r6 * abs(b6 - a6)
-        )
-        return travel
-
-    def _sag(self, start: Sequence[float], end: Sequence[float]) -> float:
-        if self._by_tip:
-            turn = _turned(start, end)
-            sag = self._lever * turn * turn / 8
-            if not self._needs_joints:
-                return sag
-            start, end = self._look(start)[2], self._look_ahead(end)[2]
-            if not start or not end:
-                return sag
+        e1, e2 = self._elbow_reaches
+        t1, t2, t3 = abs(b1 - a1), abs(b2 - a2), abs(b3 - a3)
+        t4, t5, t6 = abs(b4 - a4), abs(b5 - a5), abs(b6 - a6)
+        l1, l2, l3, l4, l5, l6 = r1 * t1, r2 * t2, r3 * t3, r4 * t4, r5 * t5, r6 * t6
         # A point's second derivative by two angles is no longer than its distance from the axis of
         # the further one.
-        before = bend = 0.0
-        for a, b, reach in zip(start, end, self._reaches, strict=True):
-            turn = abs(b - a)
-            bend += reach * turn * (turn + 2 * before)
-            before += turn
-        return bend / 8
+        t12 = t1 + t2
+        t13 = t12 + t3
+        t14 = t13 + t4
+        bend = (
+            l1 * t1
+            + l2 * (t2 + 2 * t1)
+            + l3 * (t3 + 2 * t12)
+            + l4 * (t4 + 2 * t13)
+            + l5 * (t5 + 2 * t14)
+            + l6 * (t6 + 2 * (t14 + t5))
+        )
+        return e1 * t1 + e2 * t2, l1 + l2 + l3 + l4 + l5 + l6, bend / 8
 
     def _sweep_joints(
         self, start: Sequence[float], end: Sequence[float], speed: float

@@ -34,7 +34,9 @@ h1{font-size:1.5rem;margin-bottom:.2rem}h2{font-size:1.1rem;margin-top:2rem}
 .ok{color:#17723a}.bad{color:#b3261e}table{border-collapse:collapse;width:100%;font-size:.86rem}
 td,th{padding:.3rem .5rem;border-bottom:1px solid #dde3e8;text-align:left;vertical-align:top}
 code{font-family:ui-monospace,monospace;font-size:.86em}
-figure{display:inline-block;margin:.4rem;vertical-align:top}
+figure{display:inline-block;margin:.4rem .8rem .4rem 0;vertical-align:top}
+img{max-width:100%;height:auto}
+h1,p{overflow-wrap:anywhere}.wide{overflow-x:auto}.wide svg{min-width:640px}
 figcaption{font-size:.8rem;max-width:460px}svg text{font:11px system-ui,sans-serif;fill:#3b4a57}
 @media(prefers-color-scheme:dark){body{background:#14191e;color:#dbe3ea}td,th{border-color:#2c3640}
 svg text{fill:#aab7c2}}
@@ -116,7 +118,8 @@ def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     if not lines:
         return "<p>None.</p>"
     head = "".join(f"<th>{escape(each)}</th>" for each in heads)
-    return f"<table><tr>{head}</tr>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
+    body = "".join(f"<tr>{line}</tr>" for line in lines)
+    return f'<div class="wide"><table><tr>{head}</tr>{body}</table></div>'
 
 
 def _at(file: str, line: int) -> str:
@@ -197,7 +200,8 @@ def _svg(parts: Sequence[str], height: float, report: PreflightReport) -> str:
         f'<text x="{_LEFT}" y="{height + 14}">0 s</text>'
         f'<text x="{_WIDTH - 8}" y="{height + 14}" text-anchor="end">{report.duration:.1f} s</text>'
     )
-    return f'<svg viewBox="0 0 {_WIDTH} {height + 20}" width="100%">{"".join(parts)}{ends}</svg>'
+    size = f'viewBox="0 0 {_WIDTH} {height + 20}" width="100%"'
+    return f'<div class="wide"><svg {size}>{"".join(parts)}{ends}</svg></div>'
 
 
 def _label(row: int, text: str) -> str:

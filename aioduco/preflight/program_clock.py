@@ -265,7 +265,9 @@ class ProgramClock:
     def _hold(self, at: float) -> None:
         assert self._simulator is not None
         before = self._let_go
-        self._let_go = self._simulator.clock.hold(at)
+        # Lasting: where a busy computer stops all threads for seconds, none could hold it again
+        # before it had gone on by minutes.
+        self._let_go = self._simulator.clock.hold(at, lasting=True)
         self._held_at = at
         if before is not None:
             before()

@@ -111,12 +111,12 @@ class SimulatedClock:
         """Simulated time [s]; that of the end, once the simulation has ended."""
         return self._runtime.now()
 
-    def hold(self, at: float) -> Callable[[], None]:
+    def hold(self, at: float, *, lasting: bool = False) -> Callable[[], None]:
         """Have simulated time stand at `at` [s], or now, until what is returned is called.
 
-        It goes on after two seconds of real time in any case.
+        It goes on after two seconds of real time in any case, unless `lasting`.
         """
-        return self._runtime.hold(at)
+        return self._runtime.hold(at, lasting=lasting)
 
 
 class SimulationRuntime:
@@ -159,6 +159,7 @@ class SimulationRuntime:
         #: the change of the controller that is under way: the snapshot is older than it
         self._change: object | None = None
         self._holds: dict[object, float] = {}
+        self._lasting: set[object] = set()
         self._holding = threading.Condition()
         self._waiters: dict[int, list[threading.Event]] = {}
         self._closing = False
@@ -329,20 +330,23 @@ class SimulationRuntime:
         """Simulated time [s]; that of the end, once the simulation has ended or failed."""
         return self._snapshot.time
 
-    def hold(self, at: float) -> Callable[[], None]:
+    def hold(self, at: float, *, lasting: bool = False) -> Callable[[], None]:
         """Have simulated time stand at `at` [s], or now, until what is returned is called.
 
-        It goes on after two seconds of real time in any case.
+        It goes on after two seconds of real time in any case, unless `lasting`.
         """
         key = object()
 
         def let_go() -> None:
             with self._holding:
                 self._holds.pop(key, None)
+                self._lasting.discard(key)
                 self._holding.notify_all()
 
         with self._holding:
             self._holds[key] = at
+            if lasting:
+                self._lasting.add(key)
         return let_go
 
     def load(self, mass: float, centre: Sequence[float]) -> None:
@@ -454,10 +458,17 @@ class SimulationRuntime:
         if not self._holds or self._allowed():
             return
         with self._holding:
-            if not self._holding.wait_for(lambda: self._closing or self._allowed() > 0, _HOLD):
+            while not self._holding.wait_for(lambda: self._closing or self._allowed() > 0, _HOLD):
                 at = self._count * self.cycle
-                self._holds = {key: end for key, end in self._holds.items() if end > at}
-                _log.warning("simulated time was held for %g s, and goes on", _HOLD)
+                over = [
+                    key
+                    for key, end in self._holds.items()
+                    if end <= at and key not in self._lasting
+                ]
+                for key in over:
+                    del self._holds[key]
+                if over:
+                    _log.warning("simulated time was held for %g s, and goes on", _HOLD)
         self._pace.begin(time.perf_counter(), idle=idle)  # nothing is to be caught up with
 
     def _tick(self) -> None:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
-from aioduco.envelope import Envelope, ToolSpeed, Zone
+from aioduco.envelope import Envelope, JointMargin, SingularityMargin, ToolSpeed, Zone
 from aioduco.envelope.checker import EnvelopeChecker
+from aioduco.kinematics.forward import frames
 from aioduco.streaming.shared.space import JOINT_SPACE, Limits
 from aioduco.streaming.worker.follower import CheckedFollower, Follower
 
@@ -29,9 +32,11 @@ LIMITS = Limits((2.0,) * 6, (10.0,) * 6, (100.0,) * 6)
 class Joints:
     """Set-points that are joints."""
 
+    kind: type[EnvelopeChecker] = EnvelopeChecker
+
     def __init__(self, *limits: Any) -> None:
         packed = json.loads(json.dumps(Envelope(ARM, *limits).packed(TOOL)))
-        self.checker = EnvelopeChecker(packed)
+        self.checker = self.kind(packed)
 
     def seen(self, config: Config) -> Sequence[float]:
         return config
@@ -64,6 +69,32 @@ def stream(way: str, targets: np.ndarray, *limits: Any) -> tuple[np.ndarray, lis
     return np.array(sent), crossed
 
 
+class CountingChecker(EnvelopeChecker):
+    """Counts how often a zone is looked at closely."""
+
+    looks = 0
+
+    def _sweep_zone(self, *given: Any) -> Crossing | None:
+        type(self).looks += 1
+        return super()._sweep_zone(*given)
+
+
+class PlainChecker(CountingChecker):
+    """Looks at each zone in each sweep."""
+
+    def clear(self, start: Sequence[float], more: float) -> bool:
+        """Nothing is clear without a look."""
+        del start, more
+        return False
+
+    def _near(self, start: Sequence[float], elbow: float, wrist: float) -> bool:
+        """Each zone may be near."""
+        del start, elbow, wrist
+        for zone in self._zones:
+            zone.near = True
+        return True
+
+
 def wander(rng: np.random.Generator) -> np.ndarray:
     """Targets that wander off, now and then by a jump."""
     here = START + rng.uniform(-0.4, 0.4, 6)
@@ -73,6 +104,70 @@ def wander(rng: np.random.Generator) -> np.ndarray:
     if rng.random() < 0.3:
         targets[rng.integers(50, 250) :] += rng.uniform(-0.3, 0.3, 6)
     return targets
+
+
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("seed", range(20))
+def test_what_is_left_out_changes_no_decision(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same set-points, bit for bit, and the same crossing as if every zone were looked at."""
+    rng = np.random.default_rng(seed)
+    CountingChecker.looks = PlainChecker.looks = 0
+    ended = 0
+    for number in range(9):
+        way = ("none", "cubic", "ruckig")[number % 3]
+        targets = wander(rng)
+        limits: list[Any] = [
+            replace(zone, action="slow", speed=0.05) if rng.random() < 0.15 else zone
+            for _ in range(3)
+            for zone in random_zones(rng, targets[0], room=0.02)
+        ]
+        if number % 2:
+            margins = JointMargin(rng.uniform(0.1, 1.5)), SingularityMargin(rng.uniform(0.01, 0.3))
+            start = tuple(targets[0].tolist())
+            limits += [each for each in margins if Joints(each).checker.begin(start) is None]
+        found = []
+        for kind in (CountingChecker, PlainChecker):
+            monkeypatch.setattr(Joints, "kind", kind)
+            sent, crossed = stream(way, targets, *limits)
+            found.append((sent.tobytes(), crossed))
+        assert found[0] == found[1]
+        ended += bool(found[0][1])
+    assert ended > 0
+    assert CountingChecker.looks < PlainChecker.looks / 3
+
+
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("seed", range(20))
+def test_the_same_holds_for_poses_of_the_tool(seed: int) -> None:
+    """With zones for the elbow, too, which need the joints."""
+    rng = np.random.default_rng(seed)
+    CountingChecker.looks = PlainChecker.looks = 0
+    for _ in range(3):
+        joints = wander(rng)
+        tips = frames(ARM.geometry, joints)[:, 6] @ TOOL.matrix
+        configs = [(*tip[:3, :3].ravel().tolist(), *tip[:3, 3].tolist()) for tip in tips[:150]]
+        packed = Envelope(ARM, *random_zones(rng, joints[0])).packed(TOOL)
+        found = []
+        for kind in (CountingChecker, PlainChecker):
+            checker = kind(packed, by_tip=True)
+            checker.near = tuple(joints[0].tolist())
+            checker.begin(configs[0])
+            found.append([checker.sweep(*two) for two in pairwise(configs)])
+        assert found[0] == found[1]
+    assert CountingChecker.looks < PlainChecker.looks / 2
+
+
+def test_a_way_between_poses_that_no_joints_reach_is_checked() -> None:
+    """Its ends are clear of the zone that it leads through."""
+    far = Zone.sphere((3.0, 0.0, 0.5), 0.1, bodies=("tool",))
+    other = Zone.sphere((0.0, 0.0, -5.0), 0.1, bodies=("elbow",))  # so that joints are sought
+    checker = EnvelopeChecker(Envelope(ARM, far, other).packed(TOOL), by_tip=True)
+    checker.near = tuple(START.tolist())
+    one, two = ((1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0, 3.0, y, 0.5) for y in (-0.5, 0.5))
+    assert checker.begin(one) is None
+    found = checker.sweep(one, two)
+    assert found is not None
+    assert found.limit == far.title
 
 
 @pytest.mark.parametrize("way", ["none", "cubic", "ruckig"])

@@ -1,6 +1,11 @@
 """Random motions, streams and jogs of a simulated arm, each within random zones, and what they do.
 
-    python tests/envelope/trials.py --count 10000 [--seed 1]
+    .ci/envelope-trials --count 10000 [--seed 1] [--processes 2] [--log FILE] [--save]
+    .ci/envelope-trials --only 1234 [--seed 1]      # one of them again
+
+Each trial draws from its seed and its own number alone, so each can be repeated. They are carried
+out in blocks, each on a simulator and by a process of its own. With `--log`, blocks that are in the
+file already are not carried out again: so a run that was ended goes on.
 
 Everything is judged by code of its own: margins by numpy, ways of refused motions by the
 simulator's planner, set-points as the simulator's handler gets them, and the arm as it stands in
@@ -12,10 +17,16 @@ from __future__ import annotations
 import argparse
 import asyncio
 import contextlib
+import json
+import logging
 import math
+import os
 import sys
+import time
 from collections import Counter
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,7 +49,7 @@ from aioduco.sim.planner.path import PlanError
 from aioduco.sim.planner.segments import arc_move, joint_move, line_move
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from aioduco.streaming.options import Upsampling
 
@@ -48,10 +59,22 @@ TOOL = Pose(0.02, -0.01, 0.12, 0.0, 0.3, 0.0)
 UPSAMPLING: tuple[Upsampling, ...] = ("none", "cubic", "ruckig")
 #: how far the arm may be from what it is told to follow [m]: what it lags on the simulator
 LAG = 2.5e-3
+KINDS = ("motion", "stream", "jog")
+#: trials on one simulator
+BLOCK = 25
+#: half as many cycles a second as a controller's: physics is what takes the time
+CYCLE = 0.002
+#: times that the arm is brought to its start, where a busy machine holds the program up
+_AGAIN = 5
+#: of the simulator's clock, and while a stream runs: its set-points are to be in time
+SPEED, STREAM_SPEED = 25.0, 2.0
+#: limits of the streams [rad/s, rad/s²]
+STREAM_V, STREAM_A = 3.0, 15.0
 ROUNDING = 1e-9
 #: how near to a zone the way of a motion that was refused comes at least [m]: a chord of its
 #: check is a little apart from the way
 REFUSED = 5e-4
+RESULTS = Path(__file__).resolve().parents[2] / "benchmarks/results/envelope_trials.json"
 
 
 def places(q: Any) -> np.ndarray:
@@ -156,28 +179,59 @@ class Trials:
 
     Args:
         robot: the robot, ready to move, with `TOOL` in use.
-        seen: what the simulator is told and does.
-        seed: of what is random.
+        sim: the simulator.
+        seen: what it is told and does.
 
     Attributes:
         counts: what became of the trials.
+        deepest: by kind, how far the arm came beyond a zone at the most, and beyond it by more
+            than the way on which it stopped [m].
+        nearest: the least margin of a set-point that was sent [m].
     """
 
-    def __init__(self, robot: aioduco.Robot, seen: Seen, seed: int) -> None:
+    def __init__(self, robot: aioduco.Robot, sim: Simulator, seen: Seen) -> None:
         self._robot = robot
+        self._sim = sim
         self._seen = seen
-        self._rng = np.random.default_rng(seed)
+        self._rng = np.random.default_rng(0)
         self.counts: Counter[str] = Counter()
-        self.deepest = 0.0
+        self.deepest: dict[str, tuple[float, float]] = {}
+        self.nearest = math.inf
+
+    async def carry_out(self, kind: str, seed: int, number: int) -> None:
+        """One trial.
+
+        Args:
+            kind: one of `KINDS`.
+            seed: of all trials.
+            number: of this one.
+        """
+        self._rng = np.random.default_rng([seed, number])
+        await getattr(self, kind)()
+        self.counts[kind] += 1
+
+    async def _stand(self, q: np.ndarray) -> None:
+        """Bring the arm to joints."""
+        for left in reversed(range(_AGAIN)):
+            try:
+                await self._robot.stop()  # what stopped the last one may still be under way
+                await self._robot.bring_up()
+                await self._robot.motion.movej2(q, v=3.9, a=40.0)
+            except aioduco.HeartbeatLost:
+                await self._robot.rearm_heartbeat()  # the program was held up, and the arm stands
+                if not left:
+                    raise
+            except (aioduco.TaskError, aioduco.ConnectionLost):
+                if not left:
+                    raise
+            else:
+                return
 
     async def begin(self) -> tuple[Zone, ...]:
         """Stand somewhere, and have new zones around."""
         robot, rng = self._robot, self._rng
         robot.envelope = None
-        await robot.stop()  # what stopped the last one may still be under way
-        await robot.bring_up()
-        q = START + rng.uniform(-0.4, 0.4, 6)
-        await robot.motion.movej2(q, v=3.9, a=40.0)
+        await self._stand(START + rng.uniform(-0.4, 0.4, 6))
         here = np.array(await robot.state.get_actual_joints_position())
         zones = random_zones(rng, here)
         robot.envelope = Envelope(ARM, *zones)
@@ -186,7 +240,9 @@ class Trials:
 
     def _judge(self, zones: tuple[Zone, ...], allowed: float, what: str) -> None:
         depth = -least(zones, self._seen.q[::2]) if self._seen.q else 0.0
-        self.deepest = max(self.deepest, depth)
+        was = self.deepest.get(what, (0.0, -math.inf))
+        self.counts[f"{what} judged"] += 1
+        self.deepest[what] = max(was[0], depth), max(was[1], depth - allowed)
         assert depth <= allowed, f"{what}: {depth:.6f} m beyond a zone, {allowed:.6f} allowed"
 
     async def motion(self) -> None:
@@ -234,7 +290,7 @@ class Trials:
         else:
             assert nearest >= -1e-6, f"{kind} sent, though its way is {-nearest:.6f} m beyond"
             self.counts[f"{kind} sent"] += 1
-        self._judge(zones, LAG, kind)
+        self._judge(zones, LAG, "motion")
 
     async def stream(self) -> None:
         """A stream of joint positions that wanders off."""
@@ -248,8 +304,9 @@ class Trials:
         upsample = UPSAMPLING[rng.integers(3)]
         options = aioduco.LaneOptions(lane="thread", timeout=10.0)
         stream = robot.servo.joints(
-            v=3.0, a=15.0, rate=rate, source_rate=rate, upsample=upsample, options=options
+            v=STREAM_V, a=STREAM_A, rate=rate, source_rate=rate, upsample=upsample, options=options
         )
+        self._sim.speed = STREAM_SPEED
         try:
             async with stream:
                 await stream.play(points)
@@ -264,15 +321,29 @@ class Trials:
         else:
             self.counts["streams within the zones"] += 1
             assert least(zones, points) >= -ROUNDING, "the way is beyond a zone, and was followed"
+        finally:
+            self._sim.speed = SPEED
         sent = self._seen.setpoints
         if sent:
-            assert least(zones, sent) >= -ROUNDING, "a set-point beyond a zone was sent"
+            margin = least(zones, sent)
+            self.nearest = min(self.nearest, margin)
+            assert margin >= -ROUNDING, f"a set-point {-margin:.3e} m beyond a zone was sent"
             self.counts["set-points"] += len(sent)
         if stream.statistics().missed:
-            # the controller looks ahead of set-points, and overshoots where they come late
-            self.counts["streams that a busy machine held up"] += 1
+            # The controller looks ahead of set-points, and overshoots where they come late: on a
+            # busy machine the arm may leave a zone by what it takes to stop.
+            self._judge(zones, LAG + self._stopping(), "stream that was held up")
         else:
             self._judge(zones, LAG, "stream")
+
+    def _stopping(self) -> float:
+        """The way that a body takes to stop, at the most, at the speeds that the arm had [m]."""
+        rows = np.array(self._seen.q)
+        if len(rows) < 2:
+            return 0.0
+        fastest = np.abs(np.diff(rows, axis=0)).max(axis=1) / CYCLE
+        speeds = np.linalg.norm(np.diff(places(rows), axis=0), axis=2).max(axis=1) / CYCLE
+        return float((speeds * fastest).max() / STREAM_A / 2)
 
     async def jog(self) -> None:
         """A velocity of the joints or of the tool, whose way nobody knows."""
@@ -304,9 +375,45 @@ class Trials:
             self.counts["jogs that stayed within"] += 1
 
 
-async def run(counts: dict[str, int], seed: int, *, speed: float = 25.0) -> Trials:
-    """Carry out so many motions, streams and jogs on a simulator of their own."""
-    with watched() as seen, Simulator(speed=speed, seed=seed, pedestal=1.0) as sim:
+@dataclass
+class Outcome:
+    """What came of some trials, as JSON takes it.
+
+    Attributes:
+        first: number of the first one.
+        counts: what became of them.
+        deepest: see `Trials`, by kind.
+        nearest: see `Trials`; null where nothing was streamed.
+        failed: by number, what was wrong.
+        wall, processor: what they took [s].
+    """
+
+    first: int
+    counts: dict[str, int]
+    deepest: dict[str, tuple[float, float]]
+    nearest: float | None
+    failed: dict[str, str]
+    wall: float = 0.0
+    processor: float = 0.0
+
+
+async def run(
+    numbers: Iterable[int], seed: int, *, kind: str = "", speed: float = SPEED
+) -> Outcome:
+    """Carry out trials on a simulator of their own.
+
+    Args:
+        numbers: of the trials.
+        seed: of all of them.
+        kind: one of `KINDS`; empty for each in turn.
+        speed: of the simulator's clock.
+    """
+    numbers = list(numbers)
+    failed: dict[str, str] = {}
+    with (
+        watched() as seen,
+        Simulator(speed=speed, seed=seed, pedestal=1.0, cycle=CYCLE) as sim,
+    ):
         async with aioduco.connect(
             sim.host,
             sim.port,
@@ -319,26 +426,115 @@ async def run(counts: dict[str, int], seed: int, *, speed: float = 25.0) -> Tria
         ) as robot:
             await robot.bring_up()
             await robot.frames.set_tool_data("probe", TOOL, [0.1, 0, 0, 0.05])
-            trials = Trials(robot, seen, seed)
-            for kind, number in counts.items():
-                for _ in range(number):
-                    await getattr(trials, kind)()
-            return trials
+            trials = Trials(robot, sim, seen)
+            for number in numbers:
+                for left in reversed(range(_AGAIN)):
+                    try:
+                        await trials.carry_out(kind or KINDS[number % 3], seed, number)
+                    except aioduco.DucoError as exc:
+                        # Such as a heartbeat that a busy machine held up: nothing of zones.
+                        trials.counts["begun again"] += 1
+                        if left:
+                            continue
+                        failed[str(number)] = f"{type(exc).__name__}: {exc}".splitlines()[0]
+                    except AssertionError as exc:
+                        failed[str(number)] = str(exc).splitlines()[0]
+                    break
+    nearest = None if math.isinf(trials.nearest) else trials.nearest
+    return Outcome(numbers[0], dict(trials.counts), trials.deepest, nearest, failed)
 
 
-def main() -> None:
+def block(numbers: range, seed: int) -> Outcome:
+    """Carry out trials in this process."""
+    logging.disable(logging.CRITICAL)  # that the arm is stopped is what is wanted
+    wall, processor = time.monotonic(), time.process_time()
+    found = asyncio.run(run(numbers, seed))
+    found.wall, found.processor = time.monotonic() - wall, time.process_time() - processor
+    return found
+
+
+def blocks(options: argparse.Namespace, log: Path | None) -> Iterator[Outcome]:
+    """Carry out all that were asked for, and give what came of each block."""
+    if options.only is not None:
+        yield block(range(options.only, options.only + 1), options.seed)
+        return
+    left = {
+        first: range(first, min(options.count, first + BLOCK))
+        for first in range(0, options.count, BLOCK)
+    }
+    if log is not None and log.exists():
+        for line in log.read_text(encoding="utf-8").splitlines():
+            known = json.loads(line)
+            if known.pop("seed") == options.seed and left.pop(known["first"], None) is not None:
+                yield Outcome(**known)
+    with ProcessPoolExecutor(options.processes, max_tasks_per_child=1) as pool:
+        waiting = [pool.submit(block, numbers, options.seed) for numbers in left.values()]
+        for future in as_completed(waiting):
+            found = future.result()
+            if log is not None:
+                with log.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps({"seed": options.seed, **vars(found)}) + "\n")
+            yield found
+
+
+def results(found: list[Outcome], seed: int) -> dict[str, Any]:
+    """The figures of all blocks together."""
+    counts: Counter[str] = sum((Counter(each.counts) for each in found), Counter())
+    near = [each.nearest for each in found if each.nearest is not None]
+    worst = {
+        kind: [each.deepest[kind] for each in found if kind in each.deepest]
+        for kind in sorted({kind for each in found for kind in each.deepest})
+    }
+    return {
+        "trials": sum(counts[kind] for kind in KINDS),
+        "failed": sum(len(each.failed) for each in found),
+        "seed": seed,
+        "set_points_sent": counts["set-points"],
+        "least_margin_of_a_set_point_m": min(near, default=None),
+        "processor_s": round(sum(each.processor for each in found)),
+        "arm_beyond_a_zone": {
+            kind: {
+                "trials judged": counts[f"{kind} judged"],
+                "deepest_mm": round(1000 * max(depth for depth, _ in depths), 3),
+                "beyond what it may lag or take to stop_mm": round(
+                    1000 * max(0.0, *(over for _, over in depths)), 3
+                ),
+            }
+            for kind, depths in worst.items()
+        },
+        "what_became_of_them": [
+            {"": what, "trials": number}
+            for what, number in sorted(counts.items())
+            if what not in KINDS and what != "set-points" and not what.endswith("judged")
+        ],
+    }
+
+
+def main() -> int:
     """Run as many as were asked for, and print what came of them."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--count", type=int, default=300)
+    parser.add_argument("--count", type=int, default=300, help="how many (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", type=int, metavar="NUMBER", help="carry out this one alone")
+    parser.add_argument("--processes", type=int, default=os.cpu_count())
+    parser.add_argument("--log", type=Path, metavar="FILE", help="keep what is done there, go on")
+    parser.add_argument("--save", action="store_true", help=f"write {RESULTS}")
     options = parser.parse_args()
-    third = options.count // 3
-    counts = {"motion": options.count - 2 * third, "stream": third, "jog": third}
-    trials = asyncio.run(run(counts, options.seed))
-    for what, number in sorted(trials.counts.items()):
-        sys.stdout.write(f"{number:8} {what}\n")
-    sys.stdout.write(f"deepest beyond a zone: {trials.deepest * 1000:.3f} mm\n")
+    found = []
+    for each in blocks(options, options.log):
+        found.append(each)
+        for number, what in each.failed.items():
+            sys.stdout.write(f"FAILED  {number}: {what}\n")
+        sys.stdout.flush()
+    figures = results(found, options.seed)
+    sys.stdout.write(json.dumps(figures, indent=2, ensure_ascii=False) + "\n")
+    if options.save:
+        sys.path.insert(0, str(RESULTS.parents[1]))
+        figures = {"command": f".ci/envelope-trials --count {options.count} --save", **figures}
+        path = import_module("_common").write_results(RESULTS.stem, figures)
+        sys.stdout.write(f"written: {path}\n")
+    return 1 if figures["failed"] else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -6,6 +6,7 @@ import logging
 import math
 import threading
 import time
+from functools import partial
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
@@ -243,6 +244,28 @@ def test_time_can_be_held(
     eventually(lambda: clock.now() > at, 30.0)
     assert "simulated time was held for 0.01 s, and goes on" in caplog.text
     let_go()
+
+
+def _given_up(log: pytest.LogCaptureFixture, times: int) -> bool:
+    return log.text.count("and goes on") == times
+
+
+def test_time_that_is_held_to_last_stands_until_it_is_let_go(
+    runtime: SimulationRuntime, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Also where others who held it were given up."""
+    monkeypatch.setattr(module, "_HOLD", 0.01)
+    clock = SimulatedClock(runtime)
+    let_go = clock.hold(-math.inf, lasting=True)
+    held = math.nan
+    for number in range(1, 6):
+        clock.hold(-math.inf)
+        eventually(partial(_given_up, caplog, number), 30.0)
+        if number == 1:
+            held = clock.now()
+    assert clock.now() == held
+    let_go()
+    eventually(lambda: clock.now() > held, 30.0)
 
 
 def test_a_task_has_ended_only_when_its_snapshot_is_there(

@@ -174,7 +174,10 @@ class CheckedFollower(Follower):
             found = checker.too_fast(speed)
             if found is not None:
                 return found
-        rest = self._limiter.braking()
+        limiter = self._limiter
+        if isinstance(limiter, Limiter) and checker.clear(here, limiter.ticks_to_rest()):
+            return None
+        rest = limiter.braking()
         if not any(rest):
             return checker.sweep(here, here, speed)
         return checker.sweep(here, self._place.seen(self._space.moved(config, rest)), speed)

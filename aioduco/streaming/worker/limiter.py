@@ -7,7 +7,6 @@ those of set-points that are speeds.
 from __future__ import annotations
 
 from math import sqrt
-from operator import mul
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -92,15 +91,21 @@ class Limiter:
         """Be again as at a mark."""
         self.config, self._step, self._target = mark
 
-    def braking(self) -> Displacement:
-        """How far it would go on if it came to rest from here."""
+    def ticks_to_rest(self) -> float:
+        """How many times it would go on by the last step if it came to rest from here."""
         if self._slowing:
             # `brake` in terms of steps: their number is the longest of the axes'
-            ticks = max(map(mul, map(abs, self._step), self._slowing)) / 2
-            return tuple([step * ticks for step in self._step])
+            a, b, c, d, e, f = self._step
+            p, q, r, s, t, u = self._slowing
+            return max(abs(a) * p, abs(b) * q, abs(c) * r, abs(d) * s, abs(e) * t, abs(f) * u) / 2
         velocity = self.velocity
         rest = max(_length(velocity[group]) / a for group, _, a in self._rules)
-        return tuple(v * rest / 2 for v in velocity)
+        return rest / 2 / self._period
+
+    def braking(self) -> Displacement:
+        """How far it would go on if it came to rest from here."""
+        ticks = self.ticks_to_rest()
+        return tuple([step * ticks for step in self._step])
 
     def follow(self, target: Config) -> Config:
         """One tick towards the target of this tick; returns the set-point."""

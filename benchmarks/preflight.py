@@ -1,0 +1,101 @@
+"""Preflight: what trying a program takes, of the program's own time and of a processor's.
+
+    python benchmarks/preflight.py [--quick] [--save]
+
+A program of motions, one after the other, which takes about a minute on an arm: it is tried by
+`aioduco preflight` several times. "share" is what the preflight takes by the wall, of the program's
+own time; asked for is at most a fifth for programs of more than 20 s. "processor share" is the same
+of processor time, of all threads, the start of the process among it: on a machine that has other
+things to do, it is the one that can be compared. A fresh interpreter that imports nothing is
+measured beside, for how busy the machine was.
+"""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from _common import arguments, percentile, print_table, write_results
+
+from aioduco.preflight import preflight
+
+PROGRAM = """
+import anyio
+import aioduco
+
+ONE, OTHER = aioduco.Joints.deg(60, 0, 90, 0, -90, 0), aioduco.Joints.deg(-60, 0, 90, 0, -90, 0)
+
+
+async def main():
+    async with aioduco.connect("192.168.1.10") as robot:
+        await robot.bring_up()
+        for _ in range({rounds}):
+            await robot.motion.movej2(ONE, v=0.4, a=1.0)
+            await robot.motion.movej2(OTHER, v=0.4, a=1.0)
+            here = await robot.state.get_tcp_pose()
+            await robot.motion.movel(here.shifted(z=-0.1), v=0.05, a=0.5)
+            await robot.motion.movel(here, v=0.05, a=0.5)
+
+
+anyio.run(main)
+"""
+
+
+def spent() -> float:
+    """Processor time of this process and of those that it has started [s]."""
+    uses = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(use.ru_utime + use.ru_stime for use in uses)
+
+
+def nothing() -> tuple[float, float]:
+    """What an interpreter takes that does nothing: by the wall, and of a processor [s]."""
+    wall, processor = time.perf_counter(), spent()
+    subprocess.run([sys.executable, "-I", "-c", ""], check=True)
+    return time.perf_counter() - wall, spent() - processor
+
+
+def main() -> None:
+    options = arguments(__doc__, "preflight")
+    rounds, times = (2, 1) if options.quick else (4, 7)
+    rows, idle = [], []
+    with tempfile.TemporaryDirectory() as folder:
+        program = Path(folder) / "program.py"
+        program.write_text(PROGRAM.format(rounds=rounds), encoding="utf-8")
+        for _ in range(times):
+            idle.append(nothing())
+            before = spent()
+            report = preflight(program, (), None, quiet=True)
+            assert report.ok, report.findings
+            rows.append((report.duration, report.took, spent() - before))
+    shares = sorted(took / duration for duration, took, _ in rows)
+    processor = sorted(used / duration for duration, _, used in rows)
+    results = {
+        "runs": times,
+        "program_s": round(rows[0][0], 1),
+        "share": {
+            name: {
+                "p50_percent": round(100 * percentile(each, 50), 1),
+                "max_percent": round(100 * each[-1], 1),
+            }
+            for name, each in (("by the wall", shares), ("of a processor", processor))
+        },
+        "wall over processor time of an idle interpreter": round(
+            percentile(sorted(wall / used for wall, used in idle), 50), 2
+        ),
+    }
+    print_table(
+        f"Trying a program of {rows[0][0]:.0f} s, {times} times",
+        ["share of the program's time [%]", "p50", "max"],
+        [[name, *row.values()] for name, row in results["share"].items()],  # type: ignore[attr-defined]  # the value is a dict here
+    )
+    print(f"wall over processor time of an idle interpreter: {list(results.values())[-1]}")
+    if options.save:
+        print(f"written: {write_results('preflight', results)}")
+
+
+if __name__ == "__main__":
+    main()

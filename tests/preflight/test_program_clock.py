@@ -1,0 +1,39 @@
+"""The program's clock, with a simulator."""
+
+from __future__ import annotations
+
+import logging
+import math
+from functools import partial
+from typing import TYPE_CHECKING
+
+from aioduco.preflight.program_clock import ProgramClock
+from aioduco.sim import Simulator, runtime
+from aioduco.testing import eventually
+
+if TYPE_CHECKING:
+    import pytest
+
+
+def _given_up(log: pytest.LogCaptureFixture, times: int) -> bool:
+    return log.text.count("and goes on") == times
+
+
+def test_a_program_that_is_held_up_for_long_finds_its_time_where_it_was(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Where all threads stop for seconds, the simulator may go on before any of them."""
+    caplog.set_level(logging.WARNING)
+    monkeypatch.setattr(runtime, "_HOLD", 0.01)
+    clock = ProgramClock()  # not started: its thread comes too late
+    with Simulator() as simulator:
+        clock.attach(simulator)
+        simulator.speed = 1e5
+        at = math.nan
+        for number in range(1, 6):
+            simulator.clock.hold(-math.inf)
+            eventually(partial(_given_up, caplog, number), 30.0)
+            if number == 1:
+                at = clock.passed
+        assert clock.passed == at
+        clock.detach()
