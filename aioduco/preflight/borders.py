@@ -57,8 +57,8 @@ def guard_borders(
             host, port = str(arguments[1][0]), int(arguments[1][1])
             if (host, port) not in allowed and not own(host, port):
                 refuse(
-                    f"the program opens a connection of its own to {host}:{port}, which a preflight "
-                    "does not let through: it could lead to an arm. If it does not, allow it by "
+                    f"the program opens a connection of its own to {host}:{port}, which a "
+                    "preflight does not let through: it could lead to an arm. If not, allow it by "
                     f"--reach {host}:{port}"
                 )
         elif event in ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn") and not ours():

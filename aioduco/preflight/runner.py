@@ -7,7 +7,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from dataclasses import dataclass, field
@@ -16,6 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from aioduco._linked_process import LinkedProcess
+from aioduco._spawn import Unstartable, is_frozen
 from aioduco.errors import DucoError
 from aioduco.kinematics import arm as arm_of
 from aioduco.preflight.findings import PreflightFinding, findings
@@ -32,7 +33,8 @@ __all__ = ["PreflightError", "PreflightReport", "PreflightSettings", "preflight"
 
 #: time of a cycle of the simulation [s]: half as many as a controller has, for the sake of speed
 CYCLE = 0.002
-_LAST_WORDS = 2000
+#: what the process imports for the simulator
+_PACKAGES = ("glfw", "mujoco")
 #: time for a program that did not end to tell where it is [s]
 _STACKS = 1.0
 
@@ -150,6 +152,19 @@ class PreflightReport:
         return _world(self.cell)
 
 
+def refuse_frozen() -> None:
+    """Refuse to try a program from a frozen one, whose executable would start itself.
+
+    Raises:
+        PreflightError: this program is frozen.
+    """
+    if is_frozen():
+        raise PreflightError(
+            "this is a frozen program, which has no interpreter to run another program: nothing "
+            "was run. Use `aioduco preflight` of an installed aioduco"
+        )
+
+
 def preflight(
     program: str | os.PathLike[str],
     arguments: Sequence[str] = (),
@@ -169,8 +184,10 @@ def preflight(
         The report.
 
     Raises:
-        PreflightError: it could not be run, it was killed, or never used this package.
+        PreflightError: it could not be run, it was killed, or never used this package; or what
+            asks for it is a frozen program, which has no interpreter to run another one.
     """
+    refuse_frozen()
     settings = PreflightSettings() if settings is None else settings
     name = os.fspath(program)
     if not settings.module and not Path(name).is_file():
@@ -213,31 +230,32 @@ def _world(cell: dict[str, Any]) -> World:
 def _run(
     options: dict[str, Any], folder: Path, timeout: float, *, quiet: bool
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    command = [sys.executable, "-m", "aioduco.preflight.child", json.dumps(options)]
-    with (folder / "errors").open("w+b") as errors:
-        process = subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL if quiet else None,
-            stderr=errors if quiet else None,
+    try:
+        linked = LinkedProcess(
+            "aioduco.preflight.child", packages=_PACKAGES, runs_program=True, output=not quiet
         )
-        try:
-            process.wait(timeout)
-        except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGUSR1)
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(_STACKS)
-            stacks = (folder / "stacks").read_text(encoding="utf-8") or "not known"
-            raise PreflightError(
-                f"the program had not ended after {timeout:g} s; its stacks were:\n{stacks}"
-            ) from None
-        finally:
-            process.kill()
-            process.wait()
-        errors.seek(0)
-        words = errors.read()[-_LAST_WORDS:].decode(errors="replace").strip()
+    except (Unstartable, OSError) as error:
+        raise PreflightError(f"nothing was run: {error}") from error
+    process = linked.popen
+    try:
+        with contextlib.suppress(ConnectionError):  # it has ended, as is found below
+            linked.channel.send(options)
+        process.wait(timeout)
+    except subprocess.TimeoutExpired:
+        process.send_signal(signal.SIGUSR1)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(_STACKS)
+        stacks = folder / "stacks"
+        told = (stacks.is_file() and stacks.read_text(encoding="utf-8")) or "not known"
+        raise PreflightError(
+            f"the program had not ended after {timeout:g} s; its stacks were:\n{told}"
+        ) from None
+    finally:
+        process.kill()
+        linked.close()
     result = folder / "run.json"
     if not result.is_file():
+        words = linked.last_words
         raise PreflightError(
             f"the program's process ended with status {process.returncode} before it was over"
             + (f": {words}" if words else "")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from aioduco.errors import MissingExtra
-from aioduco.preflight.runner import PreflightError, PreflightSettings, preflight
+from aioduco.preflight.runner import PreflightError, PreflightSettings, preflight, refuse_frozen
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -104,6 +104,7 @@ def sweep(
     Raises:
         MissingExtra: distributed is not installed.
         ParameterError: there is nothing of a name in `vary`.
+        PreflightError: the cluster would be on this computer, and this program is frozen.
     """
     try:
         import distributed  # noqa: PLC0415 - an extra
@@ -114,6 +115,7 @@ def sweep(
     seeds = range(settings.seed, settings.seed + runs)
     with contextlib.ExitStack() as stack:
         if scheduler is None:
+            refuse_frozen()
             cluster = dask.LocalCluster(
                 n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None,
                 host="127.0.0.1", worker_dashboard_address=None,
