@@ -65,7 +65,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "planning": BASE | {"models", "kinematics", "streaming", "sim"},
     "recording": CLIENT | {"robot", "__init__"},
     "sync": CLIENT | {"robot", "__init__"},
-    "preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat"},
+    "preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat", "planning"},
     "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "sync", "testing", "preflight"},
     "cli": CLIENT
     | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "preflight", "planning"},

@@ -19,6 +19,7 @@ from aioduco._linked_process import LinkedProcess
 from aioduco._spawn import Unstartable, is_frozen
 from aioduco.errors import DucoError
 from aioduco.kinematics import arm as arm_of
+from aioduco.preflight.borders import address_of
 from aioduco.preflight.findings import PreflightFinding, findings
 from aioduco.preflight.margins import Margin, margins, near_singularities
 from aioduco.sim.physics.world import World
@@ -193,8 +194,10 @@ def preflight(
     if not settings.module and not Path(name).is_file():
         raise PreflightError(f"{name} is no file: nothing was run")
     for address in settings.reachable:
-        if not address.rpartition(":")[2].isdecimal():
-            raise PreflightError(f'{address!r} is no address as "host:port": nothing was run')
+        try:
+            address_of(address)
+        except ValueError as error:
+            raise PreflightError(f"{error}: nothing was run") from None
     begin = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="aioduco-preflight-") as folder:
         options = {
