@@ -84,6 +84,8 @@ class _Child:
 
     def _program(self) -> int:
         program, arguments = self.options["program"], self.options["arguments"]
+        if self.options["cwd"] is not None:
+            os.chdir(self.options["cwd"])
         sys.argv = [program, *arguments]
         try:
             if self.options["module"]:

@@ -31,6 +31,7 @@ from aioduco.sim.server.processor import Processor
 from aioduco.sim.view.render import PictureProcess
 from aioduco.streaming.worker_process import WorkerHandle
 from aioduco.supervision.command import MotionCommand, shown
+from aioduco.supervision.stop_coordinator import StopCoordinator
 from aioduco.sync._runner import Runner
 
 if TYPE_CHECKING:
@@ -153,6 +154,7 @@ def install(
     _threads(clock)
     _addresses(clock, cell)
     _processes(clock)
+    _unanswered(clock)
     _calls(recorder)
     _simulator(clock, recorder, serve)
 
@@ -411,6 +413,22 @@ def _processes(clock: ProgramClock) -> None:
 
     planner._ask, planner._solve = plan, standing(planner._solve)
     pictures._ask = standing(pictures._ask)
+
+
+def _unanswered(clock: ProgramClock) -> None:
+    """While an unanswered command is watched, by the wall's time, the program's goes like it."""
+    coordinator: Any = StopCoordinator
+    until_certain = coordinator.stop_until_certain
+
+    async def stop_until_certain(self: Any, *commands: Any, **options: Any) -> None:
+        over = threading.Event()
+        clock.stream_begins(over.is_set)
+        try:
+            await until_certain(self, *commands, **options)
+        finally:
+            over.set()
+
+    coordinator.stop_until_certain = stop_until_certain
 
 
 def _calls(recorder: RunRecorder) -> None:

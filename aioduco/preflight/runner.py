@@ -56,6 +56,7 @@ class PreflightSettings:
         joints: where it stands at first [rad]; None for the elbow bent, flange down.
         vendor: whether the vendor's modules are to be found by the program's imports.
         module: whether the program is the name of a module and no file.
+        cwd: the folder that it runs in, and that its module lies in; None for the current one.
         allowed: names of bodies that the arm may touch.
         reachable: addresses as "host:port" that connections of the program's own may lead to;
             others are refused, since they could lead to an arm.
@@ -73,6 +74,7 @@ class PreflightSettings:
     joints: Sequence[float] | None = None
     vendor: bool = False
     module: bool = False
+    cwd: str | None = None
     allowed: tuple[str, ...] = ()
     reachable: tuple[str, ...] = ()
     patience: float = 60.0
@@ -191,7 +193,7 @@ def preflight(
     refuse_frozen()
     settings = PreflightSettings() if settings is None else settings
     name = os.fspath(program)
-    if not settings.module and not Path(name).is_file():
+    if not settings.module and not Path(settings.cwd or "", name).is_file():
         raise PreflightError(f"{name} is no file: nothing was run")
     for address in settings.reachable:
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -90,7 +91,8 @@ def sweep(
     """Run variations of a program on a cluster.
 
     Args:
-        program: its file or module; on a cluster elsewhere it lies there under the same path.
+        program: its file or module; on a cluster elsewhere it lies there under the same path, and
+            it runs in the same folder as here.
         arguments: what it is given.
         settings: what it is tried in; `vary` says what varies, `seed` is the first one.
         runs: how many.
@@ -111,14 +113,15 @@ def sweep(
     except ModuleNotFoundError as error:
         raise MissingExtra("sweeps", "distributed", "sweep") from error
     dask: Any = distributed  # a part of its functions has no types
-    options = settings.plain()
+    options = {**settings.plain(), "cwd": settings.cwd or str(Path.cwd())}
     seeds = range(settings.seed, settings.seed + runs)
     with contextlib.ExitStack() as stack:
         if scheduler is None:
             refuse_frozen()
+            # With a dashboard's address of None its server would take port 8787.
             cluster = dask.LocalCluster(
-                n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None,
-                host="127.0.0.1", worker_dashboard_address=None,
+                n_workers=workers, threads_per_worker=1, processes=True, host="127.0.0.1",
+                dashboard_address="127.0.0.1:0", worker_dashboard_address=None,
             )  # fmt: skip
             scheduler = stack.enter_context(cluster)
         client = stack.enter_context(dask.Client(scheduler))
