@@ -107,7 +107,7 @@ def test_a_stray_file_in_the_current_folder_is_not_run(
     # The program's own import of MuJoCo is as it is anywhere; here it is to start nothing.
     begin = "import sys\nsys.modules['glfw'] = None" if name == "ctypes" else ""
     script.write_text(program(bench, kind, elsewhere / "tried.py", begin))
-    assert run([sys.executable, str(script)], here) == "done\n"
+    assert run([sys.executable, str(script)], here).startswith("done\n")  # then perhaps warnings
     assert not ran.exists()
 
 
