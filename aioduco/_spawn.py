@@ -1,14 +1,16 @@
-"""Starting the processes of this package: the guard, and the workers of streams.
+"""Starting the processes of this package: the guard, workers of streams, planners, simulators.
 
 Guarantees:
 - A process imports each package from where the program found it, and nothing from the current
   folder, from PYTHONPATH, or from a folder that only the program's own modules are in. So a stray
-  file that has the name of a package never runs with a process that can stop or move an arm.
+  file that has the name of a package never runs with a process that can stop or move an arm. Only
+  a process that tries out a program heeds PYTHONPATH, as the program would.
 - What is no Python interpreter is not started. A frozen program is, once it has shown that it
   runs such a process instead of itself (`aioduco.freeze_support`).
 - A program that is started in place of such a process nevertheless opens no robot.
 - A process inherits no stream of the program: who reads the program's output to its end waits for
-  no other process. What a process says last is kept for the program.
+  no other process. What a process says last is kept for the program. Only a program that is tried
+  out may write to the output of the program that tries it.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
 __all__ = ["MARK", "Process", "Unstartable", "children", "is_frozen", "misplaced"]
 
@@ -30,7 +32,7 @@ __all__ = ["MARK", "Process", "Unstartable", "children", "is_frozen", "misplaced
 MARK: Final = "--aioduco-process"
 #: variable in the environment of each process: which one it is
 _VARIABLE: Final = "AIODUCO_PROCESS"
-#: all that the processes import beside the standard library
+#: what the processes of a robot import beside the standard library
 _PACKAGES: Final = (
     "aioduco",
     "anyio",
@@ -49,7 +51,7 @@ _WORDS: Final = 4000
 
 #: run by an isolated interpreter, whose own path has only its standard library and its packages
 _BEGIN: Final = """
-import importlib, json, sys
+import importlib, json, os, sys
 from importlib.machinery import PathFinder
 
 class Places:
@@ -61,6 +63,8 @@ class Places:
             return PathFinder.find_spec(name, [cls.places[name]], target)
 
 sys.meta_path.insert(0, Places)
+# This is the process, and no program in its place: what it starts may open robots.
+del os.environ[sys.argv.pop(1)]
 sys.exit(importlib.import_module(sys.argv.pop(1)).main(sys.argv[1:]))
 """
 
@@ -99,14 +103,28 @@ class Process:
     Args:
         module: what it runs: `main` of this module.
         descriptors: file descriptors that it gets; their numbers are its arguments.
+        packages: what it imports beside `_PACKAGES`.
+        runs_program: whether it runs a program of the user, which finds its modules by PYTHONPATH
+            and in the user's own packages too.
+        output: whether it writes to the output of this program; else what it prints is thrown away,
+            and its errors are its last words.
 
     Raises:
         Unstartable: there is no interpreter to start.
         OSError: the system does not allow it.
     """
 
-    def __init__(self, module: str, descriptors: Sequence[int]) -> None:
-        command = [*_command(module), *map(str, descriptors)]
+    def __init__(
+        self,
+        module: str,
+        descriptors: Sequence[int],
+        *,
+        packages: Sequence[str] = (),
+        runs_program: bool = False,
+        output: bool = False,
+    ) -> None:
+        begin = _command(module, (*_PACKAGES, *packages), "-P" if runs_program else "-I")
+        command = [*begin, *map(str, descriptors)]
         #: in memory, so that it fills no disk and no reader has to wait for its end
         stderr = os.memfd_create("aioduco-process")
         self._stderr: int | None = stderr
@@ -116,11 +134,11 @@ class Process:
                 command,
                 pass_fds=descriptors,
                 stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=stderr,
+                stdout=None if output else subprocess.DEVNULL,
+                stderr=None if output else stderr,
                 # Ctrl-C and the end of a terminal are for the program.
                 start_new_session=True,
-                env={**os.environ, _VARIABLE: module},
+                env=_environment(module, runs_program=runs_program),
             )
         except BaseException:
             self.close()
@@ -150,14 +168,24 @@ class Process:
             os.close(stderr)
 
 
-def _command(module: str) -> list[str]:
+def _environment(module: str, *, runs_program: bool) -> dict[str, str]:
+    environment = {**os.environ, _VARIABLE: module}
+    if not runs_program and environment.get("MUJOCO_GL", "").lower() != "glfw":
+        # MuJoCo imports glfw, which starts interpreters in the current folder to look for the
+        # newest of its libraries there too. With this one, which is none, it starts nothing.
+        environment.setdefault("PYGLFW_LIBRARY", os.devnull)
+    return environment
+
+
+def _command(module: str, packages: Sequence[str], isolation: str) -> list[str]:
     """The command that runs a module, without its arguments."""
     if misplaced():
         raise Unstartable(f"this program was itself started instead of {misplaced()}")
     if not sys.executable:
         raise Unstartable("the interpreter of this program does not know its own file")
     if not is_frozen():
-        return [sys.executable, "-I", "-c", _BEGIN, json.dumps(_places()), module]
+        places = json.dumps(_places(packages))
+        return [sys.executable, isolation, "-c", _BEGIN, places, _VARIABLE, module]
     if not children.told_apart:
         raise Unstartable(
             "this is a frozen program, and its executable would be started as the program once "
@@ -166,10 +194,10 @@ def _command(module: str) -> list[str]:
     return [sys.executable, MARK, module]
 
 
-def _places() -> dict[str, str]:
+def _places(packages: Iterable[str] = _PACKAGES) -> dict[str, str]:
     """By package, the folder or archive in which the program has it."""
     places = {}
-    for name in _PACKAGES:
+    for name in packages:
         found = getattr(sys.modules.get(name), "__spec__", None) or importlib.util.find_spec(name)
         if found is None:
             continue

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import traceback
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from aioduco._spawn import MARK, children, is_frozen
 
@@ -16,16 +16,17 @@ __all__ = ["freeze_support"]
 
 
 def freeze_support() -> None:
-    """Let a frozen program have a guard, and streams with processes of their own.
+    """Let a frozen program start the processes of this package, such as the guard.
 
         if __name__ == "__main__":
             aioduco.freeze_support()
             main()
 
     Call it as the first thing that the program does. The executable of a frozen program is the
-    program: to have a guard, it starts itself once more. There this function runs the guard, or
-    the lane of a stream, and does not return. In the program, and in one that is not frozen, it
-    returns at once. Without it, a frozen program is refused the guard and lanes in processes.
+    program: to have a guard, it starts itself once more. There this function runs the guard, the
+    lane of a stream, a planner, a simulator or what draws its pictures, and does not return. In the
+    program, and in one that is not frozen, it returns at once. Without it, a frozen program is
+    refused each of these processes.
     """
     if not is_frozen():
         return
@@ -44,12 +45,48 @@ def freeze_support() -> None:
 
 
 def _run(module: str, arguments: list[str]) -> int:
-    # Only here, since other programs need neither; written out, so that whoever freezes finds them.
-    from aioduco.streaming.worker import main as worker  # noqa: PLC0415
-    from aioduco.supervision.guard import process  # noqa: PLC0415
+    main = _MAINS[module]()
+    return main(arguments)
 
-    mains: dict[str, Callable[[list[str]], int]] = {
-        worker.__name__: worker.main,
-        process.__name__: process.main,
-    }
-    return mains[module](arguments)
+
+# Each is imported in its process alone: a program need not have the extras of the others. They are
+# written out, so that whoever freezes a program finds them.
+
+
+def _guard() -> Callable[[list[str]], int]:
+    from aioduco.supervision.guard.process import main  # noqa: PLC0415
+
+    return main
+
+
+def _stream() -> Callable[[list[str]], int]:
+    from aioduco.streaming.worker.main import main  # noqa: PLC0415
+
+    return main
+
+
+def _planner() -> Callable[[list[str]], int]:
+    from aioduco.planning.worker import main  # noqa: PLC0415
+
+    return main
+
+
+def _simulator() -> Callable[[list[str]], int]:
+    from aioduco.sim.spawned import main  # noqa: PLC0415
+
+    return main
+
+
+def _pictures() -> Callable[[list[str]], int]:
+    from aioduco.sim.view.drawing import main  # noqa: PLC0415
+
+    return main
+
+
+_MAINS: Final[dict[str, Callable[[], Callable[[list[str]], int]]]] = {
+    "aioduco.supervision.guard.process": _guard,
+    "aioduco.streaming.worker.main": _stream,
+    "aioduco.planning.worker": _planner,
+    "aioduco.sim.spawned": _simulator,
+    "aioduco.sim.view.drawing": _pictures,
+}

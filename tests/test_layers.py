@@ -15,6 +15,7 @@ ROOT = Path(__file__).parents[1] / "aioduco"
 
 #: the wire's types, generated and without a line of Thrift, count as a part of their own
 BASE = {
+    "_linked_process",
     "_spawn",
     "_version",
     "controller_clock",
@@ -31,6 +32,7 @@ CLIENT = BASE | {
 #: by part, the parts that it may import; itself always
 MAY_IMPORT: dict[str, set[str]] = {
     "_spawn": set(),
+    "_linked_process": {"_spawn"},
     "_version": set(),
     "controller_clock": set(),
     "errors": set(),
@@ -51,7 +53,8 @@ MAY_IMPORT: dict[str, set[str]] = {
     "status_port": {"errors", "models"},
     "robot": CLIENT,
     "events": {"supervision"},
-    "frozen": CLIENT,
+    # the mains of all processes, each imported in its own process alone
+    "frozen": CLIENT | {"planning", "sim"},
     "__init__": CLIENT | {"robot", "events", "frozen"},
     # the simulator is the other side: it knows the wire and the arms, and nothing of the client
     "sim": BASE | {"models", "kinematics", "_wire"},
@@ -99,7 +102,8 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
         *("runtime", "clock", "scene", "process", "forgiving"),
     },
     "console": {"simulator"},
-    "__main__": {"simulator"},
+    "spawned": {"simulator"},
+    "__main__": {"spawned"},
     "__init__": {"simulator", "process"},
 }
 
@@ -321,6 +325,22 @@ def test_libraries_stay_where_they_belong(library: str) -> None:
         if one.name.partition(".")[0].lower() == library and not below(one.path, ONLY_IN[library])
     ]
     assert wrong == []
+
+
+def test_processes_are_started_in_one_place() -> None:
+    """In a frozen program, an interpreter that is started is the program once more."""
+    starts = {"Popen", "run", "call", "check_call", "check_output"}
+    found = {
+        path
+        for path in modules().values()
+        for node in ast.walk(ast.parse((ROOT / path).read_text(encoding="utf-8")))
+        if (isinstance(node, ast.Attribute) and ast.unparse(node) == "sys.executable")
+        or (
+            isinstance(node, ast.Call)
+            and ast.unparse(node.func) in {f"subprocess.{n}" for n in starts}
+        )
+    }
+    assert found == {"_spawn.py"}
 
 
 def test_pure_modules_do_no_io() -> None:

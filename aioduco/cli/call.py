@@ -62,7 +62,6 @@ def call(
     try:
         with robot:
             result = function_of(robot, where)(*positional, **named)
-            result = result.wait() if hasattr(result, "wait") else result
     except (aioduco.DucoError, TypeError) as error:
         typer.echo(f"{name}: {error}", err=True)
         raise typer.Exit(1) from None

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import importlib.util
-import subprocess
-import sys
-import tempfile
 import threading
 from typing import TYPE_CHECKING, Any
 
@@ -14,12 +10,13 @@ import anyio
 import anyio.to_thread
 import numpy as np
 
+from aioduco._linked_process import LinkedProcess
+from aioduco._spawn import Unstartable
 from aioduco.errors import MissingExtra, NoPathFound, ParameterError, PlanningError
 from aioduco.models.pose import Joints, Pose
-from aioduco.planning.exchange import WorkerScene, receive, send
 from aioduco.planning.motion_limits import MotionLimits
 from aioduco.planning.plan import Plan
-from aioduco.planning.problem import GoalLike, PlanningProblem, Solution, goals_of
+from aioduco.planning.problem import GoalLike, PlanningProblem, Solution, WorkerScene, goals_of
 from aioduco.planning.toolpath import poses_along
 
 if TYPE_CHECKING:
@@ -36,7 +33,12 @@ __all__ = ["Planner"]
 
 _NEEDS = ("mujoco", "ompl", "scipy", "toppra")
 _GRACE = 5.0  # after a problem's own time-out the process is ended: to time a path, say [s]
-_END = 5.0  # until the process has ended after its input was closed [s]
+#: what the process imports for them; toppra imports matplotlib
+_PACKAGES = (
+    *_NEEDS,
+    *("PIL", "charset_normalizer", "cycler", "dateutil", "fontTools", "glfw", "kiwisolver"),
+    *("matplotlib", "mpl_toolkits", "packaging", "pyparsing"),
+)
 
 
 class Planner:
@@ -70,13 +72,12 @@ class Planner:
         self._tip = np.eye(4) if tool is None else Pose.of(tool).matrix
         self._seed = seed
         self._lock = threading.Lock()
-        self._process: subprocess.Popen[bytes] | None = None
-        self._cancelled: subprocess.Popen[bytes] | None = None
-        self._errors: Any = None
+        self._process: LinkedProcess | None = None
+        self._cancelled: LinkedProcess | None = None
         self._sent: int | None = None
 
     def __repr__(self) -> str:
-        state = "not started" if self._process is None else f"process {self._process.pid}"
+        state = "not started" if self._process is None else f"process {self._process.popen.pid}"
         return f"<Planner in {self.scene!r}, {state}>"
 
     async def __aenter__(self) -> Self:
@@ -274,7 +275,7 @@ class Planner:
             # The thread reads the end of the process's answers, and ends.
             process = self._cancelled = self._process
             if process is not None:
-                process.kill()
+                process.popen.kill()
             raise
 
     def _solve(self, problem: PlanningProblem) -> Plan:
@@ -288,62 +289,48 @@ class Planner:
     def _exchange(self, problem: PlanningProblem) -> Any:
         if self._process is not None and self._process is self._cancelled:
             self.close()
-        if self._process is None:
-            self._start()
-        process = self._process
-        assert process is not None
-        assert process.stdin is not None
-        assert process.stdout is not None
-        overdue = threading.Timer(problem.timeout + _GRACE, process.kill)
+        process = self._process or self._start()
+        late = threading.Event()
+
+        def end() -> None:
+            late.set()
+            process.popen.kill()
+
+        overdue = threading.Timer(problem.timeout + _GRACE, end)
         try:
+            if self._sent is None:
+                process.channel.send(self._seed)
             if self._sent != self.scene.revision:
-                send(process.stdin, WorkerScene(self.scene.compiled(), self.scene.loose))
+                process.channel.send(WorkerScene(self.scene.compiled(), self.scene.loose))
                 self._sent = self.scene.revision
-            send(process.stdin, problem)
+            process.channel.send(problem)
             overdue.start()
-            return receive(process.stdout)
+            return process.channel.receive()
         except (EOFError, OSError) as error:
-            self._errors.seek(0)
-            said = self._errors.read().decode(errors="replace").strip().splitlines()
-            self.close()
-            if not overdue.is_alive() and not said:
+            self._process = None
+            said = process.end()
+            if late.is_set():
                 raise NoPathFound(f"the planner was not done in {problem.timeout:g} s") from error
-            why = said[-1] if said else "it was killed"
+            why = said or "it said nothing"
             raise PlanningError(f"the planner's process has ended ({why}); plan again") from error
         finally:
             overdue.cancel()
             if overdue.ident is not None:
                 overdue.join()
 
-    def _start(self) -> None:
-        self._sent = None
-        # A file, not a pipe: a pipe that is not read fills up and stops the process.
-        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
-        # In a session of its own: a Ctrl-C on the terminal is for the program.
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "aioduco.planning.worker", str(self._seed)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=self._errors,
-            start_new_session=True,
-        )
+    def _start(self) -> LinkedProcess:
+        try:
+            process = LinkedProcess("aioduco.planning.worker", packages=_PACKAGES)
+        except (Unstartable, OSError) as error:
+            raise PlanningError(f"the planner's process was not started: {error}") from error
+        self._sent, self._process = None, process
+        return process
 
     def close(self) -> None:
         """End the process; returns when it has ended. The planner can be used again."""
         process, self._process = self._process, None
-        if process is None:
-            return
-        assert process.stdin is not None
-        assert process.stdout is not None
-        with contextlib.suppress(OSError):  # the process has ended: the rest of the request is lost
-            process.stdin.close()
-        try:
-            process.wait(_END)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-        process.stdout.close()
-        self._errors.close()
+        if process is not None:
+            process.close()
 
 
 _COMMON: dict[str, Any] = {"v": 1.0, "a": 2.0, "jerk": None, "timeout": 5.0}

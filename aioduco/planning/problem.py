@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Joints, Pose
@@ -19,7 +19,15 @@ if TYPE_CHECKING:
 
     Points = NDArray[np.float64]
 
-__all__ = ["Goal", "GoalLike", "PlanningProblem", "Region", "Solution", "goals_of"]
+__all__ = [
+    "Goal",
+    "GoalLike",
+    "PlanningProblem",
+    "Region",
+    "Solution",
+    "WorkerScene",
+    "goals_of",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +68,18 @@ def goals_of(goal: GoalLike) -> tuple[Goal, ...]:
     if not given or not all(isinstance(each, Joints | Pose | Region) for each in given):
         raise ParameterError("goal", goal, "Joints, a Pose, a Region, or several of these")
     return given
+
+
+class WorkerScene(NamedTuple):
+    """The scene of the problems that follow.
+
+    Attributes:
+        model: of MuJoCo.
+        positions: of what is loose in it.
+    """
+
+    model: Any
+    positions: Points
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

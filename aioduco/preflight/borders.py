@@ -8,18 +8,20 @@ it leads to a server of the program's own, or to one that was named.
 from __future__ import annotations
 
 import contextlib
+import ipaddress
 import socket
 import sys
+from multiprocessing import util
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 from weakref import WeakSet
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
-__all__ = ["NotReached", "guard_borders"]
+__all__ = ["NotReached", "address_of", "guard_borders"]
 
 _TO: Final = ("socket.connect", "socket.sendto", "socket.sendmsg")
-_LOCAL: Final = ("localhost", "127.", "::1")
+_STARTS: Final = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn")
 
 
 class NotReached(PermissionError):
@@ -44,7 +46,7 @@ def guard_borders(
     allowed = {address for each in reachable for address in _addresses(each)}
 
     def own(host: str, port: int) -> bool:
-        if not host.startswith(_LOCAL):
+        if not _is_local(host):
             return False
         return port in ports() or any(_port(each) == port for each in list(bound))
 
@@ -61,8 +63,11 @@ def guard_borders(
                     "preflight does not let through: it could lead to an arm. "
                     f"If it does not, allow it by --reach {host}:{port}"
                 )
-        elif event in ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn") and not ours():
-            refuse("the program starts another program, which would run outside of the preflight")
+        elif event in _STARTS and not ours():
+            started()
+
+    def started() -> NoReturn:
+        refuse("the program starts another program, which would run outside of the preflight")
 
     def refuse(text: str) -> NoReturn:
         tell(text)
@@ -70,14 +75,44 @@ def guard_borders(
 
     sys.addaudithook(look)
 
+    # multiprocessing starts interpreters in a way that is not audited.
+    module: Any = util
+    spawn = module.spawnv_passfds
+
+    def spawned(path: Any, arguments: Any, descriptors: Any) -> Any:
+        if any("resource_tracker import main" in str(each) for each in arguments):
+            return spawn(path, arguments, descriptors)  # it frees shared memory, and no more
+        started()
+
+    module.spawnv_passfds = spawned
+
+
+def address_of(text: str) -> tuple[str, int]:
+    """Host and port of "host:port".
+
+    Raises:
+        ValueError: it is none.
+    """
+    host, _, port = text.rpartition(":")
+    if not host or not (port.isascii() and port.isdecimal()) or not 0 < int(port) < 65536:
+        raise ValueError(f'{text!r} is no address as "host:port"')
+    return host.removeprefix("[").removesuffix("]"), int(port)
+
+
+def _is_local(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
 
 def _addresses(text: str) -> Iterator[tuple[str, int]]:
     """An address as it is named, and as connections name it."""
-    host, _, port = text.rpartition(":")
-    yield host, int(port)
+    host, port = address_of(text)
+    yield host, port
     with contextlib.suppress(OSError):
-        for found in socket.getaddrinfo(host, int(port), type=socket.SOCK_STREAM):
-            yield str(found[4][0]), int(port)
+        for found in socket.getaddrinfo(host, port):
+            yield str(found[4][0]), port
 
 
 def _port(bound: socket.socket) -> int:

@@ -1,7 +1,7 @@
-"""`python -m aioduco.preflight.child OPTIONS`: the process in which the program runs.
+"""The process in which the program runs, started by `aioduco.preflight.runner` and by nothing else.
 
-OPTIONS is a JSON object, see `aioduco.preflight.runner`. Nothing else starts this module, so that a
-program on a real arm cannot come to run like this.
+So a program on a real arm cannot come to run like this. It gets its options over its channel, and
+ends with it.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ import runpy
 import signal
 import sys
 import threading
-from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 
+from aioduco._linked_process import ValueChannel
 from aioduco.kinematics import arm as arm_of
 from aioduco.preflight import lines, patches
 from aioduco.preflight.borders import guard_borders
@@ -84,6 +84,8 @@ class _Child:
 
     def _program(self) -> int:
         program, arguments = self.options["program"], self.options["arguments"]
+        if self.options["cwd"] is not None:
+            os.chdir(self.options["cwd"])
         sys.argv = [program, *arguments]
         try:
             if self.options["module"]:
@@ -229,15 +231,20 @@ def _end() -> NoReturn:
     os._exit(0)
 
 
-def main(argument: str) -> NoReturn:
+def _end_with(channel: ValueChannel) -> None:
+    """End this process with the one that started it."""
+    with contextlib.suppress(EOFError, OSError):
+        channel.receive()
+    os._exit(1)
+
+
+def main(arguments: list[str]) -> NoReturn:
     """Run the program that the options name."""
     sys.setswitchinterval(0.0005)
-    options = json.loads(argument)
+    channel = ValueChannel.of(arguments)
+    options = channel.receive()
+    end = threading.Thread(target=_end_with, args=(channel,), name="preflight-end", daemon=True)
+    end.start()
     with (Path(options["folder"]) / "stacks").open("w") as stacks:
         faulthandler.register(signal.SIGUSR1, stacks)  # asked for when the time is over
         _Child(options).run()
-
-
-if __name__ == "__main__":
-    # by its own name: what runs as `__main__` counts as the program
-    import_module("aioduco.preflight.child").main(sys.argv[1])

@@ -23,12 +23,15 @@ import anyio.from_thread
 from aioduco import robot as robot_module
 from aioduco._wire import connection, lane
 from aioduco.compat import DucoCobot
+from aioduco.planning.planner import Planner
 from aioduco.preflight import lines
 from aioduco.sim.controller.tasks import TaskTable
 from aioduco.sim.runtime import SimulationRuntime
 from aioduco.sim.server.processor import Processor
+from aioduco.sim.view.render import PictureProcess
 from aioduco.streaming.worker_process import WorkerHandle
 from aioduco.supervision.command import MotionCommand, shown
+from aioduco.supervision.stop_coordinator import StopCoordinator
 from aioduco.sync._runner import Runner
 
 if TYPE_CHECKING:
@@ -121,8 +124,11 @@ def _asked_by_program(depth: int = 2) -> bool | None:
 
 
 def asked_by_package() -> bool:
-    """Whether a part of this package does what an audit hook is told of, and not the program."""
-    return not _asked_by_program(3)
+    """Whether a part of this package does what an audit hook is told of.
+
+    What neither is seen behind, as in a thread of a pool, is the program's.
+    """
+    return _asked_by_program(3) is False
 
 
 def _by_program() -> bool:
@@ -147,6 +153,8 @@ def install(
     _loops(clock)
     _threads(clock)
     _addresses(clock, cell)
+    _processes(clock)
+    _unanswered(clock)
     _calls(recorder)
     _simulator(clock, recorder, serve)
 
@@ -377,6 +385,50 @@ def _addresses(clock: ProgramClock, cell: Cell) -> None:
         start(self)
 
     worker.start = started
+
+
+def _processes(clock: ProgramClock) -> None:
+    """While a process of this package plans or draws for the program, time stands."""
+
+    def standing(asked: Callable[..., Any]) -> Callable[..., Any]:
+        def ask(self: Any, request: Any) -> Any:
+            clock.call_begins()
+            try:
+                return asked(self, request)
+            finally:
+                clock.call_ends()
+
+        return ask
+
+    planner: Any = Planner
+    pictures: Any = PictureProcess
+    awaited = planner._ask
+
+    async def plan(self: Any, problem: Any) -> Any:
+        clock.call_begins()  # before the loop waits for the thread that asks
+        try:
+            return await awaited(self, problem)
+        finally:
+            clock.call_ends()
+
+    planner._ask, planner._solve = plan, standing(planner._solve)
+    pictures._ask = standing(pictures._ask)
+
+
+def _unanswered(clock: ProgramClock) -> None:
+    """While an unanswered command is watched, by the wall's time, the program's goes like it."""
+    coordinator: Any = StopCoordinator
+    until_certain = coordinator.stop_until_certain
+
+    async def stop_until_certain(self: Any, *commands: Any, **options: Any) -> None:
+        over = threading.Event()
+        clock.stream_begins(over.is_set)
+        try:
+            await until_certain(self, *commands, **options)
+        finally:
+            over.set()
+
+    coordinator.stop_until_certain = stop_until_certain
 
 
 def _calls(recorder: RunRecorder) -> None:

@@ -7,7 +7,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from dataclasses import dataclass, field
@@ -16,8 +15,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from aioduco._linked_process import LinkedProcess
+from aioduco._spawn import Unstartable, is_frozen
 from aioduco.errors import DucoError
 from aioduco.kinematics import arm as arm_of
+from aioduco.preflight.borders import address_of
 from aioduco.preflight.findings import PreflightFinding, findings
 from aioduco.preflight.margins import Margin, margins, near_singularities
 from aioduco.sim.physics.world import World
@@ -32,7 +34,8 @@ __all__ = ["PreflightError", "PreflightReport", "PreflightSettings", "preflight"
 
 #: time of a cycle of the simulation [s]: half as many as a controller has, for the sake of speed
 CYCLE = 0.002
-_LAST_WORDS = 2000
+#: what the process imports for the simulator
+_PACKAGES = ("glfw", "mujoco")
 #: time for a program that did not end to tell where it is [s]
 _STACKS = 1.0
 
@@ -53,6 +56,7 @@ class PreflightSettings:
         joints: where it stands at first [rad]; None for the elbow bent, flange down.
         vendor: whether the vendor's modules are to be found by the program's imports.
         module: whether the program is the name of a module and no file.
+        cwd: the folder that it runs in, and that its module lies in; None for the current one.
         allowed: names of bodies that the arm may touch.
         reachable: addresses as "host:port" that connections of the program's own may lead to;
             others are refused, since they could lead to an arm.
@@ -70,6 +74,7 @@ class PreflightSettings:
     joints: Sequence[float] | None = None
     vendor: bool = False
     module: bool = False
+    cwd: str | None = None
     allowed: tuple[str, ...] = ()
     reachable: tuple[str, ...] = ()
     patience: float = 60.0
@@ -150,6 +155,19 @@ class PreflightReport:
         return _world(self.cell)
 
 
+def refuse_frozen() -> None:
+    """Refuse to try a program from a frozen one, whose executable would start itself.
+
+    Raises:
+        PreflightError: this program is frozen.
+    """
+    if is_frozen():
+        raise PreflightError(
+            "this is a frozen program, which has no interpreter to run another program: nothing "
+            "was run. Use `aioduco preflight` of an installed aioduco"
+        )
+
+
 def preflight(
     program: str | os.PathLike[str],
     arguments: Sequence[str] = (),
@@ -169,15 +187,19 @@ def preflight(
         The report.
 
     Raises:
-        PreflightError: it could not be run, it was killed, or never used this package.
+        PreflightError: it could not be run, it was killed, or never used this package; or what
+            asks for it is a frozen program, which has no interpreter to run another one.
     """
+    refuse_frozen()
     settings = PreflightSettings() if settings is None else settings
     name = os.fspath(program)
-    if not settings.module and not Path(name).is_file():
+    if not settings.module and not Path(settings.cwd or "", name).is_file():
         raise PreflightError(f"{name} is no file: nothing was run")
     for address in settings.reachable:
-        if not address.rpartition(":")[2].isdecimal():
-            raise PreflightError(f'{address!r} is no address as "host:port": nothing was run')
+        try:
+            address_of(address)
+        except ValueError as error:
+            raise PreflightError(f"{error}: nothing was run") from None
     begin = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="aioduco-preflight-") as folder:
         options = {
@@ -213,31 +235,32 @@ def _world(cell: dict[str, Any]) -> World:
 def _run(
     options: dict[str, Any], folder: Path, timeout: float, *, quiet: bool
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    command = [sys.executable, "-m", "aioduco.preflight.child", json.dumps(options)]
-    with (folder / "errors").open("w+b") as errors:
-        process = subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL if quiet else None,
-            stderr=errors if quiet else None,
+    try:
+        linked = LinkedProcess(
+            "aioduco.preflight.child", packages=_PACKAGES, runs_program=True, output=not quiet
         )
-        try:
-            process.wait(timeout)
-        except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGUSR1)
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(_STACKS)
-            stacks = (folder / "stacks").read_text(encoding="utf-8") or "not known"
-            raise PreflightError(
-                f"the program had not ended after {timeout:g} s; its stacks were:\n{stacks}"
-            ) from None
-        finally:
-            process.kill()
-            process.wait()
-        errors.seek(0)
-        words = errors.read()[-_LAST_WORDS:].decode(errors="replace").strip()
+    except (Unstartable, OSError) as error:
+        raise PreflightError(f"nothing was run: {error}") from error
+    process = linked.popen
+    try:
+        with contextlib.suppress(ConnectionError):  # it has ended, as is found below
+            linked.channel.send(options)
+        process.wait(timeout)
+    except subprocess.TimeoutExpired:
+        process.send_signal(signal.SIGUSR1)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(_STACKS)
+        stacks = folder / "stacks"
+        told = (stacks.is_file() and stacks.read_text(encoding="utf-8")) or "not known"
+        raise PreflightError(
+            f"the program had not ended after {timeout:g} s; its stacks were:\n{told}"
+        ) from None
+    finally:
+        process.kill()
+        linked.close()
     result = folder / "run.json"
     if not result.is_file():
+        words = linked.last_words
         raise PreflightError(
             f"the program's process ended with status {process.returncode} before it was over"
             + (f": {words}" if words else "")

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import contextlib
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from aioduco.errors import MissingExtra
-from aioduco.preflight.runner import PreflightError, PreflightSettings, preflight
+from aioduco.preflight.runner import PreflightError, PreflightSettings, preflight, refuse_frozen
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -90,7 +91,8 @@ def sweep(
     """Run variations of a program on a cluster.
 
     Args:
-        program: its file or module; on a cluster elsewhere it lies there under the same path.
+        program: its file or module; on a cluster elsewhere it lies there under the same path, and
+            it runs in the same folder as here.
         arguments: what it is given.
         settings: what it is tried in; `vary` says what varies, `seed` is the first one.
         runs: how many.
@@ -104,19 +106,22 @@ def sweep(
     Raises:
         MissingExtra: distributed is not installed.
         ParameterError: there is nothing of a name in `vary`.
+        PreflightError: the cluster would be on this computer, and this program is frozen.
     """
     try:
         import distributed  # noqa: PLC0415 - an extra
     except ModuleNotFoundError as error:
         raise MissingExtra("sweeps", "distributed", "sweep") from error
     dask: Any = distributed  # a part of its functions has no types
-    options = settings.plain()
+    options = {**settings.plain(), "cwd": settings.cwd or str(Path.cwd())}
     seeds = range(settings.seed, settings.seed + runs)
     with contextlib.ExitStack() as stack:
         if scheduler is None:
+            refuse_frozen()
+            # With a dashboard's address of None its server would take port 8787.
             cluster = dask.LocalCluster(
-                n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None,
-                host="127.0.0.1", worker_dashboard_address=None,
+                n_workers=workers, threads_per_worker=1, processes=True, host="127.0.0.1",
+                dashboard_address="127.0.0.1:0", worker_dashboard_address=None,
             )  # fmt: skip
             scheduler = stack.enter_context(cluster)
         client = stack.enter_context(dask.Client(scheduler))

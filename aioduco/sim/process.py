@@ -2,32 +2,31 @@
 
 from __future__ import annotations
 
-import json
-import selectors
-import subprocess
-import sys
-import tempfile
-import time
 from typing import TYPE_CHECKING, Any
 
 import anyio
 import anyio.to_thread
 
+from aioduco._linked_process import LinkedProcess
+from aioduco._spawn import Unstartable
 from aioduco.controller_clock import ScaledClock
 
 if TYPE_CHECKING:
+    import subprocess
     from types import TracebackType
     from typing import Self
 
 #: until the process has said where it listens, and until it has ended after being asked to [s]
 _START, _END = 60.0, 20.0
+#: what the process imports for them; glfw by way of MuJoCo
+_PACKAGES = ("OpenGL", "glfw", "mujoco")
 
 
 class SimulatorProcess:
-    """`python -m aioduco.sim` with its standard input held open.
+    """A simulator in a process of its own.
 
-    The process ends when its standard input closes. The system closes it when this process ends, a
-    kill included.
+    The process ends when its channel to this one closes. The system closes that when this process
+    ends, a kill included.
 
     Args:
         options: arguments of `Simulator`.
@@ -43,8 +42,7 @@ class SimulatorProcess:
 
     def __init__(self, options: dict[str, Any]) -> None:
         self._options = options
-        # A file, not a pipe: a pipe that is not read fills up and stops the process.
-        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
+        self._linked: LinkedProcess | None = None
         self.host: str = ""
         self.port: int = 0
         self.status_port: int | None = None
@@ -67,20 +65,25 @@ class SimulatorProcess:
         """Start the process and wait until it listens.
 
         Raises:
-            RuntimeError: It ended, or was silent, instead.
+            RuntimeError: It could not be started, or ended or was silent instead.
         """
-        command = [sys.executable, "-m", "aioduco.sim", json.dumps(self._options)]
-        # In a session of its own: a Ctrl-C on the terminal is for the program that started it,
-        # which still needs the controller to see its arm stand.
-        self.process = subprocess.Popen(
-            command,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=self._errors,
-            start_new_session=True,
-        )
         try:
-            ready = json.loads(self._first_line())
+            linked = LinkedProcess("aioduco.sim.spawned", packages=_PACKAGES, patience=_END)
+        except Unstartable as error:
+            raise RuntimeError(f"the simulator's process was not started: {error}") from error
+        self._linked, self.process = linked, linked.popen
+        try:
+            linked.channel.send(self._options)
+            ready = linked.channel.receive(_START)
+        except TimeoutError:
+            self.close()
+            raise RuntimeError(f"the simulator's process said nothing for {_START} s") from None
+        except (EOFError, OSError) as error:
+            self.close()
+            raise RuntimeError(
+                f"the simulator's process ended with status {self.process.returncode} before it "
+                f"listened: {linked.last_words}"
+            ) from error
         except BaseException:
             self.close()
             raise
@@ -90,17 +93,9 @@ class SimulatorProcess:
 
     def close(self) -> None:
         """End the process; returns when it has ended."""
-        process = self.process
-        assert process.stdin is not None
-        process.stdin.close()
-        try:
-            process.wait(_END)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-        assert process.stdout is not None
-        process.stdout.close()
-        self._errors.close()
+        linked, self._linked = self._linked, None
+        if linked is not None:
+            linked.close()
 
     def __enter__(self) -> Self:
         return self.start()
@@ -124,22 +119,3 @@ class SimulatorProcess:
     ) -> None:
         with anyio.CancelScope(shield=True):
             await anyio.to_thread.run_sync(self.close)
-
-    def _first_line(self) -> bytes:
-        stdout = self.process.stdout
-        assert stdout is not None
-        deadline = time.monotonic() + _START
-        with selectors.DefaultSelector() as selector:
-            selector.register(stdout, selectors.EVENT_READ)
-            # The line is written at once, so once there is something, there is all of it.
-            if not selector.select(deadline - time.monotonic()):
-                raise RuntimeError(f"the simulator's process said nothing for {_START} s")
-        line = stdout.readline()
-        if not line:
-            status = self.process.wait()
-            self._errors.seek(0)
-            raise RuntimeError(
-                f"the simulator's process ended with status {status} before it listened: "
-                f"{self._errors.read().decode(errors='replace').strip()}"
-            )
-        return line

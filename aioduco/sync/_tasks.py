@@ -384,9 +384,9 @@ class MotionFunction(Generic[P]):
     """
 
     def __init__(
-        self, runner: Runner, make: Callable[P, aio_command.MotionCommand], doc: str | None
+        self, runner: Runner | None, make: Callable[..., aio_command.MotionCommand], doc: str | None
     ) -> None:
-        self._runner = runner
+        self._runner = runner  # None where it was read from the class, as help() does
         self._make = make
         self.__doc__ = doc
         self.__name__: str = make.__name__
@@ -414,6 +414,8 @@ class MotionFunction(Generic[P]):
 
     def prepare(self, *args: P.args, **kwargs: P.kwargs) -> MotionCommand:
         """Check the arguments, and return the motion as a value; nothing is sent."""
+        if self._runner is None:
+            raise TypeError(f"{self.__name__} is a motion of a robot: robot.motion.{self.__name__}")
         return MotionCommand(self._runner, self._make(*args, **kwargs))
 
 
@@ -427,6 +429,6 @@ class moves(Generic[P]):  # noqa: N801  # a decorator
     def __get__(self, section: Any, owner: type | None = None) -> MotionFunction[P]:
         if section is None:
             # of the class, for help(): there is nothing to run it, and it lacks its section
-            return MotionFunction(None, self._method, self.__doc__)  # type: ignore[arg-type]  # so
+            return MotionFunction(None, self._method, self.__doc__)
         make: Callable[P, aio_command.MotionCommand] = MethodType(self._method, section)
         return MotionFunction(section._runner, make, self.__doc__)

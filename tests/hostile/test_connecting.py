@@ -172,6 +172,7 @@ async def test_a_lane_that_cannot_be_started_is_said_so(
 LIMITED = """
 import asyncio, resource, socket, sys
 import aioduco
+from aioduco.testing import eventually_async
 from aioduco.testing.leaks import Resources
 
 async def main(host, port, spare, guard):
@@ -195,11 +196,8 @@ async def main(host, port, spare, guard):
     for one in held:
         one.close()
     resource.setrlimit(resource.RLIMIT_NOFILE, limit)
-    loop = asyncio.get_running_loop()
-    until = loop.time() + 20
-    while (left := Resources.now().beyond(before)) and loop.time() < until:
-        await asyncio.sleep(0.01)
-    print(said, left)
+    await eventually_async(lambda: not Resources.now().beyond(before))
+    print(said, Resources.now().beyond(before))
 
 asyncio.run(main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), sys.argv[4]))
 """

@@ -22,11 +22,47 @@ STREAM = """
         async with robot.servo.joints(v=1.0, a=5.0, rate=100) as stream:
             await stream.send({HOME})
 """
+PLANNER = """
+    from aioduco.planning import Planner, Scene
+    async with Planner(Scene()) as planner:
+        await planner.plan({HOME}, aioduco.Joints.of({HOME}))
+"""
+PICTURES = """
+    from aioduco.planning import Scene
+    assert Scene().picture({HOME}, width=20, height=20).shape == (20, 20, 3)
+"""
+SIMULATOR = """
+    from aioduco.sim.simulator import Simulator
+    async with Simulator.spawn() as sim:
+        assert sim.port
+"""
+PREFLIGHT = """
+    from aioduco.preflight import preflight
+    preflight(__file__, quiet=True)
+"""
+SWEEP = """
+    from aioduco.preflight import PreflightSettings
+    from aioduco.preflight.sweep import sweep
+    sweep(__file__, (), PreflightSettings(), 1)
+"""
+#: the error of each without the process
+ERRORS = {
+    GUARD: "GuardLost",
+    STREAM: "LaneFailed",
+    PLANNER: "PlanningError",
+    PICTURES: "RenderError",
+    SIMULATOR: "RuntimeError",
+    PREFLIGHT: "PreflightError",
+    SWEEP: "PreflightError",
+}
+#: what a stranger to each of the extras has not
+EXTRAS = ("mujoco", "ompl", "scipy", "toppra", "ruckig")
 #: what an interpreter does that is frozen into a program: whatever it is told, it runs the program
 PROGRAM = """
 import sys
 sys.frozen = {frozen}
 sys.executable = {launcher!r}
+sys.modules.update(dict.fromkeys({without!r}))
 import anyio, aioduco
 {support}
 with open({starts!r}, "a") as starts:
@@ -34,7 +70,7 @@ with open({starts!r}, "a") as starts:
 async def main():{body}
 try:
     anyio.run(main)
-except aioduco.DucoError as exc:
+except (aioduco.DucoError, RuntimeError) as exc:
     print(type(exc).__name__, exc)
 else:
     print("done")
@@ -52,7 +88,14 @@ class Frozen:
     """A frozen program: what it said, and how often it was started."""
 
     def __init__(
-        self, bench: Bench, folder: Path, body: str, support: str, *, says_so: bool = True
+        self,
+        bench: Bench,
+        folder: Path,
+        body: str,
+        support: str,
+        *,
+        says_so: bool = True,
+        without: tuple[str, ...] = (),
     ) -> None:
         launcher, script, starts = folder / "launcher", folder / "program.py", folder / "starts"
         launcher.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{script}" "$@"\n')
@@ -62,6 +105,7 @@ class Frozen:
                 frozen=says_so,
                 launcher=str(launcher),
                 support=support,
+                without=without,
                 starts=str(starts),
                 body=body.format(host=bench.host, port=bench.port, HOME=HOME),
             )
@@ -73,41 +117,73 @@ class Frozen:
         self.starts = len(starts.read_text().splitlines())
 
 
-BODIES = pytest.mark.parametrize("body", [GUARD, STREAM], ids=["guard", "stream"])
+ROBOT = {"guard": GUARD, "stream": STREAM}
+OTHERS = {"planner": PLANNER, "pictures": PICTURES, "simulator": SIMULATOR}
+PROGRAMS = {"preflight": PREFLIGHT, "sweep": SWEEP}
 
 
-@BODIES
+def bodies(*kinds: dict[str, str]) -> pytest.MarkDecorator:
+    every = {name: body for kind in kinds for name, body in kind.items()}
+    return pytest.mark.parametrize("body", every.values(), ids=every)
+
+
+@bodies(ROBOT)
 def test_a_frozen_program_that_calls_freeze_support_has_guard_and_lanes(
     bench: Bench, tmp_path: Path, body: str
 ) -> None:
-    program = Frozen(bench, tmp_path, body, "aioduco.freeze_support()")
+    """Also without any of the extras that other processes need."""
+    program = Frozen(bench, tmp_path, body, "aioduco.freeze_support()", without=EXTRAS)
     assert program.said == "done\n"
     assert program.starts == 1
     assert bench.received("movej2" if body is GUARD else "servoj")
 
 
-@BODIES
+@pytest.mark.cases(3)
+@bodies(OTHERS)
+def test_it_has_planners_pictures_and_simulators_too(
+    bench: Bench, tmp_path: Path, body: str
+) -> None:
+    program = Frozen(bench, tmp_path, body, "aioduco.freeze_support()")
+    assert program.said == "done\n"
+    assert program.starts == 1
+
+
+@pytest.mark.cases(2)
+@bodies(PROGRAMS)
+@pytest.mark.parametrize("support", ["aioduco.freeze_support()", ""], ids=["told", "untold"])
+def test_it_tries_no_program_since_it_would_run_itself(
+    bench: Bench, tmp_path: Path, body: str, support: str
+) -> None:
+    program = Frozen(bench, tmp_path, body, support)
+    assert program.starts == 1
+    assert program.said.startswith("PreflightError this is a frozen program")
+
+
+@pytest.mark.cases(2)
+@bodies(ROBOT, OTHERS)
 def test_a_frozen_program_without_it_is_refused_and_not_started_again(
     bench: Bench, tmp_path: Path, body: str
 ) -> None:
     program = Frozen(bench, tmp_path, body, "")
     assert program.starts == 1
     assert not bench.commands
-    assert program.said.startswith("GuardLost" if body is GUARD else "LaneFailed")
+    assert program.said.startswith(ERRORS[body])
     assert "aioduco.freeze_support()" in program.said
-    assert ("without a guard" if body is GUARD else 'lane="thread"') in program.said
+    assert {GUARD: "without a guard", STREAM: 'lane="thread"'}.get(body, "") in program.said
 
 
-@BODIES
+@pytest.mark.cases(2)
+@bodies(ROBOT, OTHERS, {"preflight": PREFLIGHT})
 def test_a_program_that_does_not_say_that_it_is_frozen_moves_nothing_when_started_by_mistake(
     bench: Bench, tmp_path: Path, body: str
 ) -> None:
     """It is started once, in place of the process; there it opens no robot, and starts nothing."""
-    program = Frozen(bench, tmp_path, body, "", says_so=False)
+    # glfw, which MuJoCo imports, would start it too: it asks its interpreter for a version.
+    program = Frozen(bench, tmp_path, body, "", says_so=False, without=("glfw",))
     assert program.starts == 2
     assert not bench.received("movej2")
     assert not bench.received("servoj")
-    assert program.said.startswith("GuardLost" if body is GUARD else "LaneFailed")
+    assert program.said.startswith(ERRORS[body])
 
 
 def test_a_program_that_is_not_frozen_may_call_it() -> None:

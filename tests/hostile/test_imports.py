@@ -1,4 +1,4 @@
-"""What the guard and the lanes of streams import: what the program has, and nothing else."""
+"""What the processes of this package import: what the program has, and nothing else."""
 
 from __future__ import annotations
 
@@ -12,9 +12,14 @@ from client.bench import HOME, Bench
 
 import aioduco
 from aioduco import _spawn
+from aioduco.planning import Planner, Scene, planner
+from aioduco.preflight import PreflightError, preflight, runner
+from aioduco.sim import process as sim_process
+from aioduco.sim.simulator import Simulator
+from aioduco.sim.view import render
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
 GUARD = """
     async with aioduco.connect({host!r}, {port}, guard="process") as robot:
@@ -24,6 +29,38 @@ STREAM = """
     async with aioduco.connect({host!r}, {port}) as robot:
         async with robot.servo.joints(v=1.0, a=5.0, rate=100) as stream:
             await stream.send({HOME})
+"""
+PLANNER = """
+    from aioduco.planning import Planner, Scene
+    async with Planner(Scene()) as planner:
+        await planner.plan({HOME}, aioduco.Joints.of({HOME}))
+"""
+PICTURES = """
+    from aioduco.planning import Scene
+    assert Scene().picture({HOME}, width=20, height=20).shape == (20, 20, 3)
+"""
+SIMULATOR = """
+    from aioduco.sim.simulator import Simulator
+    async with Simulator.spawn() as sim:
+        assert sim.port
+"""
+PREFLIGHT = """
+    from aioduco.preflight import preflight
+    assert preflight({tried!r}, quiet=True).ok
+"""
+KINDS = {
+    "guard": GUARD,
+    "stream": STREAM,
+    "planner": PLANNER,
+    "pictures": PICTURES,
+    "simulator": SIMULATOR,
+    "preflight": PREFLIGHT,
+}
+#: a program that is tried out; its own folder and PYTHONPATH are for it
+TRIED = """
+import its_helper, aioduco.sync
+with aioduco.sync.connect("192.0.2.1") as robot:
+    robot.state.get_tcp_pose()
 """
 #: a file with the name of something that each process imports: it says so and ends the process
 STRAY = "import os, pathlib; pathlib.Path({ran!r}).touch(); os._exit(9)"
@@ -36,9 +73,10 @@ def bench() -> Iterator[Bench]:
         yield bench
 
 
-def program(bench: Bench, kind: str, begin: str = "") -> str:
-    body = {"guard": GUARD, "stream": STREAM}[kind]
-    body = body.format(host=bench.host, port=bench.port, HOME=HOME)
+def program(bench: Bench, kind: str, tried: Path, begin: str = "") -> str:
+    body = KINDS[kind].format(host=bench.host, port=bench.port, HOME=HOME, tried=str(tried))
+    (tried.parent / "its_helper.py").touch()
+    tried.write_text(TRIED)
     return f"{begin}\nimport anyio, aioduco\nasync def main():{body}anyio.run(main)\nprint('done')"
 
 
@@ -47,8 +85,16 @@ def run(command: list[str], cwd: Path) -> str:
     return done.stdout + done.stderr
 
 
-@pytest.mark.parametrize("kind", ["guard", "stream"])
-@pytest.mark.parametrize("name", ["anyio", "json", "thriftpy2"])
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        *((kind, name) for name in ("anyio", "json", "thriftpy2") for kind in ("guard", "stream")),
+        *(("planner", "pickle"), ("planner", "ompl"), ("pictures", "OpenGL")),
+        # `ctypes` is what an interpreter imports that glfw starts, which MuJoCo imports.
+        *(("simulator", "mujoco"), ("simulator", "ctypes"), ("pictures", "ctypes")),
+        *(("planner", "ctypes"), ("preflight", "mujoco"), ("preflight", "json")),
+    ],
+)
 def test_a_stray_file_in_the_current_folder_is_not_run(
     bench: Bench, tmp_path: Path, kind: str, name: str
 ) -> None:
@@ -58,12 +104,14 @@ def test_a_stray_file_in_the_current_folder_is_not_run(
     ran = tmp_path / "ran"
     (here / f"{name}.py").write_text(STRAY.format(ran=str(ran)))
     script = elsewhere / "program.py"
-    script.write_text(program(bench, kind))
-    assert run([sys.executable, str(script)], here) == "done\n"
+    # The program's own import of MuJoCo is as it is anywhere; here it is to start nothing.
+    begin = "import sys\nsys.modules['glfw'] = None" if name == "ctypes" else ""
+    script.write_text(program(bench, kind, elsewhere / "tried.py", begin))
+    assert run([sys.executable, str(script)], here).startswith("done\n")  # then perhaps warnings
     assert not ran.exists()
 
 
-@pytest.mark.parametrize("kind", ["guard", "stream"])
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("isolated", [True, False], ids=["-I", "without"])
 def test_packages_that_only_the_program_knows_of_are_found(
     bench: Bench, tmp_path: Path, kind: str, isolated: bool
@@ -71,25 +119,58 @@ def test_packages_that_only_the_program_knows_of_are_found(
     """A plain interpreter without any package; the program has put them on its own path."""
     folders = sorted(set(_spawn._places().values()))
     script = tmp_path / "program.py"
-    script.write_text(program(bench, kind, f"import sys\nsys.path[:0] = {folders!r}"))
+    begin = f"import sys\nsys.path[:0] = {folders!r}"
+    script.write_text(program(bench, kind, tmp_path / "tried.py", begin))
     base: str = sys._base_executable  # type: ignore[attr-defined]  # the only way to its file
     flags = ["-I"] if isolated else []
     assert run([base, *flags, str(script)], tmp_path) == "done\n"
 
 
-def test_all_that_the_processes_import_is_taken_from_where_the_program_has_it() -> None:
+@pytest.mark.cases(4)
+@pytest.mark.parametrize(
+    ("modules", "more", "some"),
+    [
+        (
+            "anyio._backends._asyncio, aioduco.supervision.guard.process, aioduco.streaming.worker",
+            (),
+            {"anyio", "thriftpy2"},
+        ),
+        ("aioduco.planning.worker", planner._PACKAGES, {"ompl", "toppra"}),
+        ("aioduco.sim.view.drawing, mujoco.egl", render._PACKAGES, {"mujoco", "OpenGL"}),
+        ("aioduco.sim.spawned, aioduco.sim.view.render", sim_process._PACKAGES, {"mujoco"}),
+        ("aioduco.preflight.child, aioduco.compat._runner", runner._PACKAGES, {"mujoco"}),
+    ],
+    ids=["robot", "planner", "pictures", "simulator", "preflight"],
+)
+def test_all_that_the_processes_import_is_taken_from_where_the_program_has_it(
+    modules: str, more: tuple[str, ...], some: set[str]
+) -> None:
     code = (
         "import sys; before = set(sys.modules)\n"
-        "import anyio, anyio._backends._asyncio\n"
-        "import aioduco.supervision.guard.process, aioduco.streaming.worker.main\n"
+        f"import {modules}\n"
         "from aioduco._wire import idl; idl.path()\n"
+        "from importlib.machinery import PathFinder\n"
         "new = {name.partition('.')[0] for name in set(sys.modules) - before}\n"
         "new -= set(sys.stdlib_module_names)\n"
-        "print(*sorted(n for n in new if getattr(sys.modules.get(n), '__file__', None)))"
+        "found = filter(PathFinder.find_spec, new)\n"
+        "print(*sorted(n for n in found if not n.startswith('_sysconfigdata')))"
     )
     said = run([sys.executable, "-c", code], Path.cwd())
-    assert set(said.split()) <= set(_spawn._PACKAGES)
-    assert {"aioduco", "anyio", "thriftpy2"} <= set(said.split())
+    assert set(said.split()) <= {*_spawn._PACKAGES, *more}
+    assert {"aioduco", *some} <= set(said.split())
+
+
+def test_a_program_that_is_tried_finds_modules_as_it_would_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By PYTHONPATH too; and what the simulator starts beside it knows nothing of the process."""
+    library, tried = tmp_path / "library", tmp_path / "tried.py"
+    library.mkdir()
+    (library / "its_helper.py").touch()
+    tried.write_text(f"{TRIED}import os; assert 'AIODUCO_PROCESS' not in os.environ\n")
+    monkeypatch.setenv("PYTHONPATH", str(library))
+    report = preflight(tried, quiet=True)
+    assert report.ok, report.findings
 
 
 async def test_a_guard_that_cannot_begin_says_why(
@@ -108,3 +189,24 @@ async def test_a_lane_that_cannot_begin_says_why(
         stream = robot.servo.joints(v=1.0, a=5.0, rate=100)
         with pytest.raises(aioduco.LaneFailed, match="No module named 'a_package_that_nobody_has'"):
             await stream.__aenter__()
+
+
+@pytest.mark.cases(4)
+@pytest.mark.parametrize(
+    ("start", "error"),
+    [
+        (lambda: Planner(Scene()).plan_blocking(HOME, aioduco.Joints.of(HOME)), "PlanningError"),
+        (lambda: Scene().picture(HOME), "RenderError"),
+        (lambda: Simulator.spawn().start(), "RuntimeError"),
+        (lambda: preflight(__file__, quiet=True), "PreflightError"),
+    ],
+    ids=["planner", "pictures", "simulator", "preflight"],
+)
+def test_each_other_process_that_cannot_begin_says_why(
+    monkeypatch: pytest.MonkeyPatch, start: Callable[[], object], error: str
+) -> None:
+    monkeypatch.setattr(_spawn, "_BEGIN", "import a_package_that_nobody_has")
+    errors = (aioduco.PlanningError, aioduco.RenderError, RuntimeError, PreflightError)
+    with pytest.raises(errors, match="No module named 'a_package_that_nobody_has'") as raised:
+        start()
+    assert type(raised.value).__name__ == error

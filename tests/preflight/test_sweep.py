@@ -48,7 +48,7 @@ def test_a_killed_worker_costs_no_result_and_a_failing_seed_repeats_alone(thorou
     settings = PreflightSettings(vary=("start", "latency"), seed=5, timeout=100)
     killed: list[int] = []
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+        n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0", host="127.0.0.1"
     ) as cluster:
 
         def done(_: Any) -> None:

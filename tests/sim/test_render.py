@@ -96,7 +96,7 @@ def test_a_process_that_is_killed_is_said_and_replaced(sim: Simulator) -> None:
     assert sim._studio is not None
     process = sim._studio._process
     assert process is not None
-    process.kill()
+    process.popen.kill()
     with pytest.raises(RenderError, match="has ended"):
         sim.render(width=10, height=10)
     assert sim.render(width=10, height=10).shape == (10, 10, 3)

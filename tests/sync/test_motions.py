@@ -164,3 +164,8 @@ def test_a_path_blends_and_ends_with_its_block(robot: aioduco.sync.Robot, desk: 
         raising()
     assert tasks[0].outcome is Outcome.STOPPED
     assert repr(path) == "<MotionPath of 1 motions, 0 ended>"
+
+
+def test_a_motion_of_no_robot_says_so(robot: aioduco.sync.Robot) -> None:
+    with pytest.raises(TypeError, match="movej2 is a motion of a robot"):
+        type(robot.motion).movej2(HOME, v=1.0, a=1.0)

@@ -1,7 +1,7 @@
-"""Draws pictures of one model: `python -m aioduco.sim.view.drawing`, started by `render.Studio`.
+"""The process that draws pictures of one model, started by `PictureProcess`.
 
-It reads pickles from its standard input, MuJoCo's model first and then requests, and writes the
-answer to each to its standard output. It ends when its input does.
+It gets MuJoCo's model over its channel, then requests, and answers each. It ends when its channel
+does.
 """
 
 from __future__ import annotations
@@ -9,13 +9,12 @@ from __future__ import annotations
 import contextlib
 import importlib
 import os
-import pickle
-import struct
 import sys
-from typing import IO, TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from aioduco._linked_process import ValueChannel
 from aioduco.sim.view.camera import Camera
 
 if TYPE_CHECKING:
@@ -25,9 +24,8 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["ADVICE", "PictureRequest", "receive", "send"]
+__all__ = ["ADVICE", "PictureRequest", "main"]
 
-_HEAD = struct.Struct("<Q")
 ADVICE = "On Debian: apt-get install libegl1 libgl1-mesa-dri, or set MUJOCO_GL to what there is"
 
 
@@ -44,26 +42,6 @@ class PictureRequest(NamedTuple):
     width: int
     height: int
     camera: Camera | int
-
-
-def send(stream: IO[bytes], thing: object) -> None:
-    """Write a thing to a pipe."""
-    data = pickle.dumps(thing)
-    stream.write(_HEAD.pack(len(data)))
-    stream.write(data)
-    stream.flush()
-
-
-def receive(stream: IO[bytes]) -> Any:
-    """Read a thing from a pipe of a process that we started, or that started us.
-
-    Raises:
-        EOFError: The pipe was closed.
-    """
-    head = stream.read(_HEAD.size)
-    if len(head) < _HEAD.size:
-        raise EOFError
-    return pickle.loads(stream.read(_HEAD.unpack(head)[0]))
 
 
 class Drawer:
@@ -121,27 +99,18 @@ def _context(width: int, height: int) -> Any:
     raise OSError("; ".join(failures))
 
 
-def main(requests: IO[bytes], answers: IO[bytes]) -> None:
-    """Draw until the requests end. An answer that is a text says why there is no picture."""
+def main(arguments: list[str]) -> int:
+    """Draw until the channel ends. An answer that is a text says why there is no picture."""
     drawer: Drawer | None = None
-    model = receive(requests)
-    with contextlib.suppress(EOFError, BrokenPipeError):
+    channel = ValueChannel.of(arguments)
+    with contextlib.suppress(KeyboardInterrupt, EOFError, OSError):
+        model = channel.receive()
         while True:
-            request = receive(requests)
+            request = channel.receive()
             try:
                 drawer = drawer or Drawer(model)
                 answer: object = drawer.draw(request)
             except Exception as exc:  # reported to the process that asked
                 answer = f"OpenGL draws nothing here ({exc}). {ADVICE}"
-            send(answers, answer)
-
-
-def _serve() -> None:
-    output = os.dup(1)
-    os.dup2(2, 1)  # what a driver prints is no answer
-    with contextlib.suppress(KeyboardInterrupt, EOFError), os.fdopen(output, "wb") as out:
-        main(sys.stdin.buffer, out)
-
-
-if __name__ == "__main__":
-    _serve()
+            channel.send(answer)
+    return 0

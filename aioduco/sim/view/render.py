@@ -6,17 +6,15 @@ drivers crash. Neither may disturb a controller with a cycle of a millisecond.
 
 from __future__ import annotations
 
-import contextlib
 import copy
-import subprocess
-import sys
-import tempfile
 import threading
 from typing import TYPE_CHECKING, Any
 
+from aioduco._linked_process import LinkedProcess
+from aioduco._spawn import Unstartable
 from aioduco.errors import ParameterError, RenderError
 from aioduco.sim.view.camera import Camera
-from aioduco.sim.view.drawing import ADVICE, PictureRequest, receive, send
+from aioduco.sim.view.drawing import ADVICE, PictureRequest
 
 if TYPE_CHECKING:
     import numpy as np
@@ -26,7 +24,8 @@ if TYPE_CHECKING:
 
 __all__ = ["PictureProcess"]
 
-_END = 5.0  # until the process has ended after its input was closed [s]
+#: what the process imports for them
+_PACKAGES = ("OpenGL", "glfw", "mujoco")
 
 
 class PictureProcess:
@@ -42,8 +41,7 @@ class PictureProcess:
     def __init__(self, model: Any) -> None:
         self.model: Any = copy.copy(model)
         self._lock = threading.Lock()
-        self._process: subprocess.Popen[bytes] | None = None
-        self._errors: Any = None
+        self._process: LinkedProcess | None = None
 
     def picture(
         self, positions: NDArray[np.float64], width: int, height: int, camera: Camera | str
@@ -62,7 +60,7 @@ class PictureProcess:
         Raises:
             ParameterError: The picture is too large, there is no such camera, or there are not as
                 many positions as the model has.
-            RenderError: This computer cannot draw.
+            RenderError: This computer cannot draw, or has no process for it.
         """
         most = self.model.vis.global_
         if not (0 < width <= most.offwidth and 0 < height <= most.offheight):
@@ -82,52 +80,28 @@ class PictureProcess:
     def close(self) -> None:
         """End the process; returns when it has ended."""
         with self._lock:
-            if self._process is not None:
-                self._end(self._process)
+            process, self._process = self._process, None
+            if process is not None:
+                process.close()
 
     def _ask(self, request: PictureRequest) -> Any:
         process, new = self._process, self._process is None
         if process is None:
             process = self._process = self._start()
-        assert process.stdin is not None
-        assert process.stdout is not None
         try:
             if new:
-                send(process.stdin, self.model)
-            send(process.stdin, request)
-            return receive(process.stdout)
+                process.channel.send(self.model)
+            return process.ask(request)
         except (EOFError, OSError) as exc:
-            self._errors.seek(0)
-            said = self._errors.read().decode(errors="replace").strip().splitlines()
-            self._end(process)
-            why = said[-1] if said else repr(exc)
+            self._process = None
+            why = process.end() or repr(exc)
             raise RenderError(f"the process that draws has ended ({why}). {ADVICE}") from exc
 
-    def _start(self) -> subprocess.Popen[bytes]:
-        # A file, not a pipe: a pipe that is not read fills up and stops the process.
-        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
-        # In a session of its own: a Ctrl-C on the terminal is for the program, which may draw on.
-        return subprocess.Popen(
-            [sys.executable, "-m", "aioduco.sim.view.drawing"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=self._errors,
-            start_new_session=True,
-        )
-
-    def _end(self, process: subprocess.Popen[bytes]) -> None:
-        self._process = None
-        assert process.stdin is not None
-        assert process.stdout is not None
-        with contextlib.suppress(OSError):  # the process has ended: the rest of the request is lost
-            process.stdin.close()
+    def _start(self) -> LinkedProcess:
         try:
-            process.wait(_END)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-        process.stdout.close()
-        self._errors.close()
+            return LinkedProcess("aioduco.sim.view.drawing", packages=_PACKAGES)
+        except (Unstartable, OSError) as exc:
+            raise RenderError(f"the process that draws was not started: {exc}") from exc
 
     def _camera(self, camera: Camera | str) -> Camera | int:
         if isinstance(camera, Camera):

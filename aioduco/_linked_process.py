@@ -1,0 +1,161 @@
+"""A process of this package, and the socket over which it is told things and answers."""
+
+from __future__ import annotations
+
+import pickle
+import socket
+import struct
+import subprocess
+from typing import TYPE_CHECKING, Any
+
+from aioduco._spawn import Process
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["LinkedProcess", "ValueChannel"]
+
+_HEAD = struct.Struct("<Q")
+#: until a process has ended after its channel was closed [s]
+_END = 5.0
+
+
+class ValueChannel:
+    """Values over a socket to a process that we started, or that started us: it is trusted.
+
+    Args:
+        link: the socket; the channel closes it.
+    """
+
+    def __init__(self, link: socket.socket) -> None:
+        self._link = link
+
+    @classmethod
+    def of(cls, arguments: Sequence[str]) -> ValueChannel:
+        """The channel to the program, in a process whose `main` has got these arguments."""
+        link = socket.socket(fileno=int(arguments[0]))
+        link.set_inheritable(False)  # what this process starts is not to hold it open
+        return cls(link)
+
+    def fileno(self) -> int:
+        """Its descriptor, to wait for a value or the end by a selector."""
+        return self._link.fileno()
+
+    def send(self, value: object) -> None:
+        """Send a value.
+
+        Raises:
+            OSError: the other side has closed.
+        """
+        data = pickle.dumps(value)
+        self._link.sendall(_HEAD.pack(len(data)))
+        self._link.sendall(data)
+
+    def receive(self, timeout: float | None = None) -> Any:
+        """Wait for a value.
+
+        Args:
+            timeout: for its beginning [s]; None for no end.
+
+        Raises:
+            EOFError: the other side has closed.
+            TimeoutError: nothing came in time.
+            OSError: the other side has ended before it read all.
+        """
+        self._link.settimeout(timeout)
+        head = self._read(_HEAD.size)
+        self._link.settimeout(None)
+        return pickle.loads(self._read(*_HEAD.unpack(head)))
+
+    def close(self) -> None:
+        """Close the socket: the other side's `receive` ends."""
+        self._link.close()
+
+    def _read(self, size: int) -> bytearray:
+        data = bytearray(size)
+        rest = memoryview(data)
+        while rest:
+            count = self._link.recv_into(rest)
+            if not count:
+                raise EOFError("the other side has closed")
+            rest = rest[count:]
+        return data
+
+
+class LinkedProcess:
+    """A process with a channel. It is to end when the channel does, and so with the program.
+
+    Args:
+        module: what it runs: `main` of this module, which gets `ValueChannel.of(arguments)`.
+        packages: what it imports beside what each process of this package does.
+        runs_program: whether it runs a program of the user: see `Process`.
+        output: whether it writes to the output of this program.
+        patience: until it has ended after its channel was closed; then it is killed [s].
+
+    Raises:
+        Unstartable: there is no interpreter to start.
+        OSError: the system does not allow it.
+    """
+
+    def __init__(
+        self,
+        module: str,
+        *,
+        packages: Sequence[str] = (),
+        runs_program: bool = False,
+        output: bool = False,
+        patience: float = _END,
+    ) -> None:
+        self._patience = patience
+        ours, theirs = socket.socketpair()
+        try:
+            self._process = Process(
+                module,
+                [theirs.fileno()],
+                packages=packages,
+                runs_program=runs_program,
+                output=output,
+            )
+        except BaseException:
+            ours.close()
+            raise
+        finally:
+            theirs.close()
+        self.channel = ValueChannel(ours)
+
+    def __repr__(self) -> str:
+        return f"<LinkedProcess {self.popen.pid}>"
+
+    @property
+    def popen(self) -> subprocess.Popen[bytes]:
+        """The process."""
+        return self._process.popen
+
+    @property
+    def last_words(self) -> str:
+        """The end of its standard error; empty if it wrote nothing."""
+        return self._process.last_words
+
+    def ask(self, request: object) -> Any:
+        """Send a request, and wait for the answer.
+
+        Raises:
+            EOFError, OSError: the process has ended.
+        """
+        self.channel.send(request)
+        return self.channel.receive()
+
+    def close(self) -> None:
+        """End the process; returns when it has ended. Its last words stay."""
+        self.channel.close()
+        try:
+            self.popen.wait(self._patience)
+        except subprocess.TimeoutExpired:
+            self.popen.kill()
+            self.popen.wait()
+        self._process.close()
+
+    def end(self) -> str:
+        """Close it. Returns the last line of what it said, or nothing if it said nothing."""
+        self.close()
+        return self.last_words.rpartition("\n")[2]

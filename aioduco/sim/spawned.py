@@ -1,0 +1,57 @@
+"""A simulator for the program that started this process, until that program lets go of it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import selectors
+import signal
+import socket
+from typing import TYPE_CHECKING, Any
+
+from aioduco._linked_process import ValueChannel
+from aioduco.sim.simulator import Simulator
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+__all__ = ["main", "serve"]
+
+
+def serve(
+    options: Mapping[str, Any], tell: Callable[[dict[str, Any]], object], held_by: int
+) -> None:
+    """Run a simulator until it is to end: also on SIGTERM, SIGINT, and when a client shuts it down.
+
+    Args:
+        options: arguments of `Simulator`.
+        tell: is told where it listens, as JSON takes it.
+        held_by: descriptor whose end is the end of the simulator.
+    """
+    ours, others = socket.socketpair()
+    ours.setblocking(False)
+    others.setblocking(False)
+    # The handlers do nothing: their signal arrives as a byte on the socket, at any moment.
+    signal.set_wakeup_fd(others.fileno(), warn_on_full_buffer=False)
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: None)
+    with Simulator(**options, on_shutdown=lambda: others.send(b"x")) as sim:
+        ports = {"port": sim.port, "status_port": sim.status_port}
+        tell({"host": sim.host, **ports, "pid": os.getpid()})
+        with selectors.DefaultSelector() as selector:
+            selector.register(held_by, selectors.EVENT_READ)
+            selector.register(ours, selectors.EVENT_READ)
+            while True:
+                ready = {key.fileobj for key, _ in selector.select()}
+                if ours in ready or not os.read(held_by, 4096):
+                    break
+    ours.close()
+    others.close()
+
+
+def main(arguments: list[str]) -> int:
+    """Serve the program that started this process by `Simulator.spawn`."""
+    channel = ValueChannel.of(arguments)
+    with contextlib.suppress(EOFError, ConnectionError):  # the program has ended meanwhile
+        serve(channel.receive(), channel.send, channel.fileno())
+    return 0

@@ -1,0 +1,174 @@
+"""What a program that is tried may reach: its own servers, what was named, and nothing else."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socketserver
+import subprocess
+import sys
+import threading
+from typing import TYPE_CHECKING
+
+import psutil
+import pytest
+
+from aioduco.preflight import PreflightSettings, preflight
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+#: begins each program: it uses a robot, at an address where an arm could be
+BEGIN = """
+import asyncio, concurrent.futures, multiprocessing, os, socket, socketserver, subprocess, sys
+import threading
+import aioduco, aioduco.sync
+ARM = ("192.0.2.1", 7003)
+with aioduco.sync.connect(*ARM) as robot:
+    robot.state.get_tcp_pose()
+"""
+#: each way out, and whether the line is known: a thread of a pool does not tell who asked it
+WAYS_OUT = {
+    "socket.create_connection(ARM, timeout=30)": True,
+    "socket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(b'', ARM)": True,
+    "asyncio.run(asyncio.wait_for(asyncio.open_connection(*ARM), 30))": True,
+    "socket.create_connection(('127.0.0.1', 9), timeout=30)": True,
+    "subprocess.run([sys.executable, '-c', ''])": True,
+    "os.system('true')": True,
+    "os.execv('/bin/true', ['true'])": True,
+    "multiprocessing.get_context('spawn').Process(target=print).start()": True,
+    "concurrent.futures.ThreadPoolExecutor().submit(subprocess.run, 'true').result()": False,
+}
+OWN_SERVERS = """
+class Echo(socketserver.StreamRequestHandler):
+    def handle(self):
+        self.wfile.write(self.rfile.readline())
+
+def heard(address):
+    with socket.create_connection(address, timeout=30) as client:
+        client.sendall(b"word\\n")
+        return client.makefile("rb").readline()
+
+with socketserver.ThreadingTCPServer(("127.0.0.1", 0), Echo) as server:
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    assert heard(server.server_address) == heard(("localhost", server.server_address[1]))
+    server.shutdown()
+
+async def main():
+    async def echo(reader, writer):
+        writer.write(await reader.readline())
+        writer.close()
+
+    server = await asyncio.start_server(echo, "127.0.0.1", 0)
+    async with server:
+        reader, writer = await asyncio.open_connection(*server.sockets[0].getsockname())
+        writer.write(b"word\\n")
+        assert await reader.readline() == b"word\\n"
+        writer.close()
+
+asyncio.run(main())
+"""
+OWN_PROCESSES = """
+from aioduco.planning import Planner, Scene
+async def main():
+    async with aioduco.connect(*ARM, guard="process") as robot:
+        await robot.bring_up()
+        here = await robot.state.get_actual_joints_position()
+        async with Planner(Scene()) as planner:
+            Scene().picture(here, width=20, height=20)
+            plan = await planner.plan(here, aioduco.Joints.of([q + 0.1 for q in here]))
+        await robot.motion.execute(plan)
+        async with robot.servo.joints(v=1.0, a=5.0, rate=100) as stream:
+            await stream.send(await robot.state.get_actual_joints_position())
+asyncio.run(main())
+"""
+
+
+class Answer(socketserver.StreamRequestHandler):
+    def handle(self) -> None:
+        self.wfile.write(b"reached")
+
+
+@pytest.fixture
+def there() -> Iterator[int]:
+    """The port of a server on this computer that is none of the program's."""
+    with socketserver.ThreadingTCPServer(("127.0.0.1", 0), Answer) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        yield server.server_address[1]
+        server.shutdown()
+        thread.join()
+
+
+def test_each_way_out_is_refused_and_found_even_if_the_program_goes_on(tmp_path: Path) -> None:
+    tried = tmp_path / "tried.py"
+    text = BEGIN
+    for way in WAYS_OUT:
+        text += f"try:\n    {way}\n    sys.exit({way!r})\nexcept PermissionError: pass\n"
+    tried.write_text(text)
+    report = preflight(tried, (), PreflightSettings(timeout=110), quiet=True)
+    lines = text.splitlines()
+    found = [(finding.kind, finding.line) for finding in report.findings]
+    assert report.status == 0, report.findings
+    assert found == [
+        ("not reached", lines.index(f"    {way}") + 1 if known else 0)
+        for way, known in WAYS_OUT.items()
+    ]
+    assert "--reach 192.0.2.1:7003" in report.findings[0].text
+
+
+def test_what_is_refused_and_not_caught_is_one_finding(tmp_path: Path) -> None:
+    tried = tmp_path / "tried.py"
+    tried.write_text(BEGIN + "socket.create_connection(ARM)\n")
+    report = preflight(tried, quiet=True)
+    assert [finding.kind for finding in report.findings] == ["not reached"]
+    assert report.status == 1
+
+
+@pytest.mark.parametrize("body", [OWN_SERVERS, OWN_PROCESSES], ids=["servers", "processes"])
+def test_what_is_its_own_or_of_this_package_works(tmp_path: Path, body: str) -> None:
+    tried = tmp_path / "tried.py"
+    tried.write_text(BEGIN + body)
+    # The program's time races while it waits for a server, which has the time of the wall.
+    settings = PreflightSettings(timeout=110, patience=1e9)
+    report = preflight(tried, (), settings, quiet=True)
+    assert report.ok, report.findings
+    assert report.status == 0
+
+
+def test_what_is_named_is_reached_and_a_bad_name_is_refused(tmp_path: Path, there: int) -> None:
+    tried, told = tmp_path / "tried.py", tmp_path / "told"
+    tried.write_text(
+        f"{BEGIN}for host in ('localhost', '127.0.0.1'):\n"
+        f"    with socket.create_connection((host, {there}), timeout=30) as client:\n"
+        f"        open({str(told)!r}, 'ab').write(client.recv(99))\n"
+    )
+
+    def run(*reach: str) -> tuple[int, str]:
+        command = [sys.executable, "-m", "aioduco.cli", "preflight", "--quiet", *reach, str(tried)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=110, check=False)
+        return done.returncode, done.stdout + done.stderr
+
+    status, said = run("--reach", f"localhost:{there}")
+    assert (status, told.read_bytes()) == (0, b"reachedreached"), said
+    status, said = run()
+    assert status == 1
+    assert f"--reach 127.0.0.1:{there}" in said.replace("\\n", "")
+    for bad in (f":{there}", str(there), "host:0", "host:70000", "host:port"):
+        status, said = run("--reach", bad)
+        assert status == 2
+        assert f"{bad!r} is no address" in said
+
+
+def test_a_tried_program_ends_with_a_preflight_that_is_killed(tmp_path: Path) -> None:
+    tried = tmp_path / "tried.py"
+    tried.write_text("import threading\nprint('here', flush=True)\nthreading.Event().wait()\n")
+    command = [sys.executable, "-m", "aioduco.cli", "preflight", str(tried)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as running:
+        assert running.stdout is not None
+        assert running.stdout.readline() == b"here\n"
+        (child,) = psutil.Process(running.pid).children()
+        os.kill(running.pid, signal.SIGKILL)
+    gone, _ = psutil.wait_procs([child], timeout=60)
+    assert gone == [child]

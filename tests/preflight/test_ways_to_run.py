@@ -1,0 +1,125 @@
+"""Modules, clusters elsewhere, cut connections, and a test of somebody else's project."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from aioduco.preflight import PreflightSettings, preflight
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+BEGIN = """import sys
+import aioduco, aioduco.sync
+HOME, THERE = [0, 0, 1.6, 0, -1.5, 0], [0.3, 0, 1.6, 0, -1.5, 0]
+with aioduco.sync.connect("192.0.2.1") as robot:
+    robot.bring_up()
+    robot.motion.movej2(HOME, v=1.0, a=2.0)
+"""
+CARELESS = f"{BEGIN}    robot.motion.movej2(THERE, v=1.0, a=2.0)  # CUT\n"
+CAREFUL = f"""{BEGIN}
+    try:
+        robot.motion.movej2(THERE, v=1.0, a=2.0)
+    except aioduco.OutcomeUnknown:
+        robot.motion.movej2(THERE, v=1.0, a=2.0)
+"""
+#: the connection is cut when the fourth command was done: power on, enable, and two motions
+CUT = 4
+MODULE = """from cell import parts
+assert __name__ == "__main__" and sys.argv[1:] == ["part", "7"]
+assert open("parts.txt").read() == parts.NAME
+"""
+OUTSIDE = """
+def test_the_program_is_good(duco_preflight):
+    assert duco_preflight("program.py", ["7"]).ok
+    report = duco_preflight("program.py", vary=("faults",), seed=4)
+    assert [finding.kind for finding in report.findings] == ["error"]
+"""
+
+
+def aioduco_preflight(folder: Path, *arguments: str) -> tuple[int, str, dict[str, Any]]:
+    """Exit status, what was said, and the result as JSON."""
+    result = folder / "result.json"
+    command = [sys.executable, "-m", "aioduco.cli", "preflight", "--json", str(result), *arguments]
+    done = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, timeout=250, check=False
+    )
+    said = done.stdout + done.stderr
+    return done.returncode, said, json.loads(result.read_text()) if result.is_file() else {}
+
+
+@pytest.fixture
+def cell(tmp_path: Path) -> Path:
+    """A folder with a package, whose module reads a file there."""
+    (tmp_path / "cell").mkdir()
+    (tmp_path / "cell/__init__.py").touch()
+    (tmp_path / "cell/parts.py").write_text("NAME = 'bolt'\n")
+    (tmp_path / "parts.txt").write_text("bolt")
+    (tmp_path / "cell/run.py").write_text(f"{CARELESS}{MODULE}")
+    return tmp_path
+
+
+def test_a_module_runs_as_python_runs_it(cell: Path) -> None:
+    run = ("-m", "cell.run", "--", "part", "7")
+    status, said, result = aioduco_preflight(cell, "--quiet", *run)
+    assert (status, result.get("ok")) == (0, True), said
+    assert {call["where"]["file"] for call in result["calls"] if call["where"]} == {
+        str(cell / "cell/run.py")
+    }
+    status, said, result = aioduco_preflight(cell, "--quiet", "-m", "cell.walk")
+    assert (status, [one["kind"] for one in result["findings"]]) == (1, ["error"]), said
+    assert "cell.walk" in result["findings"][0]["text"]
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(300)
+def test_a_cluster_elsewhere_runs_in_the_same_folder(cell: Path, thorough: bool) -> None:
+    """Its workers were started in another folder. Of these seeds one cuts a command here."""
+    if not thorough:
+        pytest.skip("starts a cluster: --thorough")
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0", host="127.0.0.1"
+    ) as cluster:
+        status, said, result = aioduco_preflight(
+            cell, "--runs", "3", "--seed", "3", "--vary", "faults", "--timeout", "200",
+            "--scheduler", cluster.scheduler_address, "-m", "cell.run", "--", "part", "7",
+        )  # fmt: skip
+    assert (status, len(result.get("results", ()))) == (1, 3), said
+    lines = [[(one["kind"], one["line"]) for one in each["findings"]] for each in result["results"]]
+    assert lines == [[], [("error", len(CARELESS.splitlines()))], []]
+    assert "1 of 3 variations failed" in said
+
+
+@pytest.mark.parametrize("program", [CARELESS, CAREFUL], ids=["careless", "careful"])
+def test_a_cut_connection_is_found_where_the_program_does_not_expect_it(
+    tmp_path: Path, program: str
+) -> None:
+    tried = tmp_path / "tried.py"
+    tried.write_text(program)
+    settings = PreflightSettings(vary=("faults",), seed=4, timeout=110)
+    report = preflight(tried, (), settings, quiet=True)
+    assert report.variation["faults"] == [CUT]
+    found = [(finding.kind, finding.line) for finding in report.findings]
+    marked = [number for number, line in enumerate(program.splitlines(), 1) if "# CUT" in line]
+    assert found == [("error", line) for line in marked], report.findings
+    assert all("OutcomeUnknown" in finding.text for finding in report.findings)
+
+
+def test_the_fixture_in_a_project_of_its_own(tmp_path: Path) -> None:
+    (tmp_path / "program.py").write_text(CARELESS)
+    (tmp_path / "test_outside.py").write_text(OUTSIDE)
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_outside.py"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=250,
+        check=False,
+    )
+    assert "1 passed" in done.stdout, done.stdout + done.stderr
