@@ -260,6 +260,8 @@ class Robot(ManualNames):
         self.port = port
         self._supervisor = Supervisor(host, port, settings)
         self._record = settings.record
+        if self._record is not None:
+            import_module("aioduco.recording.recorder")  # here it holds up no event loop
         self._recording: Recording | None = None
         self._recordings: list[Recording] = []
         endpoint = StreamEndpoint.of(self._supervisor)

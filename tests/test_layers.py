@@ -143,7 +143,7 @@ ONLY_IN: dict[str, set[str]] = {
         *("preflight/child.py", "preflight/lines.py", "preflight/patches.py"),
     },
     "pytest": {"pytest_plugin.py"},
-    "foxglove": {"recording/messages.py"},
+    "foxglove": {"recording/channels.py"},
     "zstandard": {"recording/container.py"},
     "pyarrow": {"recording/tables.py"},
 }

@@ -6,7 +6,7 @@
     run = aioduco.recording.read("run.mcap")
     run.arrays("/joint_states")["position"]  # shape (n, 6) [rad]
 
-What records is in `recorder` (what of the robot), `messages` (as what messages) and `writer` (to
+What records is in `recorder` (what of the robot), `channels` (as what messages) and `writer` (to
 the file, on a thread). It stands above the feed, the events and the streams, and `robot` starts it.
 What reads, `run` and `container`, knows no robot. Needs the extra `record`, which is loaded when it
 is used.

@@ -1,8 +1,8 @@
 """Reads the records of an MCAP file from its beginning, as far as it is whole.
 
 A file that was cut off, since its program was killed or the disk was full, ends in the middle of a
-record and has no index: what stands before is given, and `McapFile.complete` says so. A chunk counts
-only if its checksum is right.
+record and has no index: what stands before is given, and `McapFile.complete` says so. A chunk
+counts only if its checksum is right.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from aioduco.recording.messages import MessageChannels
+    from aioduco.recording.channels import MessageChannels
 
 __all__ = ["FLUSH_EVERY", "RecordingWriter"]
 
@@ -179,7 +179,7 @@ class RecordingWriter:
 
     def _open(self, metadata: dict[str, str]) -> MessageChannels:
         try:
-            from aioduco.recording.messages import MessageChannels  # noqa: PLC0415 - an extra
+            from aioduco.recording.channels import MessageChannels  # noqa: PLC0415 - an extra
         except ModuleNotFoundError as exc:
             raise MissingExtra("a recording", exc.name or "foxglove-sdk", "record") from exc
         self.path, self._file = _created(self.path)

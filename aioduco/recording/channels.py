@@ -12,7 +12,6 @@ import dataclasses
 import enum
 import json
 import math
-from dataclasses import fields
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import foxglove
@@ -436,20 +435,23 @@ def plain(value: Any) -> Any:
     """A value in the types that JSON knows; None for what is not a number."""
     if isinstance(value, enum.Enum):
         return value.name
-    if isinstance(value, str | bool | int | None):
-        return value
     if isinstance(value, float):
         return value if math.isfinite(value) else None
+    if isinstance(value, str | bool | int | None):
+        return value
+    return _plain_parts(value)
+
+
+def _plain_parts(value: Any) -> Any:
+    if dataclasses.is_dataclass(value):
+        value = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+    elif isinstance(value, tuple) and hasattr(value, "_asdict"):
+        value = value._asdict()
     if isinstance(value, dict):
         return {str(key): plain(each) for key, each in value.items()}
-    if isinstance(value, bytes | bytearray):
-        return value.hex()
-    if isinstance(value, tuple) and hasattr(value, "_asdict"):
-        return plain(value._asdict())
     if isinstance(value, list | tuple | set | frozenset):
         return [plain(each) for each in value]
-    if (listed := getattr(value, "tolist", None)) is not None:
-        return plain(listed())
-    if dataclasses.is_dataclass(value):
-        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
-    return str(value)
+    if isinstance(value, bytes | bytearray):
+        return value.hex()
+    listed = getattr(value, "tolist", None)
+    return str(value) if listed is None else plain(listed())
