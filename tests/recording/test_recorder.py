@@ -110,7 +110,6 @@ async def test_states_events_and_log_lines_are_recorded(
     robot: aioduco.Robot,
     bench: Bench,
     tmp_path: Path,
-    caplog: pytest.LogCaptureFixture,
 ) -> None:
     own = logging.getLogger("a.program")
     async with robot.record(tmp_path / "run.mcap") as recording:
