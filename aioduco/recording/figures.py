@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from aioduco.recording.run import RecordedRun
 
-__all__ = ["Curve", "Panel", "draw_page", "draw_png", "panels"]
+__all__ = ["DrawnCurve", "DrawnPanel", "draw_page", "draw_png", "panels"]
 
 #: points of one curve on a page; of more, the lowest and the highest of each stretch are drawn
 _POINTS: Final = 4000
@@ -42,7 +42,7 @@ _SHOWN: Final = (
 )
 
 
-class Curve(NamedTuple):
+class DrawnCurve(NamedTuple):
     """A curve: its name, its colour, which recording it is of, and its points."""
 
     name: str
@@ -52,15 +52,15 @@ class Curve(NamedTuple):
     values: NDArray[Any]
 
 
-class Panel(NamedTuple):
+class DrawnPanel(NamedTuple):
     """Curves over the same axes."""
 
     title: str
     unit: str
-    curves: list[Curve]
+    curves: list[DrawnCurve]
 
 
-def panels(run: RecordedRun, other: RecordedRun | None = None) -> list[Panel]:
+def panels(run: RecordedRun, other: RecordedRun | None = None) -> list[DrawnPanel]:
     """What is drawn of a recording, and of another over it.
 
     Raises:
@@ -73,12 +73,12 @@ def panels(run: RecordedRun, other: RecordedRun | None = None) -> list[Panel]:
             if each is not None and topic in each.topics:
                 times, values = _values(each, topic, field)
                 curves += [
-                    Curve(name, colour, number == 1, times, values[:, index])
+                    DrawnCurve(name, colour, number == 1, times, values[:, index])
                     for index, (name, colour) in enumerate(zip(names, _COLOURS, strict=False))
                     if index < values.shape[1] and np.isfinite(values[:, index]).any()
                 ]
         if curves:
-            found.append(Panel(title, unit, curves))
+            found.append(DrawnPanel(title, unit, curves))
     if not found:
         raise ParameterError("recording", str(run.path), "one with samples of the state")
     return found

@@ -62,7 +62,7 @@ def test_a_page_has_the_recording_s_numbers_and_asks_for_nothing(
     assert len(angles["curves"]) == 12  # of both recordings
     assert angles["curves"][0]["y"] == pytest.approx(joints["position"][:, 0], rel=1e-6, abs=1e-9)
     assert angles["curves"][0]["x"] == pytest.approx(joints["time"], abs=1e-4)
-    assert "movej2" in [text for _, text in values["marks"]]  # type: ignore[misc]  # pairs
+    assert "movej2" in [text for _, text in values["marks"]]
 
 
 def test_of_many_points_the_lowest_and_the_highest_are_drawn(whole: Path, tmp_path: Path) -> None:

@@ -68,7 +68,7 @@ async def test_every_command_and_task_is_recorded_with_its_end(
         bench.arrive()
         with pytest.raises(aioduco.TaskFailed):
             await task
-    assert not recording.running
+    assert recording.over
     assert recording.error is None
     run = read(recording.path)
     assert run.complete
@@ -255,16 +255,17 @@ async def test_a_disk_that_hangs_delays_no_call_and_what_is_dropped_is_counted(
     robot: aioduco.Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     gate, wrote = threading.Event(), threading.Event()
-    write = writer.os.write
+    write = os.write
 
     def hang(file: int, some: Any) -> int:
         if threading.current_thread().name == "aioduco-recording":
             wrote.set()
             gate.wait(60.0)
-        return write(file, some)
+        written: int = write(file, some)
+        return written
 
     async with robot.record(tmp_path / "run.mcap") as recording:
-        monkeypatch.setattr(writer.os, "write", hang)
+        monkeypatch.setattr(os, "write", hang)
         monkeypatch.setattr(writer, "_MOST", 10)
         await eventually_async(wrote.is_set)
         for _ in range(30):
