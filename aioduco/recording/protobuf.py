@@ -29,7 +29,7 @@ def _varint(data: memoryview, at: int) -> tuple[int, int]:
 
 
 def _fields(data: memoryview) -> Iterator[tuple[int, Any]]:
-    """Number and value of each field: a whole number, a double, or bytes."""
+    """Number and value of each field: a whole number, a double, or bytes (fields of 4 bytes are whole numbers)."""
     at = 0
     while at < len(data):
         tag, at = _varint(data, at)
@@ -45,7 +45,7 @@ def _fields(data: memoryview) -> Iterator[tuple[int, Any]]:
                 value = data[at : at + length]
                 at += length
             case 5:
-                (value,) = struct.unpack_from("<f", data, at)
+                (value,) = struct.unpack_from("<I", data, at)
                 at += 4
             case kind:
                 raise ValueError(f"a field of kind {kind}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import logging
 import struct
 from typing import TYPE_CHECKING, Any
 
@@ -33,7 +34,9 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
         aioduco.sync.connect(sim.host, sim.port, state_rate=100, clock=sim.clock) as robot,
     ):
         robot.bring_up()
-        with robot.record(path):
+        with robot.record(path) as recording:
+            line = logging.LogRecord("own", logging.ERROR, "a.py", 7, "no part", (), None)
+            recording.handler.handle(line)
             robot.motion.movej2([0.4, -0.2, 1.8, 0.1, -1.5, 0.2], v=1.0, a=2.0)
     return path
 
@@ -82,10 +85,16 @@ def test_the_numbers_are_those_of_the_format_s_own_readers(whole: Path, run: Rec
                         place, turned = one.translation, one.rotation
                         assert part["translation"] == [place.x, place.y, place.z]
                         assert part["rotation"] == [turned.x, turned.y, turned.z, turned.w]
+                case "foxglove.Log":
+                    for name in ("message", "name", "file", "line"):
+                        assert mine.data[name] == getattr(theirs, name)
+                    level = theirs.DESCRIPTOR.fields_by_name["level"].enum_type
+                    assert mine.data["level"] == level.values_by_number[theirs.level].name
                 case name:
                     pytest.fail(f"a schema that is not compared: {name}")
     assert counts == run.topics
     assert counts["/joint_states"] > 10
+    assert counts["/log"] >= 1
 
 
 def test_arrays_are_what_was_recorded_within_their_grids(run: RecordedRun) -> None:
