@@ -29,7 +29,7 @@ def _varint(data: memoryview, at: int) -> tuple[int, int]:
 
 
 def _fields(data: memoryview) -> Iterator[tuple[int, Any]]:
-    """Number and value of each field: a whole number (those of 4 bytes, too), a double, or bytes."""
+    """Number and value of each field: a whole number (also of 4 bytes), a double, or bytes."""
     at = 0
     while at < len(data):
         tag, at = _varint(data, at)
