@@ -42,6 +42,7 @@ __all__ = [
     "PlanObstructed",
     "PlanningError",
     "ProtocolError",
+    "RecordingError",
     "Refused",
     "RenderError",
     "RobotStateError",
@@ -589,6 +590,10 @@ class UnitWarning(UserWarning):
 
 class RenderError(DucoError, RuntimeError):
     """This computer can draw no picture of a simulator, or show no window. It goes on without."""
+
+
+class RecordingError(DucoError):
+    """A recording cannot be written, read or played. What it says was done to the arm, was done."""
 
 
 class MissingExtra(DucoError, ModuleNotFoundError):

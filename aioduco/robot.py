@@ -15,6 +15,7 @@ from aioduco.supervision.settings import RobotSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from os import PathLike
     from types import TracebackType
     from typing import Self
 
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from aioduco.controller_clock import Clock
     from aioduco.envelope import Envelope
     from aioduco.models.state import RobotStates
+    from aioduco.recording.recorder import Recording
     from aioduco.streaming.servo import Servo
     from aioduco.streaming.speed import Speed
     from aioduco.supervision.events import Events
@@ -111,6 +113,7 @@ def connect(
     state_rate: float = 50.0,
     lag_limit: float | None = 0.25,
     trace: Trace | None = None,
+    record: str | PathLike[str] | None = None,
     clock: Clock | None = None,
 ) -> Robot:
     """Name a robot; `async with` connects to it, and leaves it standing.
@@ -146,6 +149,9 @@ def connect(
         lag_limit: seconds for which the event loop may be blocked without a warning that says
             where; None for no warnings.
         trace: a hook that sees each call and each connection, see `aioduco.trace`.
+        record: a file, such as "run.mcap", to which the robot is recorded from its opening to its
+            closing; `Robot.recording` is that recording. A file that exists is kept: a number is
+            added to the name. None for no recording; `Robot.record` makes one at any time.
         clock: the controller's time, by which times of the arm are measured: how long a jog
             lasts, deadlines of motions, how long they have run. None for the time of this
             computer, which is right for every real arm; a simulated one that goes faster has its
@@ -177,6 +183,7 @@ def connect(
             state_rate=state_rate,
             lag_limit=lag_limit,
             trace=trace,
+            record=record,
             clock=WallClock() if clock is None else clock,
         ),
     )
@@ -252,6 +259,11 @@ class Robot(ManualNames):
         self.host = host
         self.port = port
         self._supervisor = Supervisor(host, port, settings)
+        self._record = settings.record
+        if self._record is not None:
+            import_module("aioduco.recording.recorder")  # here it holds up no event loop
+        self._recording: Recording | None = None
+        self._recordings: list[Recording] = []
         endpoint = StreamEndpoint.of(self._supervisor)
         for name, place in _SECTIONS.items():
             setattr(self, name, _load(place)(self._supervisor))
@@ -287,8 +299,15 @@ class Robot(ManualNames):
             ConnectError: the host is unknown, the port is closed, or nothing answers.
             NotAController: something else than a controller answers.
             ConnectTimeout: something accepts connections, but answers nothing.
+            RecordingError: the file of `connect(record=)` cannot be written.
         """
         await self._supervisor.open()
+        if self._record is not None:
+            try:
+                self._recording = await self.record(self._record).start()
+            except BaseException:
+                await self.aclose()
+                raise
 
     async def aclose(self) -> None:
         """Stop what this program moves, see it stand, end the heartbeat, close.
@@ -300,7 +319,13 @@ class Robot(ManualNames):
             StopUnconfirmed: it is not known that the arm stands.
             WrongLoop: the robot belongs to another event loop, which is to close it.
         """
-        await self._supervisor.aclose()
+        try:
+            await self._supervisor.aclose()
+        finally:
+            # After it: what leaving the robot takes is recorded, too.
+            recordings, self._recordings = self._recordings, []
+            for recording in recordings:
+                await recording.stop()
 
     if not TYPE_CHECKING:  # for a type checker they are not there, as they are of no use
 
@@ -400,6 +425,35 @@ class Robot(ManualNames):
     def events(self) -> Events:
         """What happens to the robot, as it is seen."""
         return self._supervisor.events
+
+    def record(self, path: str | PathLike[str], *, forces: bool = True) -> Recording:
+        """Record the robot to an MCAP file: `async with robot.record("run.mcap"):`.
+
+        Recorded are the samples of the feed at its rate, commands with their answers, tasks,
+        events, figures and set-points of streams, and this package's log lines. Nothing waits for
+        the file; if it cannot be written any more, the recording ends, and the program goes on.
+
+        Args:
+            path: the file. One that exists is kept: a number is added to the name.
+            forces: whether samples have forces, too: two more questions to the controller for
+                each, see `StateFeed.forces`.
+
+        Returns:
+            The recording, not started yet. Closing the robot ends it.
+
+        Raises:
+            ParameterError: the path is no name of a file.
+        """
+        from aioduco.recording.recorder import Recording  # noqa: PLC0415  # with its extra
+
+        recording = Recording(self._supervisor, path, forces)
+        self._recordings = [other for other in self._recordings if not other.over] + [recording]
+        return recording
+
+    @property
+    def recording(self) -> Recording | None:
+        """The recording that `connect(record=)` asked for; None without one."""
+        return self._recording
 
     @property
     def envelope(self) -> Envelope | None:

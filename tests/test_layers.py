@@ -51,11 +51,12 @@ MAY_IMPORT: dict[str, set[str]] = {
     "api": BASE | {"models", "supervision", "streaming"},
     "bus": BASE | {"models", "api"},
     "status_port": {"errors", "models"},
-    "robot": CLIENT,
+    "recording": CLIENT,
+    "robot": CLIENT | {"recording"},
     "events": {"supervision"},
     # the mains of all processes, each imported in its own process alone
     "frozen": CLIENT | {"planning", "sim"},
-    "__init__": CLIENT | {"robot", "events", "frozen"},
+    "__init__": CLIENT | {"robot", "events", "frozen", "recording"},
     # the simulator is the other side: it knows the wire and the arms, and nothing of the client
     "sim": BASE | {"models", "kinematics", "_wire"},
     "testing": BASE | {"models", "_wire", "sim"},
@@ -63,8 +64,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "compat": BASE | {"_wire"},
     # knows arms, the simulator's physics and trajectories, and no robot
     "planning": BASE | {"models", "kinematics", "streaming", "sim"},
-    "recording": CLIENT | {"robot", "__init__"},
-    "sync": CLIENT | {"robot", "__init__"},
+    "sync": CLIENT | {"robot", "__init__", "recording"},
     "preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat", "planning"},
     "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "sync", "testing", "preflight"},
     "cli": CLIENT
@@ -139,7 +139,7 @@ ONLY_IN: dict[str, set[str]] = {
     "rich": {"cli", "streaming/report.py", "streaming/doctor.py"},
     "PIL": {"cli/picture.py", "cli/demo/planned.py", "preflight/html.py"},
     "distributed": {"preflight/sweep.py"},
-    "matplotlib": {"cli", "streaming/report.py"},
+    "matplotlib": {"cli", "streaming/report.py", "recording/figures.py"},
     # the thread hand-off, and tasks that outlive the task that started them
     # and, in the process of a preflight, the program's own loops
     "asyncio": {
@@ -147,6 +147,9 @@ ONLY_IN: dict[str, set[str]] = {
         *("preflight/child.py", "preflight/lines.py", "preflight/patches.py"),
     },
     "pytest": {"pytest_plugin.py"},
+    "foxglove": {"recording/channels.py"},
+    "zstandard": {"recording/container.py"},
+    "pyarrow": {"recording/tables.py"},
 }
 
 #: these are pure: no threads, sockets, clocks or files

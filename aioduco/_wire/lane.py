@@ -92,6 +92,8 @@ class WireLane:
 
     Attributes:
         version: version of the controller's software, for errors; empty as long as it is not known.
+        observers: called with each call that is over, on its thread: the package's own, which
+            neither raise nor wait, as a program's hook may.
     """
 
     def __init__(
@@ -112,6 +114,7 @@ class WireLane:
         self.call_timeout = call_timeout
         self.rpc: AsyncRpc = AsyncRpc(self.call)
         self.version: str = ""
+        self.observers: list[Trace] = []
         self._trace = trace
         self._state = LaneState.NEW
         self._functions = idl.functions()
@@ -257,7 +260,7 @@ class WireLane:
         self._calls += 1
         if begun is not None:
             begun(call)
-        if self._trace is None:
+        if self._trace is None and not self.observers:
             return await self._carry_out(call)
         value: Any = None
         error: BaseException | None = None
@@ -267,10 +270,26 @@ class WireLane:
             error = exc
             raise
         finally:
-            end = time.monotonic()
-            event = CallFinished(end, self.name, name, args, value, error, end - begin)
-            emit(self._trace, event)
+            self.report(name, args, value, error, begin)
         return value
+
+    def report(
+        self,
+        name: str,
+        args: tuple[Any, ...],
+        value: Any,
+        error: BaseException | None,
+        begin: float,
+    ) -> None:
+        """Tell the hook and the observers that a call is over; from any thread."""
+        if self._trace is None and not self.observers:
+            return
+        end = time.monotonic()
+        event = CallFinished(end, self.name, name, args, value, error, end - begin)
+        if self._trace is not None:
+            emit(self._trace, event)
+        for observer in self.observers:
+            observer(event)
 
     async def _carry_out(self, call: AwaitedCall) -> Any:
         try:
@@ -403,8 +422,5 @@ class WireLane:
             error = exc
             raise
         finally:
-            if self._trace is not None:
-                end = time.monotonic()
-                event = CallFinished(end, self.name, name, args, value, error, end - begin)
-                emit(self._trace, event)
+            self.report(name, args, value, error, begin)
         return value

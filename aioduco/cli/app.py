@@ -12,6 +12,7 @@ from aioduco.cli.doctor import doctor
 from aioduco.cli.export import export
 from aioduco.cli.plot import plot
 from aioduco.cli.preflight import preflight
+from aioduco.cli.record import record
 from aioduco.cli.sim import sim
 from aioduco.cli.sim_do import sim_do
 
@@ -29,6 +30,7 @@ app.command()(sim)
 app.command("sim-do", context_settings={"ignore_unknown_options": True})(sim_do)
 app.command()(demo)
 app.command()(doctor)
+app.command()(record)
 app.command()(plot)
 app.command()(check)
 app.command(context_settings={"ignore_unknown_options": True})(call)

@@ -20,6 +20,8 @@ _BRINGS = {
     "plot": ("matplotlib", "PIL"),
     "plan": ("ompl", "toppra", "scipy"),
     "sweep": ("distributed",),
+    "record": ("foxglove", "zstandard"),
+    "parquet": ("pyarrow",),
 }
 
 
@@ -27,7 +29,7 @@ def need(*extras: str) -> None:
     """End with a message that says what to install, if something of the extras is missing.
 
     Args:
-        extras: names of extras: "sim", "plot", "plan", "sweep".
+        extras: names of extras: "sim", "plot", "plan", "sweep", "record", "parquet".
     """
     missing = {
         extra: [name for name in _BRINGS[extra] if importlib.util.find_spec(name) is None]

@@ -1,4 +1,4 @@
-"""`aioduco plot`: the histograms of a stream as a picture."""
+"""`aioduco plot`: a recording, or the histograms of a stream, as a picture."""
 
 from __future__ import annotations
 
@@ -14,12 +14,24 @@ __all__ = ["plot"]
 
 
 def plot(
-    figures: Annotated[Path, typer.Argument(help="What `StreamStatistics.save` wrote.")],
+    figures: Annotated[
+        Path, typer.Argument(help="A recording, or what `StreamStatistics.save` wrote.")
+    ],
     picture: Annotated[
-        Path | None, typer.Argument(help="Where to write it; beside the figures if left out.")
+        Path | None,
+        typer.Argument(help="Where to write it, .png or .html; beside it if left out."),
+    ] = None,
+    over: Annotated[
+        Path | None, typer.Option(help="Another recording, drawn dashed over it.")
     ] = None,
 ) -> None:
-    """Draw how late a stream was, and where its time went, as a PNG."""
+    """Draw a recording, as a PNG or as a page with zoom; or how late a stream was, as a PNG.
+
+    aioduco plot run.mcap run.html --over last-week.mcap
+    """
+    if figures.suffix == ".mcap":
+        _recording(figures, picture or figures.with_suffix(".png"), over)
+        return
     extras.need("plot")
     from aioduco.streaming.report import plot as draw  # noqa: PLC0415 - needs matplotlib
 
@@ -30,4 +42,24 @@ def plot(
     except (OSError, ValueError, KeyError, TypeError) as error:
         typer.echo(f"{figures} cannot be drawn: {error!r}", err=True)
         raise typer.Exit(1) from None
+    typer.echo(f"written to {target}")
+
+
+def _recording(path: Path, target: Path, over: Path | None) -> None:
+    as_page = target.suffix == ".html"
+    extras.need("record", *(() if as_page else ("plot",)))
+    from aioduco.errors import DucoError  # noqa: PLC0415 - for recordings alone
+    from aioduco.recording import read  # noqa: PLC0415
+    from aioduco.recording.figures import draw_page, draw_png  # noqa: PLC0415
+
+    try:
+        run = read(path)
+        other = None if over is None else read(over)
+        (draw_page if as_page else draw_png)(run, target, other)
+    except (OSError, DucoError) as error:
+        typer.echo(f"{path} cannot be drawn: {error}", err=True)
+        raise typer.Exit(1) from None
+    for each in (run, other):
+        if each is not None and not each.complete:
+            typer.echo(f"{each.path} was cut off: it is drawn up to there")
     typer.echo(f"written to {target}")

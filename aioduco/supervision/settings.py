@@ -12,6 +12,8 @@ from aioduco.models.rules import Integer, Number
 from aioduco.supervision.task import OnCancel
 
 if TYPE_CHECKING:
+    from os import PathLike
+
     from aioduco.trace import Trace
 
 __all__ = ["ExitLadder", "GuardKind", "RobotSettings"]
@@ -86,6 +88,7 @@ class RobotSettings:
     state_rate: float = 50.0
     lag_limit: float | None = 0.25
     trace: Trace | None = None
+    record: str | PathLike[str] | None = None
     clock: Clock = field(default_factory=WallClock)
 
     def __post_init__(self) -> None:

@@ -62,6 +62,8 @@ if TYPE_CHECKING:
     from aioduco._wire.lane import LaneStatistics
     from aioduco.supervision.heartbeat import HeartbeatLike
     from aioduco.supervision.settings import RobotSettings
+    from aioduco.supervision.task import Task
+    from aioduco.trace import Trace
 
 __all__ = ["Supervisor", "SupervisorStatistics"]
 
@@ -259,6 +261,34 @@ class Supervisor:
                 f"{name} was not sent: the robot is {self.state}; "
                 "use it inside `async with aioduco.connect(...) as robot`"
             )
+
+    def observe(self, calls: Trace, tasks: Callable[[Task], object]) -> Callable[[], None]:
+        """Have calls and tasks told from now on; for the package's own code, such as a recorder.
+
+        The calls of the feed and of the following of tasks are not told: they are many, and change
+        nothing.
+
+        Args:
+            calls: called with each call that is over, on its thread. It neither raises nor waits.
+            tasks: called with each task that is accepted, changes its state or ends, on the event
+                loop. It neither raises nor waits.
+
+        Returns:
+            What ends it.
+        """
+        lanes = (self._stop_lane, self._control_lane, self._motion_lane, self.calls)
+        follower = self.stop_coordinator.follower
+
+        def end() -> None:
+            # Other lists and not shorter ones: a thread may be going through them.
+            for lane in lanes:
+                lane.observers = [other for other in lane.observers if other != calls]
+            follower.observers = [other for other in follower.observers if other != tasks]
+
+        for lane in lanes:
+            lane.observers = [*lane.observers, calls]
+        follower.observers = [*follower.observers, tasks]
+        return end
 
     async def admit_stream(self, name: str) -> None:
         """See that a stream of set-points may begin.

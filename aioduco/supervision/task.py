@@ -354,13 +354,15 @@ class Task:
             self._let_go()
             self._let_go = None
 
-    def _observed(self, state: TaskState, now: float) -> None:
-        """The controller reported a state."""
-        if self.life.observe(state) and self._states[-1] != self.life.state:
-            self._states.append(self.life.state)
-            self._wake()
+    def _observed(self, state: TaskState, now: float) -> bool:
+        """The controller reported a state; returns whether it is another than before."""
+        changed = self.life.observe(state) and self._states[-1] != self.life.state
         if self.started_at is None and self.life.started:
             self.started_at, self._began = now, self._clock.now()
+        if changed:
+            self._states.append(self.life.state)
+            self._wake()
+        return changed
 
     def _settle(self, errors: Sequence[str], now: float) -> None:
         """The task has ended for good: wake whoever waits."""

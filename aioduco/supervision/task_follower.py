@@ -164,6 +164,8 @@ class TaskFollower:
 
     Attributes:
         polls: questions that were asked.
+        observers: called with each task that was accepted, changed its state or ended, on the event
+            loop; the package's own, which neither raise nor wait.
     """
 
     def __init__(
@@ -181,6 +183,7 @@ class TaskFollower:
         self._stopping: set[Task] = set()
         self._stopped = anyio.Event()
         self.polls: int = 0
+        self.observers: list[Callable[[Task], object]] = []
 
     @property
     def tasks(self) -> tuple[Task, ...]:
@@ -199,6 +202,7 @@ class TaskFollower:
                 task._settle((), now)
             return
         self._seen[task] = task.accepted_at
+        self._tell(task)
         self._schedule.add(task, task.accepted_at)
         wake, self._wake = self._wake, anyio.Event()
         wake.set()
@@ -360,8 +364,8 @@ class TaskFollower:
         self._note_stop(task)
         if state is None:
             task.life.lose()
-        else:
-            task._observed(state, now)
+        elif task._observed(state, now):
+            self._tell(task)
 
     async def _end(self, task: Task) -> None:
         self._schedule.remove(task)
@@ -388,7 +392,14 @@ class TaskFollower:
 
     def _mark_ended(self, task: Task, errors: Sequence[str], now: float) -> None:
         self._seen.pop(task, None)
+        was_done = task.done
         task._settle(errors, now)
+        if not was_done:
+            self._tell(task)
+
+    def _tell(self, task: Task) -> None:
+        for observer in self.observers:
+            observer(task)
 
     def _close(self) -> None:
         self._closed = True

@@ -9,10 +9,12 @@ from aioduco import robot as aio_robot
 from aioduco.models import ranges
 from aioduco.sync._feeds import Events, Feed
 from aioduco.sync._generated import Sections
+from aioduco.sync._recording import Recording
 from aioduco.sync._runner import Runner
 from aioduco.sync._tasks import Task
 
 if TYPE_CHECKING:
+    from os import PathLike
     from types import TracebackType
     from typing import Self
 
@@ -45,6 +47,7 @@ def connect(
     state_rate: float = 50.0,
     lag_limit: float | None = 0.25,
     trace: Trace | None = None,
+    record: str | PathLike[str] | None = None,
     clock: Clock | None = None,
     hold_limit: float | None = 1.0,
     program_limit: float | None = None,
@@ -86,6 +89,9 @@ def connect(
             says where; None for no warnings.
         trace: a hook that sees each call and each connection, see `aioduco.trace`; it is called
             on the robot's threads.
+        record: a file, such as "run.mcap", to which the robot is recorded from its opening to its
+            closing; `Robot.recording` is that recording. A file that exists is kept: a number is
+            added to the name. None for no recording; `Robot.record` makes one at any time.
         clock: the controller's time, by which times of the arm are measured; None for the time of
             this computer, which is right for every real arm. It is read on the robot's thread.
         hold_limit: seconds without a call on the robot by the thread that started it after which
@@ -122,6 +128,7 @@ def connect(
         state_rate=state_rate,
         lag_limit=lag_limit,
         trace=trace,
+        record=record,
         clock=clock,
     )
     return Robot(Runner(robot, hold_limit, program_limit))
@@ -245,6 +252,33 @@ class Robot(Sections):
             self._robot.envelope = envelope
 
         self._runner.look(use)
+
+    def record(self, path: str | PathLike[str], *, forces: bool = True) -> Recording:
+        """Record the robot to an MCAP file: `with robot.record("run.mcap"):`.
+
+        Recorded are the samples of the feed at its rate, commands with their answers, tasks,
+        events, figures and set-points of streams, and this package's log lines. Nothing waits for
+        the file; if it cannot be written any more, the recording ends, and the program goes on.
+
+        Args:
+            path: the file. One that exists is kept: a number is added to the name.
+            forces: whether samples have forces, too: two more questions to the controller for
+                each, see `Feed.forces`.
+
+        Returns:
+            The recording, not started yet. Closing the robot ends it.
+
+        Raises:
+            ParameterError: the path is no name of a file.
+        """
+        made = self._runner.look(lambda: self._robot.record(path, forces=forces))
+        return Recording(self._runner, made)
+
+    @property
+    def recording(self) -> Recording | None:
+        """The recording that `connect(record=)` asked for; None without one."""
+        made = self._robot.recording
+        return None if made is None else Recording(self._runner, made)
 
     def sleep(self, seconds: float) -> None:
         """Let time pass. Unlike `time.sleep` it counts as a call: see `hold_limit` of `connect`.

@@ -237,6 +237,7 @@ class GuardedStopChannel(StopChannel):
 
     async def _by_guard(self, timeout: float) -> bool:
         """Have the guard send a stop; the guard has it before this first waits."""
+        begin = time.monotonic()
         done = anyio.Event()
         # No longer than it is waited for: one that comes after the local way's would stop what was
         # sent since.
@@ -246,9 +247,10 @@ class GuardedStopChannel(StopChannel):
             return False
         with anyio.move_on_after(timeout):
             await done.wait()
-        return answer.given and not answer.error
+        return self._confirmed(answer, begin)
 
     def _by_guard_now(self, timeout: float) -> bool:
+        begin = time.monotonic()
         done: SimpleQueue[None] = SimpleQueue()
         timeout = min(CONFIRM_LIMIT, timeout)
         answer = self._asked(timeout, lambda: done.put(None))
@@ -258,7 +260,14 @@ class GuardedStopChannel(StopChannel):
             done.get(timeout=timeout)
         except Empty:
             return False
-        return not answer.error
+        return self._confirmed(answer, begin)
+
+    def _confirmed(self, answer: Answer, begin: float) -> bool:
+        """Whether the controller accepted the guard's stop; if so, hook and observers are told."""
+        confirmed = answer.given and not answer.error
+        if confirmed:
+            self._stop.report("stop", (False,), None, None, begin)
+        return confirmed
 
     def _asked(self, timeout: float, notify: Callable[[], None]) -> Answer | None:
         answer = self._client.stop(timeout, notify)

@@ -1,0 +1,192 @@
+"""Reads the records of an MCAP file from its beginning, as far as it is whole.
+
+A file that was cut off, since its program was killed or the disk was full, ends in the middle of a
+record and has no index: what stands before is given, and `McapFile.complete` says so. A chunk
+counts only if its checksum is right.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from aioduco.errors import MissingExtra, RecordingError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+__all__ = ["McapChannel", "McapFile", "McapMessage", "McapSchema"]
+
+MAGIC: Final = b"\x89MCAP0\r\n"
+HEADER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 1, 3, 4, 5, 6, 0x0C, 0x0F
+
+_RECORD: Final = struct.Struct("<BQ")
+_MESSAGE: Final = struct.Struct("<HIQQ")
+_CHUNK: Final = struct.Struct("<QQQI")
+#: bytes of a record or of an unpacked chunk at most; what claims more is garbled
+_LARGEST: Final = 1 << 30
+
+
+@dataclass(frozen=True, slots=True)
+class McapSchema:
+    """What the messages of a channel look like."""
+
+    name: str
+    encoding: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class McapChannel:
+    """A channel: its topic, and how its messages are encoded."""
+
+    topic: str
+    encoding: str
+    schema: McapSchema | None
+
+
+class McapMessage(NamedTuple):
+    """A message as it stands in the file.
+
+    Attributes:
+        channel: its channel.
+        time_ns: its time, nanoseconds since 1970.
+        data: its bytes.
+    """
+
+    channel: McapChannel
+    time_ns: int
+    data: memoryview
+
+
+class McapFile:
+    """The records of one file.
+
+    Attributes:
+        metadata: texts by the name of their record, as far as they were read.
+        complete: whether the file was read to its proper end.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._schemas: dict[int, McapSchema] = {}
+        self._channels: dict[int, McapChannel] = {}
+        self.metadata: dict[str, dict[str, str]] = {}
+        self.complete: bool = False
+
+    def messages(self) -> Iterator[McapMessage]:
+        """Every message in the order of the file.
+
+        Raises:
+            RecordingError: it cannot be opened, or is no MCAP file.
+        """
+        try:
+            data = memoryview(self._path.read_bytes())
+        except OSError as exc:
+            raise RecordingError(f"{self._path} cannot be read: {exc}") from exc
+        if bytes(data[: len(MAGIC)]) != MAGIC:
+            raise RecordingError(
+                f"{self._path} is no recording: it does not begin as MCAP files do"
+            )
+        yield from self._records(data[len(MAGIC) :])
+
+    def _records(self, data: memoryview) -> Iterator[McapMessage]:
+        for kind, record in _split(data):
+            if kind == DATA_END:
+                self.complete = True
+                return
+            if kind == METADATA:
+                name, at = _text(record, 0)
+                self.metadata[name] = _texts(record, at)
+            elif kind == CHUNK:
+                chunk = self._unpacked(record)
+                if chunk is None:
+                    return
+                for inner, part in _split(chunk):
+                    if (message := self._take(inner, part)) is not None:
+                        yield message
+            elif (message := self._take(kind, record)) is not None:
+                yield message
+
+    def _take(self, kind: int, record: memoryview) -> McapMessage | None:
+        """Take in a record that may stand in a chunk; the message, if it is one."""
+        if kind == MESSAGE:
+            channel, _, log_time, _ = _MESSAGE.unpack_from(record)
+            return McapMessage(self._channels[channel], log_time, record[_MESSAGE.size :])
+        if kind == SCHEMA:
+            (number,) = struct.unpack_from("<H", record)
+            name, at = _text(record, 2)
+            encoding, at = _text(record, at)
+            self._schemas[number] = McapSchema(name, encoding, bytes(record[at + 4 :]))
+        elif kind == CHANNEL:
+            number, schema = struct.unpack_from("<HH", record)
+            topic, at = _text(record, 4)
+            encoding, _ = _text(record, at)
+            self._channels[number] = McapChannel(topic, encoding, self._schemas.get(schema))
+        return None
+
+    def _unpacked(self, record: memoryview) -> memoryview | None:
+        """The records of a chunk; None if it is garbled."""
+        _, _, size, crc = _CHUNK.unpack_from(record)
+        compression, at = _text(record, _CHUNK.size)
+        packed = record[at + 8 :]
+        if size > _LARGEST:
+            return None
+        try:
+            chunk = _unpack(self._path, compression)(packed, size)
+        except ValueError:
+            return None
+        if crc and zlib.crc32(chunk) != crc:
+            return None
+        return memoryview(chunk)
+
+
+def _unpack(path: Path, compression: str) -> Callable[[memoryview, int], bytes]:
+    """What unpacks a chunk; it raises ValueError if that is garbled."""
+    if compression == "":
+        return lambda packed, _: bytes(packed)
+    if compression != "zstd":
+        raise RecordingError(f"{path} is packed by {compression}: only zstd and none are read")
+    try:
+        import zstandard  # noqa: PLC0415 - an extra
+    except ModuleNotFoundError as exc:
+        raise MissingExtra("a recording", "zstandard", "record") from exc
+
+    def unpack(packed: memoryview, size: int) -> bytes:
+        try:
+            return zstandard.ZstdDecompressor().decompress(packed, max_output_size=size)
+        except zstandard.ZstdError as exc:
+            raise ValueError("garbled") from exc
+
+    return unpack
+
+
+def _split(data: memoryview) -> Iterator[tuple[int, memoryview]]:
+    """The records of a piece, as far as they are whole."""
+    at = 0
+    while at + _RECORD.size <= len(data):
+        kind, length = _RECORD.unpack_from(data, at)
+        at += _RECORD.size
+        if length > len(data) - at:
+            return
+        yield kind, data[at : at + length]
+        at += length
+
+
+def _text(record: memoryview, at: int) -> tuple[str, int]:
+    """A text with its length before it, and where it ends."""
+    (length,) = struct.unpack_from("<I", record, at)
+    at += 4
+    return str(record[at : at + length], "utf-8"), at + length
+
+
+def _texts(record: memoryview, at: int) -> dict[str, str]:
+    (length,) = struct.unpack_from("<I", record, at)
+    at, end, found = at + 4, at + 4 + length, {}
+    while at < end:
+        key, at = _text(record, at)
+        found[key], at = _text(record, at)
+    return found

@@ -1,0 +1,346 @@
+"""A recording as a picture: as PNG, or as one page with zoom that needs nothing else.
+
+Two recordings are drawn over each other, each from its begin or from a moment of its own.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from aioduco.errors import MissingExtra, ParameterError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from aioduco.recording.run import RecordedRun
+
+__all__ = ["DrawnCurve", "DrawnPanel", "draw_page", "draw_png", "panels"]
+
+#: points of one curve on a page; of more, the lowest and the highest of each stretch are drawn
+_POINTS: Final = 4000
+#: one for each joint: distinguished also without colours seen as most see them
+_COLOURS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+_JOINTS: Final = tuple(f"joint {number}" for number in range(1, 7))
+_XYZ: Final = ("x", "y", "z")
+
+#: title, unit, channel, field, names of its numbers
+_SHOWN: Final = (
+    ("joint angles", "rad", "/joint_states", "position", _JOINTS),
+    ("joint speeds", "rad/s", "/joint_states", "velocity", _JOINTS),
+    ("behind the set-points", "rad", "/joint_states", "error", _JOINTS),
+    ("tip of the tool", "m", "/tf", "tcp.translation", _XYZ),
+    ("force", "N", "/wrench", "force", _XYZ),
+    ("torque", "N·m", "/wrench", "torque", _XYZ),
+    ("lateness of the stream, p99", "s", "/streams", "lateness.p99", ("p99",)),
+)
+
+
+class DrawnCurve(NamedTuple):
+    """A curve: its name, its colour, which recording it is of, and its points."""
+
+    name: str
+    colour: str
+    second: bool
+    times: NDArray[Any]
+    values: NDArray[Any]
+
+
+class DrawnPanel(NamedTuple):
+    """Curves over the same axes."""
+
+    title: str
+    unit: str
+    curves: list[DrawnCurve]
+
+
+def panels(run: RecordedRun, other: RecordedRun | None = None) -> list[DrawnPanel]:
+    """What is drawn of a recording, and of another over it.
+
+    Raises:
+        ParameterError: there is nothing in it that can be drawn.
+    """
+    found = []
+    for title, unit, topic, field, names in _SHOWN:
+        curves = []
+        for number, each in enumerate((run, other)):
+            if each is not None and topic in each.topics:
+                times, values = _values(each, topic, field)
+                curves += [
+                    DrawnCurve(name, colour, number == 1, times, values[:, index])
+                    for index, (name, colour) in enumerate(zip(names, _COLOURS, strict=False))
+                    if index < values.shape[1] and np.isfinite(values[:, index]).any()
+                ]
+        if curves:
+            found.append(DrawnPanel(title, unit, curves))
+    if not found:
+        raise ParameterError("recording", str(run.path), "one with samples of the state")
+    return found
+
+
+def _values(run: RecordedRun, topic: str, field: str) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Times and values of a field, a column for each number."""
+    arrays = run.arrays(topic)
+    times = arrays["time"]
+    nothing = np.empty((len(times), 0))
+    if field == "error":
+        if "/joint_setpoints" not in run.topics:
+            return times, nothing
+        wanted = run.arrays("/joint_setpoints")
+        count = min(len(times), len(wanted["time"]))
+        return times[:count], arrays["position"][:count] - wanted["position"][:count]
+    if field not in arrays and f"{field}.x" in arrays:
+        return times, np.column_stack([arrays[f"{field}.{axis}"] for axis in _XYZ]).astype(float)
+    values = arrays.get(field, nothing)
+    if values.dtype == object:
+        return times, nothing
+    return times, values.reshape(len(times), -1)
+
+
+def marks(run: RecordedRun) -> list[tuple[float, str]]:
+    """Moments that are marked: motions, stops and events."""
+    found = []
+    for message in run.messages("/commands", "/events"):
+        if message.topic == "/events":
+            found.append((message.time, str(message.data["event"])))
+        elif message.data["lane"] in ("motion", "stop", "control"):
+            failed = " failed" if message.data["error"] else ""
+            found.append((message.time, f"{message.data['function']}{failed}"))
+    return found
+
+
+def draw_png(run: RecordedRun, path: Path, other: RecordedRun | None = None) -> None:
+    """Draw a recording as a PNG. Needs matplotlib.
+
+    Args:
+        run: the recording.
+        path: where to write.
+        other: another one, dashed over it.
+
+    Raises:
+        ParameterError: there is nothing in it that can be drawn.
+        MissingExtra: matplotlib is not installed.
+    """
+    try:
+        from matplotlib.figure import Figure  # noqa: PLC0415 - only for those who draw
+    except ModuleNotFoundError as exc:
+        raise MissingExtra("a picture", "matplotlib", "plot") from exc
+    shown = panels(run, other)
+    figure = Figure(figsize=(11, 2.2 * len(shown) + 0.8), layout="constrained")
+    figure.suptitle(_title(run, other), fontsize="medium")
+    axes = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+    for axis, panel in zip(axes, shown, strict=True):
+        for curve in panel.curves:
+            axis.plot(
+                curve.times,
+                curve.values,
+                color=curve.colour,
+                linewidth=1.0,
+                linestyle="--" if curve.second else "-",
+                label=None if curve.second else curve.name,
+            )
+        for at, _ in marks(run):
+            axis.axvline(at, color="0.8", linewidth=0.6, zorder=0)
+        axis.set_title(panel.title, fontsize="medium", loc="left")
+        axis.set_ylabel(panel.unit)
+        axis.grid(visible=True, color="0.93")
+        axis.legend(fontsize="x-small", ncols=6, loc="upper right")
+    axes[-1].set_xlabel("s")
+    figure.savefig(path, dpi=110)
+
+
+def _title(run: RecordedRun, other: RecordedRun | None) -> str:
+    names = [
+        f"{each.path.name} ({each.duration:.1f} s)" for each in (run, other) if each is not None
+    ]
+    return " and, dashed, ".join(names)
+
+
+def draw_page(run: RecordedRun, path: Path, other: RecordedRun | None = None) -> None:
+    """Write a recording as one HTML page with zoom; it asks for nothing from anywhere.
+
+    Args:
+        run: the recording.
+        path: where to write.
+        other: another one, dashed over it.
+
+    Raises:
+        ParameterError: there is nothing in it that can be drawn.
+    """
+    content = {
+        "panels": [
+            {
+                "title": panel.title,
+                "unit": panel.unit,
+                "curves": [
+                    {
+                        "name": curve.name,
+                        "colour": curve.colour,
+                        "second": curve.second,
+                        **_points(curve.times, curve.values),
+                    }
+                    for curve in panel.curves
+                ],
+            }
+            for panel in panels(run, other)
+        ],
+        "marks": [[round(at, 4), text] for at, text in marks(run)],
+    }
+    # "</" would end the script, wherever it stands
+    data = json.dumps(content, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
+    title = html.escape(_title(run, other))
+    path.write_text(_PAGE.replace("@TITLE@", title).replace("@DATA@", data), encoding="utf-8")
+
+
+def _points(times: NDArray[Any], values: NDArray[Any]) -> dict[str, Sequence[float | None]]:
+    """The points of a curve, or the lowest and the highest of each stretch of them."""
+    if len(times) > _POINTS:
+        chosen: list[int] = []
+        for part in np.array_split(np.arange(len(times)), _POINTS // 2):
+            inside = values[part]
+            if np.isfinite(inside).any():
+                pair = {int(part[np.nanargmin(inside)]), int(part[np.nanargmax(inside)])}
+                chosen += sorted(pair)
+        times, values = times[chosen], values[chosen]
+    return {
+        "x": [round(float(time), 4) for time in times],
+        "y": [float(f"{value:.7g}") if np.isfinite(value) else None for value in values],
+    }
+
+
+_PAGE: Final = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>@TITLE@</title>
+<style>
+body { font: 14px system-ui, sans-serif; margin: 1em; color: #222; background: #fff }
+canvas { width: 100%; height: 190px; display: block; cursor: crosshair; touch-action: none }
+h1 { font-size: 1.1em } h2 { font-size: 1em; margin: .8em 0 .1em }
+h2 span { font-weight: normal; margin-left: 1em; font-size: .85em }
+p { color: #555 }
+</style></head><body>
+<h1>@TITLE@</h1>
+<p>Drag to zoom in, turn the wheel to zoom, drag with Shift to move, double-click for all of it.
+Grey lines are commands and events. <output id="at"></output></p>
+<div id="plots"></div>
+<script>
+"use strict";
+const data = @DATA@;
+let low = Infinity, high = -Infinity;
+for (const p of data.panels) for (const c of p.curves) if (c.x.length) {
+  low = Math.min(low, c.x[0]); high = Math.max(high, c.x[c.x.length - 1]);
+}
+if (!(high > low)) high = low + 1;
+let from = low, to = high, drag = null;
+const out = document.getElementById("at"), plots = [];
+const LEFT = 64, BOTTOM = 20;
+function step(span, count) {
+  const raw = span / count, ten = 10 ** Math.floor(Math.log10(raw)), part = raw / ten;
+  return ten * (part < 1.5 ? 1 : part < 3.5 ? 2 : part < 7.5 ? 5 : 10);
+}
+function near(x, at) {
+  let a = 0, b = x.length;
+  while (a < b) { const m = (a + b) >> 1; if (x[m] < at) a = m + 1; else b = m; }
+  return a;
+}
+function label(v, s) { return v.toFixed(Math.max(0, Math.min(9, -Math.floor(Math.log10(s))))); }
+function draw(plot) {
+  const c = plot.canvas, r = window.devicePixelRatio || 1;
+  const w = c.clientWidth, h = c.clientHeight;
+  c.width = w * r; c.height = h * r;
+  const g = c.getContext("2d"); g.scale(r, r); g.font = "11px system-ui, sans-serif";
+  let a = Infinity, b = -Infinity;
+  for (const k of plot.panel.curves) {
+    const end = Math.min(k.x.length, near(k.x, to) + 1);
+    for (let i = Math.max(0, near(k.x, from) - 1); i < end; i++) if (k.y[i] !== null) {
+      a = Math.min(a, k.y[i]); b = Math.max(b, k.y[i]);
+    }
+  }
+  if (!(b >= a)) { a = 0; b = 1; }
+  if (b - a < 1e-9) { a -= 0.5e-3; b += 0.5e-3; }
+  const pad = (b - a) * 0.06; a -= pad; b += pad;
+  const X = t => LEFT + (t - from) / (to - from) * (w - LEFT - 6);
+  const Y = v => 4 + (b - v) / (b - a) * (h - BOTTOM - 4);
+  plot.time = x => from + (x - LEFT) / (w - LEFT - 6) * (to - from);
+  g.strokeStyle = "#eee"; g.fillStyle = "#555"; g.lineWidth = 1;
+  const sx = step(to - from, 10), sy = step(b - a, 5);
+  g.textAlign = "center";
+  for (let t = Math.ceil(from / sx) * sx; t <= to; t += sx) {
+    g.beginPath(); g.moveTo(X(t), 4); g.lineTo(X(t), h - BOTTOM); g.stroke();
+    g.fillText(label(t, sx) + " s", X(t), h - 6);
+  }
+  g.textAlign = "right";
+  for (let v = Math.ceil(a / sy) * sy; v <= b; v += sy) {
+    g.beginPath(); g.moveTo(LEFT, Y(v)); g.lineTo(w - 6, Y(v)); g.stroke();
+    g.fillText(label(v, sy), LEFT - 4, Y(v) + 4);
+  }
+  g.save(); g.beginPath(); g.rect(LEFT, 0, w - LEFT - 6, h - BOTTOM); g.clip();
+  g.strokeStyle = "#ccc";
+  for (const [t] of data.marks) { g.beginPath(); g.moveTo(X(t), 0); g.lineTo(X(t), h); g.stroke(); }
+  for (const k of plot.panel.curves) {
+    g.strokeStyle = k.colour; g.setLineDash(k.second ? [5, 4] : []); g.lineWidth = 1.2;
+    g.beginPath();
+    let pen = false;
+    const end = Math.min(k.x.length, near(k.x, to) + 1);
+    for (let i = Math.max(0, near(k.x, from) - 1); i < end; i++) {
+      if (k.y[i] === null) { pen = false; continue; }
+      if (pen) g.lineTo(X(k.x[i]), Y(k.y[i])); else g.moveTo(X(k.x[i]), Y(k.y[i]));
+      pen = true;
+    }
+    g.stroke();
+  }
+  if (drag && !drag.move) {
+    g.setLineDash([]); g.fillStyle = "rgba(0,114,178,.15)";
+    g.fillRect(X(drag.start), 0, X(drag.now) - X(drag.start), h);
+  }
+  g.restore();
+}
+function all() { for (const plot of plots) draw(plot); }
+function show(a, b) {
+  const span = Math.max(b - a, 1e-3);
+  from = Math.max(low, Math.min(a, high - span)); to = Math.min(high, from + span); all();
+}
+for (const panel of data.panels) {
+  const head = document.createElement("h2"), canvas = document.createElement("canvas");
+  head.textContent = panel.title + " [" + panel.unit + "]";
+  for (const k of panel.curves) if (!k.second) {
+    const s = document.createElement("span"); s.textContent = k.name; s.style.color = k.colour;
+    head.append(s);
+  }
+  document.getElementById("plots").append(head, canvas);
+  const plot = {panel, canvas, time: x => x}; plots.push(plot);
+  const at = e => plot.time(e.clientX - canvas.getBoundingClientRect().left);
+  canvas.addEventListener("pointerdown", e => {
+    drag = {start: at(e), now: at(e), move: e.shiftKey}; canvas.setPointerCapture(e.pointerId);
+  });
+  canvas.addEventListener("pointermove", e => {
+    const t = at(e);
+    if (drag && drag.move) show(from + drag.start - t, to + drag.start - t);
+    else if (drag) { drag.now = t; all(); }
+    const mark = data.marks.filter(m => Math.abs(m[0] - t) < (to - from) / 150).map(m => m[1]);
+    const said = panel.curves.map(k => {
+      const i = Math.min(near(k.x, t), k.x.length - 1);
+      return k.name + (k.second ? "′ " : " ") + (k.y[i] === null ? "–" : k.y[i].toPrecision(5));
+    });
+    out.textContent = t.toFixed(3) + " s: " + said.concat(mark).join(", ");
+  });
+  canvas.addEventListener("pointerup", () => {
+    const d = drag; drag = null;
+    if (d && !d.move && Math.abs(d.now - d.start) > (to - from) / 200)
+      show(Math.min(d.start, d.now), Math.max(d.start, d.now));
+    else all();
+  });
+  canvas.addEventListener("dblclick", () => show(low, high));
+  canvas.addEventListener("wheel", e => {
+    e.preventDefault();
+    const t = at(e), f = Math.exp(e.deltaY * 0.002);
+    show(t - (t - from) * f, t + (to - t) * f);
+  }, {passive: false});
+}
+window.addEventListener("resize", all); all();
+</script></body></html>
+"""

@@ -1,0 +1,362 @@
+"""What of a robot is recorded, and while it runs: the feed, calls, tasks, events, streams, the log.
+
+Guarantees:
+- Nothing here makes a call, a task, a stream or the event loop wait: what is seen is put into the
+  queue of the writer's thread.
+- What fails ends the recording, and nothing else: `Recording.error` says why, and it is logged.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import anyio
+
+from aioduco._version import __version__
+from aioduco._wire.handoff import loop_callback
+from aioduco.errors import DucoError, ParameterError, RecordingError, RobotStateError, StreamClosed
+from aioduco.models.samples import pose
+from aioduco.recording.writer import RecordingWriter
+from aioduco.reporting import BackgroundLogger
+from aioduco.streaming.session import Session
+from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
+from aioduco.trace import CallFinished
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import TracebackType
+    from typing import Self
+
+    from aioduco.supervision.supervisor import Supervisor
+    from aioduco.supervision.task import Task
+    from aioduco.trace import TraceEvent
+
+__all__ = ["Recording", "RecordingStatistics"]
+
+_log = BackgroundLogger(__name__)
+
+#: seconds for the file to be closed, after which its thread is left to itself
+_CLOSE_LIMIT: Final = 5.0
+#: samples that wait at most
+_SAMPLES: Final = 256
+#: seconds between two looks at the flange and at the figures of a stream
+_SLOWLY: Final = 1.0
+#: seconds for an answer about the flange
+_ASK_LIMIT: Final = 0.5
+#: what is recorded of a stream's figures, besides its name and its rate
+_STREAM_FIGURES: Final = (
+    *("state", "reason", "ticks", "sent", "missed", "starved", "limited", "overwritten"),
+    *("lateness", "interval", "round_trip", "age"),
+)
+
+
+class RecordingStatistics(NamedTuple):
+    """Figures of a recording.
+
+    Attributes:
+        written: samples, calls, tasks, events and lines that were written.
+        dropped: those that were not, since the disk or this computer was too slow.
+        size: bytes in the file.
+    """
+
+    written: int
+    dropped: int
+    size: int
+
+
+class RecordingHandler(logging.Handler):
+    """Records the log lines of the loggers that it is added to.
+
+    Args:
+        writer: where lines go.
+    """
+
+    def __init__(self, writer: RecordingWriter) -> None:
+        super().__init__()
+        self._writer = writer
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Record a line; on the thread that logs it."""
+        try:
+            at = time.monotonic() - (time.time() - record.created)
+            text = record.getMessage()
+            if record.exc_info and record.exc_info[1] is not None:
+                text += f" ({record.exc_info[1]!r})"
+            where = (record.name, text, record.pathname, record.lineno)
+            self._writer.put("line", at, record.levelno, *where)
+        except Exception:
+            self.handleError(record)
+        self._show(record)
+
+    def _show(self, record: logging.LogRecord) -> None:
+        """Show a line that would be shown on stderr if this handler were not there."""
+        last = logging.lastResort
+        if last is None or record.levelno < last.level:
+            return
+        logger: logging.Logger | None = logging.getLogger(record.name)
+        first: logging.Handler | None = None
+        while logger is not None:
+            for handler in logger.handlers:
+                if not isinstance(handler, RecordingHandler):
+                    return
+                first = first or handler
+            logger = logger.parent if logger.propagate else None
+        if first is self:
+            last.handle(record)
+
+
+class Recording:
+    """A recording of one robot: `Robot.record` makes it, `async with` or `start` begins it.
+
+    Attributes:
+        handler: records log lines. It is added to the logger `aioduco`; a program may add it to
+            its own.
+    """
+
+    def __init__(self, supervisor: Supervisor, path: str | os.PathLike[str], forces: bool) -> None:
+        if not isinstance(path, str | os.PathLike) or not os.fspath(path):
+            raise ParameterError("path", path, "the name of a file")
+        self._supervisor = supervisor
+        self._forces = forces
+        self._put_forces = False
+        self._started = False
+        self._finished = False
+        self._ended = anyio.Event()
+        self._missed = 0
+        self._failure: Exception | None = None
+        self._undo: list[Callable[[], object]] = []
+        self._background = BackgroundTasks(self._crashed)
+        #: by open stream, the set-point that was recorded last
+        self._streams: dict[Session, tuple[float, ...] | None] = {}
+        self._writer = RecordingWriter(Path(path), self._figures)
+        self.handler: logging.Handler = RecordingHandler(self._writer)
+
+    def __repr__(self) -> str:
+        state = "running" if self.running else "ended" if self._started else "not started"
+        why = f" ({self.error})" if self.error is not None else ""
+        return f"<Recording {self.path} {state}{why}, {self._writer.size} bytes>"
+
+    @property
+    def path(self) -> Path:
+        """The file; if there was one of its name, a number was added to it."""
+        return self._writer.path
+
+    @property
+    def running(self) -> bool:
+        """Whether it records."""
+        return self._writer.accepts
+
+    @property
+    def over(self) -> bool:
+        """Whether it has ended."""
+        return self._ended.is_set()
+
+    @property
+    def error(self) -> Exception | None:
+        """Why it ended by itself, such as a full disk; None if it did not."""
+        return self._failure or self._writer.error
+
+    def statistics(self) -> RecordingStatistics:
+        """Figures since its start."""
+        writer = self._writer
+        return RecordingStatistics(writer.written, writer.dropped + self._missed, writer.size)
+
+    async def start(self) -> Self:
+        """Open the file, and record from now on.
+
+        Raises:
+            RobotStateError: the robot is not open, or the recording was started before.
+            RecordingError: the file cannot be written.
+            MissingExtra: the extra `record` is not installed.
+        """
+        self._supervisor.check_open("record")
+        if self._started:
+            raise RobotStateError("a recording is started once; make another one")
+        self._started = True
+        opened = anyio.Event()
+        self._writer.begin(self._metadata(), loop_callback(opened.set), loop_callback(self._over))
+        try:
+            await opened.wait()
+            self._see_open()
+            self._begin()
+        except BaseException:
+            await self.stop()
+            raise
+        return self
+
+    async def stop(self) -> None:
+        """End the recording: what was seen is written, and the file is closed.
+
+        What fails is logged and not raised: `error` says whether the file is whole.
+        """
+        if self._started:
+            _, cancelled = await run_to_completion(self._stop)
+            if cancelled is not None:
+                raise cancelled
+
+    async def __aenter__(self) -> Self:
+        return await self.start()
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        await self.stop()
+
+    async def _stop(self) -> None:
+        await self._background.aclose()
+        self._let_go()
+        if not self._finished:
+            self._finished = True
+            self._writer.finish()
+        with anyio.move_on_after(_CLOSE_LIMIT):
+            await self._ended.wait()
+        # Its thread says so as the last thing that it does.
+        if not self._ended.is_set() or not self._writer.join(_CLOSE_LIMIT):
+            _log.error(
+                "the recording %s was not closed within %g s: the disk hangs, or is too slow",
+                *(self.path, _CLOSE_LIMIT),
+            )
+
+    def _see_open(self) -> None:
+        error = self._writer.error
+        if isinstance(error, DucoError):
+            raise error
+        if error is not None:
+            raise RecordingError(f"{self.path} cannot be written: {error}") from error
+
+    def _over(self) -> None:
+        """The writer has ended, by itself or not; on the event loop."""
+        self._let_go()
+        self._ended.set()
+
+    def _crashed(self, error: BaseException) -> None:
+        """Part of the recording failed: the rest of it ends, and nothing else does."""
+        self._failure = error if isinstance(error, Exception) else RuntimeError(repr(error))
+        self._let_go()
+        self._writer.finish()
+
+    def _begin(self) -> None:
+        supervisor = self._supervisor
+        if self._forces and not supervisor.feed.forces:
+            supervisor.feed.forces = self._put_forces = True
+        logger = logging.getLogger("aioduco")
+        logger.addHandler(self.handler)
+        self._undo.append(lambda: logger.removeHandler(self.handler))
+        for task in supervisor.stop_coordinator.follower.tasks:
+            self._task_changed(task)
+        self._undo.append(supervisor.observe(self._called, self._task_changed))
+        self._background.start(self._record_samples(), "aioduco recording of samples")
+        self._background.start(self._record_events(), "aioduco recording of events")
+        self._background.start(self._record_slowly(), "aioduco recording of figures")
+
+    def _let_go(self) -> None:
+        """Look at nothing more."""
+        for stream in tuple(self._streams):
+            self._stream_figures(stream)
+        self._streams.clear()
+        undo, self._undo = self._undo, []
+        for step in undo:
+            step()
+        if self._put_forces:
+            self._supervisor.feed.forces = self._put_forces = False
+
+    def _metadata(self) -> dict[str, str]:
+        wall, monotonic = time.time_ns(), time.monotonic_ns()
+        return {
+            "library": f"aioduco {__version__}",
+            "controller": self._supervisor.version.text,
+            "address": f"{self._supervisor.host}:{self._supervisor.port}",
+            "started": str(wall),
+            "clock_offset": str(wall - monotonic),
+            "state_rate": f"{self._supervisor.feed.rate:g}",
+        }
+
+    def _figures(self) -> dict[str, str]:
+        figures = self.statistics()
+        return {"written": str(figures.written), "dropped": str(figures.dropped)}
+
+    # -- what is seen ----------------------------------------------------------------------------
+
+    async def _record_samples(self) -> None:
+        streams = self._supervisor.stop_coordinator.streams
+        try:
+            with self._supervisor.feed.subscribe(size=_SAMPLES) as samples:
+                async for sample in samples:
+                    self._writer.put("sample", sample)
+                    self._missed = samples.dropped
+                    if streams or self._streams:
+                        self._look_at_streams(sample.status.received_at)
+        except RobotStateError:
+            return  # the robot was closed
+
+    async def _record_events(self) -> None:
+        try:
+            with self._supervisor.events.subscribe("drop_oldest") as events:
+                async for event in events:
+                    self._writer.put("event", event)
+        except RobotStateError:
+            return
+
+    async def _record_slowly(self) -> None:
+        """What nobody tells: where the flange is, and how a stream does."""
+        async for _ in every(_SLOWLY):
+            for stream in tuple(self._streams):
+                self._stream_figures(stream)
+            try:
+                offset = await self._supervisor.poll.call("get_tcp_offset", (), _ASK_LIMIT)
+                self._writer.put("flange", pose(offset).inverse())
+            except DucoError:
+                # Some software does not tell, and a connection that is lost is an event.
+                continue
+
+    def _look_at_streams(self, at: float) -> None:
+        there = [s for s in self._supervisor.stop_coordinator.streams if isinstance(s, Session)]
+        for stream in there:
+            point = stream.commanded
+            if point is not None and point != self._streams.get(stream):
+                found = {"stream": stream.name, "taken": stream.taken, "point": point}
+                self._writer.put("other", "/stream_setpoints", at, found)
+            self._streams[stream] = point
+        for stream in [stream for stream in self._streams if stream not in there]:
+            del self._streams[stream]
+            self._stream_figures(stream)
+
+    def _stream_figures(self, stream: Session) -> None:
+        try:
+            figures = stream.statistics()
+        except StreamClosed:
+            return  # it was not opened in the end
+        found: dict[str, Any] = {"stream": stream.name, "rate": stream.rate}
+        for name in _STREAM_FIGURES:
+            found[name] = getattr(figures, name)
+        self._writer.put("other", "/streams", time.monotonic(), found)
+
+    def _called(self, event: TraceEvent) -> None:
+        """A call is over; on its thread."""
+        assert isinstance(event, CallFinished)
+        error = "" if event.error is None else f"{type(event.error).__name__}: {event.error}"
+        self._writer.put(
+            "command",
+            *(event.at, event.lane, event.function, event.arguments, event.result),
+            *(error, event.duration),
+        )
+
+    def _task_changed(self, task: Task) -> None:
+        found = {
+            "id": task.id,
+            "name": task.name,
+            "state": task.state,
+            "outcome": "" if task.outcome is None else task.outcome.name,
+            "done": task.done,
+            "motion": task.motion,
+            "duration": round(task.duration, 6),
+            "errors": task.errors,
+        }
+        self._writer.put("other", "/tasks", time.monotonic(), found)

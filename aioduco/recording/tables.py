@@ -1,0 +1,75 @@
+"""Channels of a recording as tables for other programs: CSV and Parquet."""
+
+from __future__ import annotations
+
+import csv
+import json
+from typing import TYPE_CHECKING, Any
+
+from aioduco.errors import MissingExtra
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from aioduco.recording.run import RecordedRun
+
+__all__ = ["columns", "write_csv", "write_parquet"]
+
+
+def columns(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any] | list[str]]:
+    """A column for each number: "position" of shape (n, 6) becomes "position_1" to "position_6".
+
+    What is no number is text: JSON, if it has parts.
+    """
+    found: dict[str, NDArray[Any] | list[str]] = {}
+    for name, array in arrays.items():
+        if array.dtype == object:
+            found[name] = [
+                value if isinstance(value, str) else "" if value is None else json.dumps(value)
+                for value in array
+            ]
+        elif array.ndim == 1:
+            found[name] = array
+        else:
+            for index in range(array.shape[1]):
+                found[f"{name}_{index + 1}"] = array[:, index]
+    return found
+
+
+def write_csv(run: RecordedRun, folder: Path) -> list[Path]:
+    """Write each channel as a CSV file; `RecordedRun.to_csv` describes it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for topic in run.topics:
+        found = columns(run.arrays(topic))
+        path = folder / f"{_name(topic)}.csv"
+        with path.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(found)
+            plain = [c if isinstance(c, list) else c.tolist() for c in found.values()]
+            writer.writerows(zip(*plain, strict=True))
+        paths.append(path)
+    return paths
+
+
+def write_parquet(run: RecordedRun, folder: Path) -> list[Path]:
+    """Write each channel as a Parquet file; `RecordedRun.to_parquet` describes it."""
+    try:
+        import pyarrow as pa  # noqa: PLC0415 - an extra
+        from pyarrow import parquet  # noqa: PLC0415
+    except ModuleNotFoundError as exc:
+        raise MissingExtra("a table in Parquet", "pyarrow", "parquet") from exc
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for topic in run.topics:
+        path = folder / f"{_name(topic)}.parquet"
+        table = pa.table(dict(columns(run.arrays(topic))))
+        parquet.write_table(table.replace_schema_metadata(run.metadata), path)
+        paths.append(path)
+    return paths
+
+
+def _name(topic: str) -> str:
+    return topic.strip("/").replace("/", "_")

@@ -1,0 +1,202 @@
+"""What a recording costs: processor time, size, lateness of the loop and of a stream, kills.
+
+Phases with and without a recording alternate in one run, on a simulated arm in another process,
+with the feed running in both: so the difference is the recording's.
+"""
+
+from __future__ import annotations
+
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import anyio
+from _common import arguments, percentile, print_table, write_results
+
+import aioduco
+from aioduco.recording import read
+from aioduco.sim.process import SimulatorProcess
+from aioduco.streaming.options import LaneOptions
+from aioduco.supervision.concurrency import every
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+RATE = 125.0
+HERE, THERE = [0.0, -0.3, 1.9, 0.0, -1.5, 0.0], [1.2, 0.1, 1.5, 0.4, -1.2, 0.8]
+
+CHILD = """
+import sys
+import aioduco
+import anyio
+
+async def main(port, path):
+    async with aioduco.connect("127.0.0.1", port, state_rate=125, record=path) as robot:
+        with robot.feed.subscribe() as samples:
+            async for sample in samples:
+                print(sample.received_at, flush=True)
+
+anyio.run(main, int(sys.argv[1]), sys.argv[2])
+"""
+
+
+class Phase:
+    """Figures of all phases of one kind."""
+
+    def __init__(self) -> None:
+        self.lateness: list[float] = []
+        self.cpu = 0.0
+        self.wall = 0.0
+
+    async def measure(self, seconds: float) -> None:
+        """Measure the loop and the processor for a time."""
+        cpu, wall = time.process_time(), time.monotonic()
+        async for due in every(0.002):
+            now = time.monotonic()
+            self.lateness.append(now - due)
+            if now - wall > seconds:
+                break
+        self.cpu += time.process_time() - cpu
+        self.wall += time.monotonic() - wall
+
+
+async def moving(robot: aioduco.Robot) -> None:
+    """Move to and fro until this is cancelled."""
+    while True:
+        for target in (HERE, THERE):
+            await robot.motion.movej2(target, v=1.0, a=2.0)
+
+
+async def loop_and_size(
+    robot: aioduco.Robot, folder: Path, rounds: int, seconds: float, *, moves: bool
+) -> dict[str, Any]:
+    """Phases with and without, while the arm moves or stands."""
+    off, on = Phase(), Phase()
+    sizes, recorded, topics, signals = 0, 0.0, 0, 0
+    async with anyio.create_task_group() as group:
+        if moves:
+            group.start_soon(moving, robot)
+        with robot.feed.subscribe("latest"):
+            for _ in range(rounds):
+                await off.measure(seconds)
+                async with robot.record(folder / "run.mcap") as recording:
+                    await on.measure(seconds)
+                sizes += recording.statistics().size
+                run = read(recording.path)
+                recorded += run.duration
+                topics = max(topics, len(run.topics))
+                signals = sum(
+                    array.shape[1] if array.ndim > 1 else 1
+                    for topic in run.topics
+                    for name, array in run.arrays(topic).items()
+                    if array.dtype != object and name != "time"
+                )
+        group.cancel_scope.cancel()
+    megabytes = sizes / recorded * 3600 / 1e6
+    return {
+        "core_without_percent": round(100 * off.cpu / off.wall, 2),
+        "core_with_percent": round(100 * on.cpu / on.wall, 2),
+        "core_percent": round(100 * (on.cpu / on.wall - off.cpu / off.wall), 2),
+        "loop_p99_without_us": late(off.lateness),
+        "loop_p99_with_us": late(on.lateness),
+        "megabytes_an_hour": round(megabytes, 1),
+        "topics": topics,
+        "numbers": signals,
+        "megabytes_an_hour_per_ten_numbers": round(megabytes / signals * 10, 1),
+    }
+
+
+def late(values: Sequence[float]) -> float:
+    """The 99th percentile in microseconds."""
+    return round(percentile(sorted(values), 99.0) * 1e6, 1)
+
+
+async def streams(
+    robot: aioduco.Robot, folder: Path, rounds: int, seconds: float
+) -> dict[str, float]:
+    """Lateness of a stream of 1000 set-points a second, with and without."""
+    found: dict[str, list[float]] = {"without": [], "with": []}
+    start = list(await robot.state.get_actual_joints_position())
+    points = [start] * round(seconds * 1000)
+    with robot.feed.subscribe("latest"):
+        for number in range(2 * rounds):
+            recording = await robot.record(folder / "s.mcap").start() if number % 2 else None
+            async with robot.servo.joints(v=1.0, a=5.0, rate=1000, options=LaneOptions()) as stream:
+                await stream.play(points)
+            if recording is not None:
+                await recording.stop()
+            found["with" if number % 2 else "without"].append(stream.statistics().lateness.p99)
+    return {
+        f"stream_p99_{name}_us": round(sorted(values)[len(values) // 2] * 1e6, 1)
+        for name, values in found.items()
+    }
+
+
+def kills(port: int, folder: Path, count: int) -> dict[str, float]:
+    """Seconds between the last sample that a program had, and the last that is in its file."""
+    chance = random.Random(7)
+    lost = []
+    for number in range(count):
+        path = folder / f"kill-{number}.mcap"
+        command = [sys.executable, "-c", CHILD, str(port), str(path)]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
+            assert program.stdout is not None
+            last = float(program.stdout.readline())
+            end = last + chance.uniform(0.5, 3.0)
+            while last < end:
+                last = float(program.stdout.readline())
+            program.kill()
+            for line in program.stdout:
+                if line.endswith("\n"):
+                    last = float(line)
+        run = read(path)
+        offset = int(run.metadata["clock_offset"])
+        times = [message.time_ns for message in run.messages("/joint_states")]
+        lost.append(last - (max(times) - offset) * 1e-9 if times else end - last)
+    lost.sort()
+    return {
+        "kills": count,
+        "opened": len(lost),
+        "lost_p50_s": round(percentile(lost, 50.0), 3),
+        "lost_max_s": round(lost[-1], 3),
+    }
+
+
+async def measured(quick: bool) -> dict[str, Any]:
+    """Everything, on one simulator."""
+    rounds, seconds = (2, 3.0) if quick else (10, 30.0)
+    with (
+        tempfile.TemporaryDirectory() as name,
+        SimulatorProcess({}) as sim,
+    ):
+        folder = Path(name)
+        async with aioduco.connect(
+            sim.host, sim.port, state_rate=RATE, heartbeat=10.0, loop_stall_limit=5.0
+        ) as robot:
+            await robot.bring_up()
+            robot.feed.forces = True
+            found: dict[str, Any] = {
+                "rate": RATE,
+                "moving": await loop_and_size(robot, folder, rounds, seconds, moves=True),
+                "standing": await loop_and_size(robot, folder, rounds, seconds, moves=False),
+                "stream": await streams(robot, folder, rounds, min(seconds, 10.0)),
+            }
+        found["kill"] = kills(sim.port, folder, 5 if quick else 100)
+    return found
+
+
+def main() -> None:
+    options = arguments(__doc__, "recording")
+    results = anyio.run(measured, options.quick)
+    for name in ("moving", "standing", "stream", "kill"):
+        print_table(f"recording, {name}", ("figure", "value"), list(results[name].items()))
+    if options.save:
+        print(f"written to {write_results('recording', results)}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,123 @@
+"""Recordings as pictures, and the commands that make both."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import aioduco
+import aioduco.sync
+from aioduco.cli.app import app
+from aioduco.recording import read
+from aioduco.recording.figures import draw_page, panels
+from aioduco.sim import Simulator
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+
+@pytest.fixture(scope="module")
+def sim() -> Iterator[Simulator]:
+    with Simulator() as sim:
+        yield sim
+
+
+@pytest.fixture(scope="module")
+def whole(sim: Simulator, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("figures") / "run.mcap"
+    with aioduco.sync.connect(sim.host, sim.port, state_rate=100, clock=sim.clock) as robot:
+        robot.bring_up()
+        with robot.record(path):
+            robot.motion.movej2([0.2, -0.2, 1.8, 0.1, -1.5, 0.2], v=1.0, a=2.0)
+    return path
+
+
+def content(page: Path) -> dict[str, list[dict[str, list[dict[str, list[float]]]]]]:
+    found = re.search(r"const data = (.*);\n", page.read_text(encoding="utf-8"))
+    assert found is not None
+    values: dict[str, list[dict[str, list[dict[str, list[float]]]]]] = json.loads(found[1])
+    return values
+
+
+def test_a_page_has_the_recording_s_numbers_and_asks_for_nothing(
+    whole: Path, tmp_path: Path
+) -> None:
+    page = tmp_path / "run.html"
+    run = read(whole)
+    draw_page(run, page, run)
+    text = page.read_text(encoding="utf-8")
+    assert not re.search(r"https?:|src=|href=|@import|url\(", text)
+    values = content(page)
+    angles = values["panels"][0]
+    joints = run.arrays("/joint_states")
+    assert len(angles["curves"]) == 12  # of both recordings
+    assert angles["curves"][0]["y"] == pytest.approx(joints["position"][:, 0], rel=1e-6, abs=1e-9)
+    assert angles["curves"][0]["x"] == pytest.approx(joints["time"], abs=1e-4)
+    assert "movej2" in [text for _, text in values["marks"]]
+
+
+def test_of_many_points_the_lowest_and_the_highest_are_drawn(whole: Path, tmp_path: Path) -> None:
+    from aioduco.recording import figures  # noqa: PLC0415
+
+    times = np.linspace(0.0, 100.0, 50_001)
+    values = np.zeros(50_001)
+    values[[123, 40_000]] = 7.0, -3.0
+    found = figures._points(times, values)
+    assert len(found["x"]) <= 4_000
+    assert (max(found["y"]), min(found["y"])) == (7.0, -3.0)  # type: ignore[type-var]  # no None
+
+
+def test_commands_draw_a_recording(whole: Path, tmp_path: Path) -> None:
+    runner = CliRunner()
+    for name in ("a.png", "a.html"):
+        done = runner.invoke(app, ["plot", str(whole), str(tmp_path / name), "--over", str(whole)])
+        assert done.exit_code == 0, done.output
+        assert (tmp_path / name).stat().st_size > 10_000
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(whole.read_bytes()[: whole.stat().st_size // 2])
+    done = runner.invoke(app, ["plot", str(cut)])
+    assert "was cut off" in done.output
+    (tmp_path / "no.mcap").write_text("nothing")
+    done = runner.invoke(app, ["plot", str(tmp_path / "no.mcap")])
+    assert done.exit_code == 1
+    assert "is no recording" in done.output
+
+
+def test_an_empty_recording_is_not_drawn(whole: Path, tmp_path: Path) -> None:
+    head = tmp_path / "head.mcap"
+    head.write_bytes(whole.read_bytes()[:300])
+    with pytest.raises(aioduco.ParameterError, match="samples of the state"):
+        panels(read(head))
+
+
+def test_the_command_records_until_it_is_told_to_end(sim: Simulator, tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    done = CliRunner().invoke(
+        app, ["record", sim.host, "--port", str(sim.port), "-o", str(path), "--seconds", "0.5"]
+    )
+    assert done.exit_code == 0, done.output
+    assert "entries" in done.output
+    assert read(path).complete
+    command = [sys.executable, "-m", "aioduco.cli", "record", sim.host, "-o", str(path)]
+    with subprocess.Popen(
+        [*command, "--port", str(sim.port)], stdout=subprocess.PIPE, text=True
+    ) as program:
+        assert program.stdout is not None
+        assert "run-1.mcap; Ctrl-C" in program.stdout.readline()
+        program.send_signal(signal.SIGINT)
+        assert "entries" in program.stdout.read()
+        assert program.wait(60) == 0
+    assert read(tmp_path / "run-1.mcap").complete
+    nobody = CliRunner().invoke(app, ["record", "127.0.0.1", "--port", "1", "-o", str(path)])
+    assert nobody.exit_code == 1
+    assert not (tmp_path / "run-2.mcap").exists()

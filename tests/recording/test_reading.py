@@ -1,0 +1,209 @@
+"""Reading back: the numbers of other readers, files that were cut off, tables."""
+
+from __future__ import annotations
+
+import csv
+import json
+import logging
+import struct
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+from mcap.reader import make_reader
+from pyarrow import parquet
+
+import aioduco
+import aioduco.sync
+from aioduco.models.pose import Pose
+from aioduco.recording import RecordedRun, read
+from aioduco.recording.channels import ANGLE, LENGTH, QUATERNION, SPEED, plain
+from aioduco.sim import Simulator
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recording of a motion of the simulated arm."""
+    path = tmp_path_factory.mktemp("recording") / "run.mcap"
+    with (
+        Simulator() as sim,
+        aioduco.sync.connect(sim.host, sim.port, state_rate=100, clock=sim.clock) as robot,
+    ):
+        robot.bring_up()
+        with robot.record(path) as recording:
+            line = logging.LogRecord("own", logging.ERROR, "a.py", 7, "no part", (), None)
+            recording.handler.handle(line)
+            robot.motion.movej2([0.4, -0.2, 1.8, 0.1, -1.5, 0.2], v=1.0, a=2.0)
+    return path
+
+
+@pytest.fixture
+def run(whole: Path) -> RecordedRun:
+    return read(whole)
+
+
+def decoded(schema: Any, data: bytes) -> Any:
+    """A message by protobuf's own library, from the schema in the file."""
+    files = descriptor_pb2.FileDescriptorSet.FromString(schema.data)
+    pool = descriptor_pool.DescriptorPool()
+    for file in files.file:
+        pool.Add(file)
+    kind = message_factory.GetMessageClass(pool.FindMessageTypeByName(schema.name))
+    return kind.FromString(data)
+
+
+def test_the_numbers_are_those_of_the_format_s_own_readers(whole: Path, run: RecordedRun) -> None:
+    ours = {topic: list(run.messages(topic)) for topic in run.topics}
+    counts = dict.fromkeys(run.topics, 0)
+    with whole.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        assert reader.get_header().profile == "aioduco"
+        for schema, channel, message in reader.iter_messages():
+            assert schema is not None
+            mine = ours[channel.topic][counts[channel.topic]]
+            counts[channel.topic] += 1
+            assert mine.time_ns == message.log_time
+            if channel.message_encoding == "json":
+                assert mine.data == json.loads(message.data)
+                continue
+            theirs = decoded(schema, message.data)
+            match schema.name:
+                case "foxglove.JointStates":
+                    assert mine.data["names"] == [joint.name for joint in theirs.joints]
+                    for name in ("position", "velocity"):
+                        assert mine.data[name] == [getattr(joint, name) for joint in theirs.joints]
+                    stamp = theirs.timestamp
+                    assert stamp.seconds * 10**9 + stamp.nanos == message.log_time
+                case "foxglove.FrameTransforms":
+                    for one in theirs.transforms:
+                        part = mine.data[one.child_frame_id]
+                        assert part["parent"] == one.parent_frame_id
+                        place, turned = one.translation, one.rotation
+                        assert part["translation"] == [place.x, place.y, place.z]
+                        assert part["rotation"] == [turned.x, turned.y, turned.z, turned.w]
+                case "foxglove.Log":
+                    for name in ("message", "name", "file", "line"):
+                        assert mine.data[name] == getattr(theirs, name)
+                    level = theirs.DESCRIPTOR.fields_by_name["level"].enum_type
+                    assert mine.data["level"] == level.values_by_number[theirs.level].name
+                case name:
+                    pytest.fail(f"a schema that is not compared: {name}")
+    assert counts == run.topics
+    assert counts["/joint_states"] > 10
+    assert counts["/log"] >= 1
+
+
+def test_arrays_are_what_was_recorded_within_their_grids(run: RecordedRun) -> None:
+    joints = run.arrays("/joint_states")
+    assert joints["position"].shape == joints["velocity"].shape == (len(joints["time"]), 6)
+    assert joints["position"][-1] == pytest.approx([0.4, -0.2, 1.8, 0.1, -1.5, 0.2], abs=0.01)
+    assert np.all(joints["position"] * ANGLE % 1 == 0)
+    assert np.all(joints["velocity"] * SPEED % 1 == 0)
+    assert np.all(np.diff(joints["time"]) > 0)
+    assert 0 <= joints["time"][0] < joints["time"][-1] <= run.duration
+    frames = run.arrays("/tf")
+    assert set(frames["flange.parent"]) <= {"tcp", None}
+    assert np.linalg.norm(frames["tcp.rotation"], axis=1) == pytest.approx(1.0, abs=1e-5)
+    with pytest.raises(aioduco.ParameterError, match="/joint_states"):
+        run.arrays("/nothing")
+
+
+async def test_transforms_are_the_poses_of_the_arm(tmp_path: Path) -> None:
+    with Simulator() as sim:
+        async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
+            await robot.bring_up()
+            await robot.frames.set_tool_data("long", [0.1, 0.0, 0.2, 0.0, 0.3, 0.0], [1, 0, 0, 0])
+            async with robot.record(tmp_path / "run.mcap"):
+                with robot.feed.subscribe() as samples:
+                    for _ in range(70):
+                        sample = await anext(samples)
+            pose = sample.status.pose
+            flange = await robot.state.get_flange_pose()
+    arrays = read(tmp_path / "run.mcap").arrays("/tf")
+
+    def last(name: str) -> Pose:
+        rows = [i for i, parent in enumerate(arrays[f"{name}.parent"]) if parent is not None]
+        place, turned = (
+            arrays[f"{name}.translation"][rows[-1]],
+            arrays[f"{name}.rotation"][rows[-1]],
+        )
+        if place.dtype == object:
+            place, turned = np.array(place, float), np.array(turned, float)
+        return Pose.from_quaternion(place, turned / np.linalg.norm(turned), order="xyzw")
+
+    near = {"position": 3 / LENGTH, "rotation": 8 / QUATERNION}
+    assert last("tcp").almost_equal(pose, **near)
+    assert (last("tcp") @ last("flange")).almost_equal(flange, **near)
+
+
+def test_a_file_that_is_cut_off_anywhere_is_read_up_to_there(
+    whole: Path, tmp_path: Path, thorough: bool
+) -> None:
+    data = whole.read_bytes()
+    before = 0
+    for length in range(8, len(data), 7 if thorough else 997):
+        part = tmp_path / "part.mcap"
+        part.write_bytes(data[:length])
+        found = read(part)
+        count = sum(found.topics.values())
+        assert count >= before, "what could be read of a shorter one is missing"
+        before = count
+        for _ in found.messages():
+            pass
+    assert before == sum(read(whole).topics.values())
+    part.write_bytes(data[:400])
+    assert repr(read(part)).endswith("cut off>")
+
+
+def test_a_garbled_chunk_ends_what_is_read(whole: Path, tmp_path: Path) -> None:
+    data = bytearray(whole.read_bytes())
+    at, chunks = 8, []
+    while data[at] != 0x0F:
+        (length,) = struct.unpack_from("<Q", data, at + 1)
+        if data[at] == 6:
+            chunks.append((at + 9, length))
+        at += 9 + length
+    start, length = chunks[-1]
+    data[start + length // 2] ^= 0xFF
+    bad = tmp_path / "bad.mcap"
+    bad.write_bytes(data)
+    found = read(bad)
+    assert not found.complete
+    assert sum(found.topics.values()) < sum(read(whole).topics.values())
+
+
+def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(aioduco.RecordingError, match="cannot be read"):
+        read(tmp_path / "none.mcap")
+    (tmp_path / "text.mcap").write_text("hello")
+    with pytest.raises(aioduco.RecordingError, match="is no recording"):
+        read(tmp_path / "text.mcap")
+
+
+def test_tables_have_the_same_numbers(run: RecordedRun, tmp_path: Path) -> None:
+    arrays = run.arrays("/joint_states")
+    assert {path.stem for path in run.to_csv(tmp_path)} == {name[1:] for name in run.topics}
+    run.to_parquet(tmp_path)
+    with (tmp_path / "joint_states.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    table = parquet.read_table(tmp_path / "joint_states.parquet")
+    assert table.schema.metadata[b"address"] == run.metadata["address"].encode()
+    for index in range(6):
+        column = arrays["position"][:, index].tolist()
+        assert [float(row[f"position_{index + 1}"]) for row in rows] == column
+        assert table[f"position_{index + 1}"].to_pylist() == column
+    assert table["time"].to_pylist() == arrays["time"].tolist()
+    tasks = parquet.read_table(tmp_path / "tasks.parquet")
+    assert tasks["outcome"].to_pylist()[-1] == "FINISHED"
+
+
+def test_values_become_what_json_knows() -> None:
+    found = plain({"a": (1, float("nan")), 2: b"\x01", "x": np.array([1.0]), "p": Pose(*[0.0] * 6)})
+    assert found["a"] == [1, None]
+    assert found["2"] == "01"
+    assert found["x"] == [1.0]
+    assert json.dumps(found)

@@ -1,0 +1,377 @@
+"""What is recorded, that it costs the program nothing but its time, and how a recording ends."""
+
+from __future__ import annotations
+
+import logging
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import pytest
+from client.bench import HOME, Bench
+
+import aioduco
+import aioduco.sync
+from aioduco.models.enums import TaskState
+from aioduco.recording import read, writer
+from aioduco.sim import Simulator
+from aioduco.testing import eventually, eventually_async
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+
+    from aioduco.recording import RecordedRun
+
+
+@pytest.fixture
+def bench() -> Iterator[Bench]:
+    with Bench() as bench:
+        yield bench
+
+
+@pytest.fixture
+async def robot(bench: Bench) -> AsyncIterator[aioduco.Robot]:
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        yield robot
+
+
+def data(run: RecordedRun, topic: str) -> list[dict[str, Any]]:
+    return [message.data for message in run.messages(topic)]
+
+
+def recorders() -> list[str]:
+    return [thread.name for thread in threading.enumerate() if "recording" in thread.name]
+
+
+async def test_every_command_and_task_is_recorded_with_its_end(
+    robot: aioduco.Robot, bench: Bench, tmp_path: Path
+) -> None:
+    async with robot.record(tmp_path / "run.mcap") as recording:
+        assert recording.running
+        await robot.motion.movej2(HOME, v=1.0, a=1.0)
+        await robot.io.set_standard_digital_out(3, True)
+        bench.motion_time = 60.0
+        task = await robot.motion.movel([0.4, 0, 0.5, 3, 0, 0], v=0.1, a=0.5).start()
+        await robot.stop()
+        with pytest.raises(aioduco.TaskStopped):
+            await task
+        bench.answer("set_standard_digital_out", -1)
+        with pytest.raises(aioduco.Refused):
+            await robot.io.set_standard_digital_out(3, False)
+        bench.ends = TaskState.ERROR
+        task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+        bench.errors = ["E 7"]
+        bench.arrive()
+        with pytest.raises(aioduco.TaskFailed):
+            await task
+    assert recording.over
+    assert recording.error is None
+    run = read(recording.path)
+    assert run.complete
+    commands = {message.data["function"]: message for message in run.messages("/commands")}
+    assert set(commands) == {"movej2", "set_standard_digital_out", "movel", "stop"}
+    called = [each for each in data(run, "/commands") if each["function"] == "movej2"]
+    assert called[0]["arguments"][:4] == [HOME, 1.0, 1.0, 0.0]
+    assert called[0]["result"] >= 1000
+    assert all(each["duration"] > 0.0 and each["error"] == "" for each in called)
+    assert commands["stop"].data["lane"] == "stop"
+    tasks = data(run, "/tasks")
+    ends = [(each["name"], each["outcome"]) for each in tasks if each["done"]]
+    assert ends == [("movej2", "FINISHED"), ("movel", "STOPPED"), ("movej2", "FAILED")]
+    assert tasks[-1]["errors"] == ["E 7"]
+    first = [each["state"] for each in tasks if each["id"] == called[0]["result"]]
+    assert first[0] == "IDLE"
+    assert first[-1] == "FINISHED"
+    assert "RUNNING" in first
+    times = [message.time for message in run.messages()]
+    assert times == sorted(times)
+    assert run.metadata["address"] == f"{bench.host}:{bench.port}"
+
+
+async def test_a_call_that_fails_is_recorded_with_its_error(
+    robot: aioduco.Robot, bench: Bench, tmp_path: Path
+) -> None:
+    gate = bench.hold("get_standard_digital_out", True)
+    async with robot.record(tmp_path / "run.mcap") as recording:
+        with anyio.move_on_after(0.05):
+            await robot.io.get_standard_digital_out(1)
+        gate.set()
+    (call,) = data(read(recording.path), "/commands")
+    assert call["function"] == "get_standard_digital_out"
+    assert call["result"] is None
+    assert call["error"].startswith("CancelledError")
+
+
+async def test_states_events_and_log_lines_are_recorded(
+    robot: aioduco.Robot,
+    bench: Bench,
+    tmp_path: Path,
+) -> None:
+    own = logging.getLogger("a.program")
+    async with robot.record(tmp_path / "run.mcap") as recording:
+        own.addHandler(recording.handler)
+        own.warning("part %d is missing", 7)
+        own.removeHandler(recording.handler)
+        await eventually_async(lambda: recording.statistics().written > 3)
+        with robot.events.subscribe() as events:
+            bench.emergency_stop = True
+            async for event in events:
+                if isinstance(event, aioduco.events.EmergencyStopPressed):
+                    break
+    run = read(recording.path)
+    assert "EmergencyStopPressed" in [each["event"] for each in data(run, "/events")]
+    (line,) = data(run, "/log")
+    assert (line["level"], line["name"]) == ("WARNING", "a.program")
+    assert line["message"] == "part 7 is missing"
+    assert line["file"] == __file__
+    assert data(run, "/io")[0]["digital_inputs"] == [True] * 16
+    states = data(run, "/state")
+    assert [states[0]["emergency_stop"], states[-1]["emergency_stop"]] == [False, True]
+    assert states[0]["robot"] == "ENABLE"
+
+
+def test_a_line_that_python_would_show_is_shown_although_it_is_recorded(tmp_path: Path) -> None:
+    code = (
+        "import logging, aioduco.sync\n"
+        "from client.bench import Bench\n"
+        "quiet = dict(lag_limit=None, heartbeat=None)\n"
+        "with Bench() as b, aioduco.sync.connect(b.host, b.port, **quiet) as robot:\n"
+        "    with robot.record('run.mcap'), robot.record('other.mcap'):\n"
+        "        logging.getLogger('aioduco.x').warning('seen once')\n"
+        "        logging.getLogger('aioduco.x').info('not seen')\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=100,
+    )
+    assert done.stderr == "seen once\n"
+    (line,) = data(read(tmp_path / "run.mcap"), "/log")
+    assert line["message"] == "seen once"
+
+
+async def test_a_stream_is_recorded_with_its_set_points_and_its_lateness(tmp_path: Path) -> None:
+    with Simulator() as sim:
+        async with aioduco.connect(
+            sim.host, sim.port, state_rate=100, clock=sim.clock, record=tmp_path / "run.mcap"
+        ) as robot:
+            await robot.bring_up()
+            start = list(await robot.state.get_actual_joints_position())
+            async with robot.servo.joints(v=1.0, a=1.0) as stream:
+                for number in range(20):
+                    await stream.send([start[0] + 1e-4 * number, *start[1:]])
+                    await anyio.sleep(0.01)
+            figures = stream.statistics()
+            assert robot.recording is not None
+            await robot.recording.stop()
+            path = robot.recording.path
+    run = read(path)
+    last = data(run, "/streams")[-1]
+    assert (last["stream"], last["state"], last["sent"]) == ("servoj", "ENDED", figures.sent)
+    assert last["lateness"]["p99"] == figures.lateness.p99
+    points = [each["point"] for each in data(run, "/stream_setpoints")]
+    assert points
+    assert all(start[0] - 1e-6 <= point[0] <= start[0] + 2e-3 for point in points)
+    seen = run.arrays("/joint_setpoints")["position"]
+    assert seen[-1][0] == pytest.approx(points[-1][0], abs=5e-4)
+
+
+async def test_nothing_of_a_recording_stays_behind(robot: aioduco.Robot, tmp_path: Path) -> None:
+    logger = logging.getLogger("aioduco")
+    handlers = list(logger.handlers)
+    for _ in range(3):
+        async with robot.record(tmp_path / "run.mcap"):
+            assert robot.feed.forces
+            assert recorders() == ["aioduco-recording"]
+    assert recorders() == []
+    assert logger.handlers == handlers
+    assert not robot.feed.forces
+    supervisor = robot._supervisor
+    assert not any(lane.observers for lane in supervisor.lanes)
+    assert not supervisor.stop_coordinator.follower.observers
+    # a file that exists is kept
+    for name in ("run.mcap", "run-1.mcap", "run-2.mcap"):
+        assert read(tmp_path / name).complete
+
+
+async def test_closing_the_robot_ends_its_recordings(bench: Bench, tmp_path: Path) -> None:
+    robot = aioduco.connect(bench.host, bench.port, record=tmp_path / "a.mcap")
+    assert robot.recording is None
+    async with robot:
+        other = await robot.record(tmp_path / "b.mcap").start()
+        with pytest.raises(aioduco.RobotStateError, match="once"):
+            await other.start()
+        bench.motion_time = 60.0
+        await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    assert recorders() == []
+    for name in ("a.mcap", "b.mcap"):
+        run = read(tmp_path / name)
+        assert run.complete
+        # the stop on the way out is in it
+        assert data(run, "/commands")[-1]["function"] == "stop"
+        assert data(run, "/tasks")[-1]["outcome"] == "STOPPED"
+
+
+async def test_a_file_that_cannot_be_made_is_said_before_the_program_begins(
+    bench: Bench, tmp_path: Path
+) -> None:
+    with pytest.raises(aioduco.RecordingError, match="No such file"):
+        async with aioduco.connect(bench.host, bench.port, record=tmp_path / "no" / "a.mcap"):
+            pytest.fail("the robot was opened")
+    assert recorders() == []
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        for path in (7, ""):
+            with pytest.raises(aioduco.ParameterError, match="name of a file"):
+                robot.record(path)  # type: ignore[arg-type]  # what it refuses
+        with pytest.raises(aioduco.RecordingError, match="cannot be written"):
+            await robot.record(tmp_path / "no" / "a.mcap").start()
+        await robot.state.get_robot_state()
+
+
+def test_in_programs_that_wait(bench: Bench, tmp_path: Path) -> None:
+    with aioduco.sync.connect(bench.host, bench.port, record=tmp_path / "a.mcap") as robot:
+        with robot.record(tmp_path / "b.mcap", forces=False) as recording:
+            robot.motion.movej2(HOME, v=1.0, a=1.0)
+            assert recording.running
+            assert not recording.over
+        whole = robot.recording
+        assert whole is not None
+        assert whole.running
+    assert whole.over
+    assert "ended" in repr(whole)
+    for path in (whole.path, recording.path):
+        assert data(read(path), "/tasks")[-1]["outcome"] == "FINISHED"
+
+
+async def test_a_disk_that_hangs_delays_no_call_and_what_is_dropped_is_counted(
+    robot: aioduco.Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gate, wrote = threading.Event(), threading.Event()
+    write = os.write
+
+    def hang(file: int, some: Any) -> int:
+        if threading.current_thread().name == "aioduco-recording":
+            wrote.set()
+            gate.wait(60.0)
+        written: int = write(file, some)
+        return written
+
+    async with robot.record(tmp_path / "run.mcap") as recording:
+        monkeypatch.setattr(os, "write", hang)
+        monkeypatch.setattr(writer, "_MOST", 10)
+        await eventually_async(wrote.is_set)
+        for _ in range(30):
+            await robot.io.get_standard_digital_out(1)
+        assert recording.statistics().dropped >= 20
+        gate.set()
+        await eventually_async(lambda: recording.statistics().size > 5000)
+    run = read(recording.path)
+    assert run.complete
+    assert len(data(run, "/commands")) <= 11
+
+
+_FULL = """
+import resource, signal, sys
+import aioduco
+import anyio
+
+async def main(port, path):
+    async with aioduco.connect("127.0.0.1", port, state_rate=200, record=path) as robot:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+        while robot.recording.running:
+            await robot.state.get_robot_state()
+            await anyio.sleep(0.001)
+        await robot.motion.movej2([0, 0, 1.5, 0, -1.5, 0], v=1.0, a=1.0)
+        error = robot.recording.error
+        assert isinstance(error, OSError), error
+        print(type(error).__name__, robot.recording.statistics().size)
+
+anyio.run(main, int(sys.argv[1]), sys.argv[2])
+"""
+
+
+def test_a_full_disk_ends_the_recording_and_not_the_program(bench: Bench, tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    done = subprocess.run(
+        [sys.executable, "-c", _FULL, str(bench.port), str(path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=100,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "ended early" in done.stderr
+    name, size = done.stdout.split()
+    assert name == "OSError"
+    # It is cut off behind its last whole chunk.
+    assert path.stat().st_size == int(size) <= 20_000
+    run = read(path)
+    assert not run.complete
+    assert run.topics["/joint_states"] > 10
+
+
+_KILLED = """
+import sys
+import aioduco
+import anyio
+
+async def main(port, path):
+    async with aioduco.connect("127.0.0.1", port, state_rate=200, record=path) as robot:
+        with robot.feed.subscribe() as samples:
+            async for sample in samples:
+                size = robot.recording.statistics().size
+                print(sample.received_at, size, flush=True)
+
+anyio.run(main, int(sys.argv[1]), sys.argv[2])
+"""
+
+
+@pytest.mark.parametrize("lines", [1, 40, 170, 200, 333])
+@pytest.mark.cases(2)
+def test_what_was_written_before_a_kill_is_read(bench: Bench, tmp_path: Path, lines: int) -> None:
+    """How much that is depends on the machine: `benchmarks/recording.py` measures it."""
+    path = tmp_path / "run.mcap"
+    command = [sys.executable, "-c", _KILLED, str(bench.port), str(path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
+        assert program.stdout is not None
+        told = [program.stdout.readline().split() for _ in range(lines)]
+        program.kill()
+    sizes = [int(size) for _, size in told]
+    assert path.stat().st_size >= sizes[-1]
+    run = read(path)
+    assert not run.complete
+    assert run.metadata["address"].endswith(str(bench.port))
+    # what was in the file when the size last rose: all samples but those of a flush before it
+    rose = next((i for i in range(lines - 1, 0, -1) if sizes[i] > sizes[i - 1]), 0)
+    if rose:
+        offset = int(run.metadata["clock_offset"])
+        last = max(message.time_ns for message in run.messages("/joint_states"))
+        due = float(told[rose][0]) - 2 * writer.FLUSH_EVERY
+        assert last >= due * 1e9 + offset
+
+
+def test_chunks_are_written_often_enough() -> None:
+    assert writer.FLUSH_EVERY < 1.0
+
+
+def test_an_interpreter_that_ends_with_a_recording_ends_it(bench: Bench, tmp_path: Path) -> None:
+    code = (
+        "import aioduco.sync, os, sys\n"
+        f"robot = aioduco.sync.connect('127.0.0.1', {bench.port})\n"
+        "robot.open()\n"
+        f"recording = robot.record({str(tmp_path / 'run.mcap')!r}).start()\n"
+        "robot.io.get_standard_digital_out(1)\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=100, capture_output=True)
+    eventually((tmp_path / "run.mcap").exists)
+    run = read(tmp_path / "run.mcap")
+    assert run.complete
+    assert data(run, "/commands")[0]["function"] == "get_standard_digital_out"
