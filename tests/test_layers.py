@@ -63,9 +63,12 @@ MAY_IMPORT: dict[str, set[str]] = {
     "recording": CLIENT | {"robot", "__init__"},
     "sync": CLIENT | {"robot", "__init__"},
     "preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat"},
+    # bridges to other systems: the public interface alone
+    "integrations": {"errors", "kinematics", "events", "__init__"},
     "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "sync", "testing", "preflight"},
     "cli": CLIENT
-    | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "preflight", "planning"},
+    | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "preflight", "planning"}
+    | {"integrations"},
 }
 
 #: by folder or module of the simulator, which others of it that may import; itself always
@@ -143,6 +146,9 @@ ONLY_IN: dict[str, set[str]] = {
         *("preflight/child.py", "preflight/lines.py", "preflight/patches.py"),
     },
     "pytest": {"pytest_plugin.py"},
+    **dict.fromkeys(
+        ("rospy", "actionlib", "genpy", "genmsg", "rosgraph"), {"integrations/ros/ros1"}
+    ),
 }
 
 #: these are pure: no threads, sockets, clocks or files
@@ -157,6 +163,9 @@ PURE = {
     "sim/planner",
     "sim/physics/temperature.py",
     "envelope",
+    "integrations/ros/trajectory_goals.py",
+    "integrations/ros/goal_queue.py",
+    "integrations/ros/arm_readings.py",
 }
 IMPURE = {"socket", "threading", "time", "queue", "anyio", "asyncio", "pathlib", "os"}
 
