@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import time
 from typing import TYPE_CHECKING
 
@@ -65,13 +67,16 @@ def sink() -> Sink:
 
 @pytest.fixture
 async def node(sim: Simulator, sink: Sink) -> AsyncIterator[ArmNode]:
-    settings = NodeSettings(host=sim.host, port=sim.port, wrench=True)
-    async with arm_node(settings) as node, anyio.create_task_group() as tasks:
-        tasks.start_soon(node.run, sink)
+    settings = NodeSettings(host=sim.host, port=sim.port, wrench=True, heartbeat=20.0)
+    async with arm_node(settings) as node:
+        # not a task group: a fixture may be left in another task than it was entered in
+        running = asyncio.create_task(node.run(sink))
         await node.services.recover()
         assert (await node.services.movej(START, 3.0, 20.0)).success
         yield node
-        tasks.cancel_scope.cancel()
+        running.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await running
 
 
 async def settled(node: ArmNode, *clients: Client) -> None:
