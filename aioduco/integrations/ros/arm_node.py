@@ -6,7 +6,7 @@ import math
 import time
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol, get_args
 
 import anyio
 
@@ -15,7 +15,7 @@ from aioduco.errors import DucoError, ParameterError
 from aioduco.integrations.ros.arm_readings import diagnosis, joint_reading, placed_frames
 from aioduco.integrations.ros.arm_services import ArmServices
 from aioduco.integrations.ros.trajectory_goals import ArmProfile, GoalRules
-from aioduco.integrations.ros.trajectory_server import TrajectoryServer
+from aioduco.integrations.ros.trajectory_server import Through, TrajectoryServer
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -42,6 +42,8 @@ class NodeSettings:
         wrench: whether to publish the force at the tool, which takes two more questions a sample.
         velocity: largest speed of a joint in a goal [rad/s]; 0: the arm's.
         acceleration: with which the arm follows goals and comes to rest [rad/s²].
+        through: how set-points of goals reach the controller: "realtime" for its queue, "servoj"
+            for one call each, "auto" for the queue if it has one.
         feedback_rate: feedback of a goal a second, up to 50 [Hz].
         heartbeat: seconds after which the controller stops the arm of a driver that died.
         guard: "process" for a process that stops it at once; empty for none.
@@ -59,6 +61,7 @@ class NodeSettings:
     wrench: bool = False
     velocity: float = 0.0
     acceleration: float = 10.0
+    through: Through = "auto"
     feedback_rate: float = 20.0
     heartbeat: float = 1.0
     guard: Literal["", "process"] = ""
@@ -69,6 +72,8 @@ class NodeSettings:
             value = getattr(self, name)
             if not (math.isfinite(value) and 0.1 <= value <= most):
                 raise ParameterError(name, value, f"0.1 to {most:g} Hz")
+        if self.through not in get_args(Through):
+            raise ParameterError("through", self.through, f"one of {', '.join(get_args(Through))}")
 
     @property
     def base_frame(self) -> str:
@@ -134,6 +139,7 @@ class ArmNode:
             settings.rules,
             wall=wall,
             feedback_rate=settings.feedback_rate,
+            through=settings.through,
             options=options,
         )
         self.services = ArmServices(robot, self.goals)

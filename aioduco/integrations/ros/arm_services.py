@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from aioduco import Joints, Load, Pose
+from aioduco import Joints, Pose
 from aioduco.errors import DucoError
 
 if TYPE_CHECKING:
@@ -87,8 +87,8 @@ class ArmServices:
             return _BUSY
 
         async def run() -> None:
-            load = Load(mass, *centre)
-            await self._robot.frames.set_tool_data(name, Pose.of(list(offset)), load)
+            tip = Pose.of(list(offset))
+            await self._robot.frames.set_tool_data(name, tip, (mass, *centre))
 
         return await _answered(run(), "set")
 
@@ -96,7 +96,7 @@ class ArmServices:
         """Set what the tool holds: mass [kg], centre of mass [m], three."""
 
         async def run() -> None:
-            await self._robot.frames.set_load_data(Load(mass, *centre))
+            await self._robot.frames.set_load_data((mass, *centre))
 
         return await _answered(run(), "set")
 

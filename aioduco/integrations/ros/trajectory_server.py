@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
 import anyio
 
@@ -40,7 +40,10 @@ if TYPE_CHECKING:
         TrajectoryGoal,
     )
 
-__all__ = ["GoalHandle", "PathFeedback", "TrajectoryServer"]
+__all__ = ["GoalHandle", "PathFeedback", "Through", "TrajectoryServer"]
+
+Through: TypeAlias = Literal["auto", "realtime", "servoj"]
+"""How set-points reach the controller."""
 
 _log = logging.getLogger(__name__)
 _LOOK_AT_CLIENT = 0.05  # seconds between two looks at whether a goal's client is there
@@ -111,6 +114,8 @@ class TrajectoryServer:
         rules: what goals must keep to.
         wall: the middleware's clock [s].
         feedback_rate: feedback a second while a goal runs, up to 50 [Hz].
+        through: how set-points reach the controller: "realtime", "servoj", or "auto" for the
+            first if the controller has it.
         options: how streams run; None: in a process of their own.
     """
 
@@ -122,6 +127,7 @@ class TrajectoryServer:
         *,
         wall: Callable[[], float],
         feedback_rate: float = 20.0,
+        through: Through = "auto",
         options: LaneOptions | None = None,
     ) -> None:
         self._robot = robot
@@ -129,6 +135,7 @@ class TrajectoryServer:
         self._rules = rules
         self._wall = wall
         self._period = 1.0 / min(feedback_rate, _MOST_FEEDBACK)
+        self._through: Through = through
         self._options = options
         self._queue: GoalQueue[_Job] = GoalQueue()
         self._changed = anyio.Event()
@@ -269,6 +276,7 @@ class TrajectoryServer:
                 tolerances=job.checked.tolerances,
                 feedback=feedback,
                 reach=2.0 * self._rules.start,
+                through=self._through,
                 options=self._options,
             )
         except DucoError as error:

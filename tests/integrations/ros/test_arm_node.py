@@ -67,7 +67,10 @@ def sink() -> Sink:
 
 @pytest.fixture
 async def node(sim: Simulator, sink: Sink) -> AsyncIterator[ArmNode]:
-    settings = NodeSettings(host=sim.host, port=sim.port, wrench=True, heartbeat=20.0)
+    # servoj: the controller's queue holds a tenth of a second, and this machine may be busy
+    settings = NodeSettings(
+        host=sim.host, port=sim.port, wrench=True, heartbeat=20.0, through="servoj"
+    )
     async with arm_node(settings) as node:
         # not a task group: a fixture may be left in another task than it was entered in
         running = asyncio.create_task(node.run(sink))
@@ -206,7 +209,7 @@ async def test_a_pause_and_its_end(node: ArmNode, sim: Simulator) -> None:
     replies = []
 
     async def move() -> None:
-        replies.append(await node.services.movej(way(1.0, 0.8), 0.8, 5.0))
+        replies.append(await node.services.movej(way(1.0), 0.2, 5.0))
 
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(move)
@@ -215,7 +218,7 @@ async def test_a_pause_and_its_end(node: ArmNode, sim: Simulator) -> None:
         assert not sim.moving
         assert (await node.services.resume()).success
     assert replies[0].success
-    np.testing.assert_allclose(sim.joints, way(1.0, 0.8), atol=1e-3)
+    np.testing.assert_allclose(sim.joints, way(1.0), atol=1e-3)
 
 
 async def test_what_is_published(node: ArmNode, sim: Simulator, sink: Sink) -> None:

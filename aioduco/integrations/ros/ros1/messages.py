@@ -70,7 +70,7 @@ def _importable(package: str) -> bool:
 def _definitions(name: str) -> list[tuple[str, str]]:
     """The definition of an installed message, and of those that it uses, from its class."""
     package, _, kind = name.partition("/")
-    whole: str = getattr(importlib.import_module(f"{package}.msg"), kind)._full_text  # noqa: SLF001
+    whole: str = getattr(importlib.import_module(f"{package}.msg"), kind)._full_text
     own, *others = whole.split(_SEPARATOR)
     return [(name, own), *((each.partition("\n")[0], each.partition("\n")[2]) for each in others)]
 
@@ -84,7 +84,7 @@ def _define(name: str, folder: str, lines: Any, packages: list[str]) -> None:
     code = compile("\n".join(lines), f"<{name}>", "exec")
     own = ModuleType(f"{package}.{folder}._{kind}")
     sys.modules[own.__name__] = own
-    exec(code, own.__dict__)  # noqa: S102 - made by ROS's generator from the text above
+    exec(code, own.__dict__)  # made by ROS's generator from the text above
     for each, made in vars(own).items():
         if isinstance(made, type) and each.startswith(kind):
             setattr(module, each, made)

@@ -41,7 +41,6 @@ from tf2_msgs.msg import TFMessage
 
 from aioduco.errors import DucoError, ParameterError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
-from aioduco.integrations.ros.arm_services import ServiceReply
 from aioduco.integrations.ros.ros1 import conversions
 from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRules
 
@@ -50,6 +49,7 @@ if TYPE_CHECKING:
 
     from aioduco import Snapshot
     from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
+    from aioduco.integrations.ros.arm_services import ServiceReply
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
     from aioduco.integrations.ros.trajectory_server import PathFeedback
 
@@ -84,10 +84,10 @@ def settings_of(parameters: dict[str, Any]) -> NodeSettings:
         given.pop("robot_ip", None)
     rules = {name: given.pop(said) for name, said in _RULES.items() if said in given}
     known = {each.name: each for each in fields(NodeSettings) if each.name != "rules"}
-    for name in given:
+    for name, value in given.items():
         if name not in known:
             wanted = ", ".join([*known, *_RULES.values(), "robot_ip"])
-            raise ParameterError(f"~{name}", given[name], f"one of {wanted}")
+            raise ParameterError(f"~{name}", value, f"one of {wanted}")
     if not given.get("host"):
         raise ParameterError("~host", given.get("host"), "the controller's address: _host:=…")
     made: dict[str, Any] = {}
@@ -159,7 +159,7 @@ async def _serve(settings: NodeSettings) -> None:
 def _quietly(portal: BlockingPortal, function: Callable[[], object]) -> None:
     """Call something on the loop, if it still runs."""
     try:
-        portal.start_task_soon(function)  # type: ignore[arg-type]  # takes plain functions, too
+        portal.start_task_soon(function)
     except RuntimeError:
         return
 
@@ -169,6 +169,12 @@ async def _until_signal(scope: anyio.CancelScope) -> None:
         async for _ in signals:
             scope.cancel()
             return
+
+
+def _without_request(
+    call: Callable[[], Awaitable[ServiceReply]],
+) -> Callable[[Any], Awaitable[ServiceReply]]:
+    return lambda _: call()
 
 
 class _Goal:
@@ -265,9 +271,7 @@ class _Shell:
         now = rospy.get_time()
         self._ahead = now - time.monotonic()  # a clock that was set, or that is simulated
         name = rospy.get_name()
-        self._diagnostics.publish(
-            conversions.diagnostics(name, self._settings.host, found, now)
-        )
+        self._diagnostics.publish(conversions.diagnostics(name, self._settings.host, found, now))
 
     # -- goals: called on threads of rospy -------------------------------------------------------
 
@@ -286,7 +290,7 @@ class _Shell:
     def _hand_over(self, function: Callable[..., object], *values: object) -> None:
         """Call something on the loop, without waiting for it."""
         try:
-            self._portal.start_task_soon(function, *values)  # type: ignore[arg-type]  # as above
+            self._portal.start_task_soon(function, *values)
         except RuntimeError:
             _log.warning("the driver ends: a goal came too late, and was left")
 
@@ -340,13 +344,13 @@ class _Shell:
 
     def _offer(self) -> None:
         services = self._node.services
-        for name, plain in (
+        for name, call in (
             ("bring_up", services.bring_up),
             ("recover", services.recover),
             ("pause", services.pause),
             ("resume", services.resume),
         ):
-            self._serve(name, Trigger, TriggerResponse, lambda _, call=plain: call())
+            self._serve(name, Trigger, TriggerResponse, _without_request(call))
         self._services.append(rospy.Service("~stop", Trigger, self._stop))
         self._serve(
             "set_digital_output",
