@@ -56,6 +56,7 @@ if TYPE_CHECKING:
 __all__ = ["NodeError", "main", "settings_of"]
 
 _LOOK_AT_MASTER = 0.25  # seconds between two looks at whether the master is there
+_SILENT = 5.0  # seconds for which a master may answer nothing; one that is busy takes its time
 _QUEUE = 10  # messages that wait for a slow subscriber
 _RULES = {"path": "path_tolerance", "goal": "goal_tolerance", "goal_time": "goal_time_tolerance"}
 _RULES |= {"start": "start_tolerance", "late": "stamp_tolerance"}
@@ -131,8 +132,9 @@ def main(arguments: Sequence[str], parameters: dict[str, Any]) -> None:
             "ROS_MASTER_URI. Nothing was sent"
         )
     rospy.init_node("duco", argv=["duco", *arguments], disable_signals=True)
-    settings = settings_of({**(rospy.get_param("~", {}) or {}), **parameters})
+    # From here on rospy's threads keep the process alive until they are told.
     try:
+        settings = settings_of({**(rospy.get_param("~", {}) or {}), **parameters})
         anyio.run(_serve, settings)
     finally:
         rospy.signal_shutdown("the driver ends")
@@ -191,7 +193,7 @@ class _Goal:
         return self._goal
 
     def alive(self) -> bool:
-        return self._shell.master_here and self._shell.is_connected(self._caller)
+        return self._shell.is_connected(self._caller)
 
     def accepted(self) -> None:
         self._handle.set_accepted()
@@ -225,7 +227,6 @@ class _Shell:
         self._portal = portal
         self._settings = node.settings
         self.names = node.settings.profile.joint_names
-        self.master_here = True
         self._goals: dict[str, _Goal] = {}
         #: from the clock of samples to that of the messages [s]
         self._ahead = rospy.get_time() - time.monotonic()
@@ -318,23 +319,26 @@ class _Shell:
         )
 
     async def watch_master(self) -> None:
-        """End goals while the master does not answer."""
+        """End goals while the master is gone: refuses connections, or was silent for long."""
         address = urlsplit(rosgraph.get_master_uri())
         host, port = address.hostname or "localhost", address.port or 11311
-        start, number = anyio.current_time(), 0
+        start = heard = anyio.current_time()
+        here, number = True, 0
         while True:
             number = max(number + 1, int((anyio.current_time() - start) / _LOOK_AT_MASTER))
             await anyio.sleep_until(start + number * _LOOK_AT_MASTER)
-            here = False
-            with anyio.move_on_after(1.0):
+            refused = False
+            with anyio.move_on_after(_SILENT):
                 try:
                     await (await anyio.connect_tcp(host, port)).aclose()
-                    here = True
+                    heard = anyio.current_time()
                 except OSError:
-                    here = False
-            if here is not self.master_here:
+                    refused = True
+            was, here = here, not refused and anyio.current_time() - heard < _SILENT
+            if here is not was:
                 _log.warning("the ROS master %s", "is back" if here else "is gone: goals end")
-                self.master_here = here
+            if not here:
+                self._node.goals.cancel_all("the ROS master is gone")
 
     # -- services --------------------------------------------------------------------------------
 
