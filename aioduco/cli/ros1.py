@@ -43,7 +43,7 @@ def ros1(
         )
         raise typer.Exit(1)
     from aioduco.errors import DucoError  # noqa: PLC0415 - for this command alone
-    from aioduco.integrations.ros.ros1.messages import install  # noqa: PLC0415
+    from aioduco.integrations.ros.ros1.message_classes import install  # noqa: PLC0415
 
     install()
     from aioduco.integrations.ros.ros1 import node  # noqa: PLC0415 - it imports what is installed

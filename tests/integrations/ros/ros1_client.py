@@ -2,7 +2,7 @@
 
 python ros1_client.py goal [COUNT] [DURATION] [FAR] [CANCEL_AFTER]
 python ros1_client.py wrong          # ten goals that are to be refused
-python ros1_client.py states SECONDS # how many joint states come
+python ros1_client.py states SECONDS BAG  # how many joint states come, and a bag of them
 python ros1_client.py call SERVICE [ARGUMENTS AS JSON]
 """
 
@@ -12,16 +12,16 @@ import itertools
 import json
 import math
 import os
-import resource
 import sys
 import threading
 import time
 from typing import Any
 
+import rosbag
 import rospy
 from actionlib import SimpleActionClient
 
-from aioduco.integrations.ros.ros1.messages import install
+from aioduco.integrations.ros.ros1.message_classes import install
 
 install()
 
@@ -157,23 +157,37 @@ def run_wrong(kind: str) -> None:
             rospy.ServiceProxy(f"{NODE}/recover", Trigger)()
 
 
-def count_states(seconds: float) -> None:
-    times: list[float] = []
-    stamps: list[float] = []
-
-    def came(message: Any) -> None:
-        times.append(time.monotonic())
-        stamps.append(message.header.stamp.to_sec())
-
+def count_states(seconds: float, path: str) -> None:
+    """Count joint states, put them into a bag, and play that on a topic of its own."""
+    came: list[tuple[float, Any]] = []
     here()
-    rospy.Subscriber("joint_states", JointState, came)
+    subscriber = rospy.Subscriber(
+        "joint_states", JointState, lambda message: came.append((time.monotonic(), message))
+    )
     time.sleep(seconds + 1.0)
-    kept = [at for at in times if at - times[0] <= seconds]
+    subscriber.unregister()
+    recorded = list(came)
+    with rosbag.Bag(path, "w") as bag:
+        for _, message in recorded:
+            bag.write("joint_states", message, message.header.stamp)
+    played: list[Any] = []
+    publisher = rospy.Publisher("played", JointState, queue_size=len(recorded))
+    rospy.Subscriber("played", JointState, played.append)
+    while not publisher.get_num_connections():
+        time.sleep(0.01)
+    with rosbag.Bag(path) as bag:
+        for _, message, _ in bag.read_messages():
+            publisher.publish(message)
+    until = time.monotonic() + 60.0
+    while len(played) < len(recorded) and time.monotonic() < until:
+        time.sleep(0.01)
+    stamps = [message.header.stamp.to_sec() for _, message in recorded]
+    kept = [at for at, _ in recorded if at - recorded[0][0] <= seconds]
     say(
-        count=len(kept),
         rate=(len(kept) - 1) / (kept[-1] - kept[0]),
         rising=all(a < b for a, b in itertools.pairwise(stamps)),
-        cpu=resource.getrusage(resource.RUSAGE_SELF).ru_utime,
+        recorded=len(recorded),
+        played=sum(a.position == b.position for (_, a), b in zip(recorded, played, strict=False)),
     )
 
 
@@ -200,7 +214,7 @@ def main() -> None:
         numbers = [float(each) for each in rest] + [200.0, 2.0, 0.3, 0.0][len(rest) :]
         run_goal(int(numbers[0]), *numbers[1:])
     elif what == "states":
-        count_states(float(rest[0]))
+        count_states(float(rest[0]), rest[1])
     elif what == "call":
         call(rest[0], json.loads(rest[1]) if rest[1:] else {})
     else:

@@ -183,6 +183,25 @@ def test_services(graph: Graph, sim: Simulator, node: subprocess.Popen[str]) -> 
     assert (found["state"], found["code"]) == (ABORTED, -4)
 
 
+def test_joint_states_and_a_bag_of_them(
+    graph: Graph, sim: Simulator, node: subprocess.Popen[str], thorough: bool, tmp_path: Path
+) -> None:
+    seconds = 30.0 if thorough else 5.0
+    before, begun = cpu(node.pid), time.monotonic()
+    found = graph.last("states", str(seconds), str(tmp_path / "states.bag"))
+    share = (cpu(node.pid) - before) / (time.monotonic() - begun)
+    print(f"joint states at {found['rate']:.1f} Hz, {share:.1%} of a core")  # noqa: T201 - figures
+    assert found["rising"]
+    assert found["rate"] <= 125 * 1.02
+    assert found["played"] == found["recorded"] > 0
+
+
+def cpu(pid: int) -> float:
+    """Seconds of processor time that a process has used."""
+    numbers = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(numbers[11]) + int(numbers[12])) / os.sysconf("SC_CLK_TCK")
+
+
 @pytest.mark.parametrize("killed", ["node", "master", "client"])
 def test_the_arm_stands_when_one_of_them_is_killed(
     graph: Graph, sim: Simulator, killed: str, thorough: bool
@@ -246,6 +265,7 @@ def test_a_node_says_why_it_does_not_start(graph: Graph, sim: Simulator) -> None
         (("_rate:=fast",), "rate"),
         (("_model:=elephant",), "elephant"),
     ):
-        node = graph.start_node(sim, *given)
+        # each under a name of its own: the master keeps the parameters of a name
+        node = graph.start_node(sim, *given, f"__name:={said}")
         assert node.wait(PATIENT) == 1
         assert said in (graph.folder / "errors").read_text()
