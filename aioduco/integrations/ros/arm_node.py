@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import time
 from contextlib import asynccontextmanager
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
 
 __all__ = ["ArmNode", "NodeSettings", "StateSink", "arm_node"]
 
+_log = logging.getLogger(__name__)
+_RETRY = 0.1  # seconds between two questions while nobody answers
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeSettings:
@@ -39,7 +43,7 @@ class NodeSettings:
         frame: frame in which the controller gives poses; empty: the prefix and "base_link".
         rate: joint states and transforms a second [Hz].
         slow_rate: states, inputs and outputs a second [Hz].
-        wrench: whether to publish the force at the tool, which takes two more questions a sample.
+        wrench: whether to publish the force at the tool, which takes one more question each time.
         velocity: largest speed of a joint in a goal [rad/s]; 0: the arm's.
         acceleration: with which the arm follows goals and comes to rest [rad/s²].
         through: how set-points of goals reach the controller: "realtime" for its queue, "servoj"
@@ -145,37 +149,56 @@ class ArmNode:
         self.services = ArmServices(robot, self.goals)
         self._tcp_offset: Pose | None = None
         self._newest: Snapshot | None = None
+        self._count = 0  # joint states since the last diagnosis
 
     async def run(self, sink: StateSink) -> None:
         """Publish and serve until this is cancelled."""
-        self.robot.feed.forces = self.settings.wrench
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self.goals.run)
-            tasks.start_soon(self._publish, sink)
+            tasks.start_soon(self._publish_joints, sink)
+            tasks.start_soon(self._publish_states, sink)
             tasks.start_soon(self._diagnose, sink)
 
-    async def _publish(self, sink: StateSink) -> None:
-        """Each sample to the sink; a sink that is held up loses samples, not time."""
-        slow, due, prefix = 1.0 / self.settings.slow_rate, 0.0, self.settings.prefix
+    async def _publish_joints(self, sink: StateSink) -> None:
+        """Joints at the full rate: one question each, where a whole sample takes three."""
+        state, prefix, period = self.robot.state, self.settings.prefix, 1.0 / self.settings.rate
+        start, number = anyio.current_time(), 0
+        while True:
+            try:
+                status = await state.getRobotStatus()
+                sink.joints(
+                    status.received_at,
+                    joint_reading(status),
+                    placed_frames(status, self._tcp_offset, prefix),
+                )
+                self._count += 1
+                if self.settings.wrench:
+                    force = await state.get_tcp_force()
+                    sink.wrench(time.monotonic(), force.tolist())
+            except DucoError as error:
+                _log.debug("no joint states: %s", error)
+                await anyio.sleep(_RETRY)
+            # What was missed is left out, never made up for.
+            number = max(number + 1, int((anyio.current_time() - start) / period))
+            await anyio.sleep_until(start + number * period)
+
+    async def _publish_states(self, sink: StateSink) -> None:
+        """Whole samples to the sink; one that is held up loses samples, not time."""
         with self.robot.feed.subscribe("latest") as samples:
             async for snapshot in samples:
                 self._newest = snapshot
-                frames = placed_frames(snapshot, self._tcp_offset, prefix)
-                sink.joints(snapshot.received_at, joint_reading(snapshot), frames)
-                if snapshot.read_forces is not None:
-                    sink.wrench(snapshot.received_at, snapshot.forces.tool.tolist())
-                if snapshot.received_at >= due:
-                    due = max(due + slow, snapshot.received_at)
-                    sink.states(snapshot)
+                sink.states(snapshot)
 
     async def _diagnose(self, sink: StateSink) -> None:
         feed, start, number = self.robot.feed, anyio.current_time(), 0
+        asked = start
         while True:
             try:
                 self._tcp_offset = await self.robot.frames.get_tcp_offset()
             except DucoError:
                 self._tcp_offset = None  # a tool that was changed meanwhile must not be made up
-            rate = feed.statistics().measured_rate
+            now = anyio.current_time()
+            rate, asked, self._count = self._count / max(now - asked, 1e-3), now, 0
             sink.diagnosis(diagnosis(self._newest, feed.error, time.monotonic(), rate))
             number = max(number + 1, int(anyio.current_time() - start))
             await anyio.sleep_until(start + number)
@@ -201,6 +224,6 @@ async def arm_node(
         settings.port,
         heartbeat=settings.heartbeat,
         guard=settings.guard or None,
-        state_rate=settings.rate,
+        state_rate=settings.slow_rate,
     ) as robot:
         yield ArmNode(robot, settings, wall=wall)

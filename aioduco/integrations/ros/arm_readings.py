@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from aioduco import ProgramState, RobotState, SafetyState
 
 if TYPE_CHECKING:
-    from aioduco import Pose, Snapshot
+    from aioduco import Pose, RobotStatus, Snapshot
     from aioduco.errors import DucoError
 
 __all__ = [
@@ -73,24 +73,23 @@ class Diagnosis(NamedTuple):
     values: dict[str, str]
 
 
-def joint_reading(snapshot: Snapshot) -> ArmReading:
+def joint_reading(status: RobotStatus) -> ArmReading:
     """The joints in a sample."""
-    status = snapshot.status
     return ArmReading(
         tuple(status.joints), status.joint_speeds.tolist(), (status.joint_currents / 1e3).tolist()
     )
 
 
-def placed_frames(snapshot: Snapshot, tcp_offset: Pose | None, prefix: str) -> list[PlacedFrame]:
+def placed_frames(status: RobotStatus, tcp_offset: Pose | None, prefix: str) -> list[PlacedFrame]:
     """The frames of tool tip and flange, as the controller has them.
 
     Args:
-        snapshot: a sample.
+        status: a sample.
         tcp_offset: pose of the tool's tip in the flange's frame; None if it is not known, and then
             there is no flange.
         prefix: before the frames' names.
     """
-    tip = snapshot.status.pose
+    tip = status.pose
     frames = [(prefix + "tcp_controller", tip)]
     if tcp_offset is not None:
         frames.append((prefix + "flange_controller", tip @ tcp_offset.inverse()))
