@@ -138,6 +138,18 @@ def node(graph: Graph, sim: Simulator) -> subprocess.Popen[str]:
     return node
 
 
+def test_the_messages_have_the_released_checksum() -> None:
+    code = (
+        "from aioduco.integrations.ros.ros1.message_classes import install\n"
+        "install()\n"
+        "from control_msgs.msg import JointTolerance\n"
+        "print(JointTolerance._md5sum)\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE.parents[2]), *sys.path])}
+    found = subprocess.check_output([sys.executable, "-c", code], env=environment, text=True)
+    assert found == "f544fe9c16cf04547e135dd6063ff5be\n"
+
+
 def go_to_start(graph: Graph) -> None:
     reply = graph.last("call", "movej", json.dumps({"joints": START, "v": 2.0, "a": 10.0}))
     assert reply["success"], reply
