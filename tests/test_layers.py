@@ -66,9 +66,12 @@ MAY_IMPORT: dict[str, set[str]] = {
     "planning": BASE | {"models", "kinematics", "streaming", "sim"},
     "sync": CLIENT | {"robot", "__init__", "recording"},
     "preflight": CLIENT | {"robot", "__init__", "sim", "sync", "compat", "planning"},
+    # bridges to other systems: the public interface alone
+    "integrations": {"errors", "kinematics", "events", "__init__"},
     "pytest_plugin": CLIENT | {"robot", "__init__", "sim", "sync", "testing", "preflight"},
     "cli": CLIENT
-    | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "preflight", "planning"},
+    | {"robot", "__init__", "sim", "sync", "recording", "descriptions", "preflight", "planning"}
+    | {"integrations"},
 }
 
 #: by folder or module of the simulator, which others of it that may import; itself always
@@ -150,6 +153,9 @@ ONLY_IN: dict[str, set[str]] = {
     "foxglove": {"recording/channels.py"},
     "zstandard": {"recording/container.py"},
     "pyarrow": {"recording/tables.py"},
+    **dict.fromkeys(
+        ("rospy", "actionlib", "genpy", "genmsg", "rosgraph"), {"integrations/ros/ros1"}
+    ),
 }
 
 #: these are pure: no threads, sockets, clocks or files
@@ -164,6 +170,9 @@ PURE = {
     "sim/planner",
     "sim/physics/temperature.py",
     "envelope",
+    "integrations/ros/trajectory_goals.py",
+    "integrations/ros/goal_queue.py",
+    "integrations/ros/arm_readings.py",
 }
 IMPURE = {"socket", "threading", "time", "queue", "anyio", "asyncio", "pathlib", "os"}
 

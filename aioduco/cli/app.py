@@ -13,6 +13,7 @@ from aioduco.cli.export import export
 from aioduco.cli.plot import plot
 from aioduco.cli.preflight import preflight
 from aioduco.cli.record import record
+from aioduco.cli.ros1 import ros1
 from aioduco.cli.sim import sim
 from aioduco.cli.sim_do import sim_do
 
@@ -36,6 +37,7 @@ app.command()(check)
 app.command(context_settings={"ignore_unknown_options": True})(call)
 app.command()(export)
 app.command()(preflight)
+app.command()(ros1)
 
 
 def _version(wanted: bool) -> None:

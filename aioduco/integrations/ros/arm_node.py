@@ -1,0 +1,229 @@
+"""The driver of one arm, for any middleware: its state to a sink, its goals, its services."""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, Protocol, get_args
+
+import anyio
+
+from aioduco import connect
+from aioduco.errors import DucoError, ParameterError
+from aioduco.integrations.ros.arm_readings import diagnosis, joint_reading, placed_frames
+from aioduco.integrations.ros.arm_services import ArmServices
+from aioduco.integrations.ros.trajectory_goals import ArmProfile, GoalRules
+from aioduco.integrations.ros.trajectory_server import Through, TrajectoryServer
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+
+    from aioduco import LaneOptions, Pose, Robot, Snapshot
+    from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
+
+__all__ = ["ArmNode", "NodeSettings", "StateSink", "arm_node"]
+
+_log = logging.getLogger(__name__)
+_RETRY = 0.1  # seconds between two questions while nobody answers
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeSettings:
+    """Parameters of a driver; the shells take them by these names.
+
+    Attributes:
+        host: address of the controller.
+        port: its TCP port.
+        model: the arm, such as "gcr5_910": for its limits.
+        prefix: before names of joints and frames, such as "left_".
+        joint_names: other names than joint_1 to joint_6; empty for these.
+        frame: frame in which the controller gives poses; empty: the prefix and "base_link".
+        rate: joint states and transforms a second [Hz].
+        slow_rate: states, inputs and outputs a second [Hz].
+        wrench: whether to publish the force at the tool, which takes one more question each time.
+        velocity: largest speed of a joint in a goal [rad/s]; 0: the arm's.
+        acceleration: with which the arm follows goals and comes to rest [rad/s²].
+        through: how set-points of goals reach the controller: "realtime" for its queue, "servoj"
+            for one call each, "auto" for the queue if it has one.
+        feedback_rate: feedback of a goal a second, up to 50 [Hz].
+        heartbeat: seconds after which the controller stops the arm of a driver that died.
+        guard: "process" for a process that stops it at once; empty for none.
+        rules: what goals must keep to.
+    """
+
+    host: str
+    port: int = 7003
+    model: str = "gcr5_910"
+    prefix: str = ""
+    joint_names: tuple[str, ...] = ()
+    frame: str = ""
+    rate: float = 125.0
+    slow_rate: float = 10.0
+    wrench: bool = False
+    velocity: float = 0.0
+    acceleration: float = 10.0
+    through: Through = "auto"
+    feedback_rate: float = 20.0
+    heartbeat: float = 1.0
+    guard: Literal["", "process"] = ""
+    rules: GoalRules = field(default_factory=GoalRules)
+
+    def __post_init__(self) -> None:
+        for name, most in (("rate", 500.0), ("slow_rate", 100.0), ("feedback_rate", 50.0)):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and 0.1 <= value <= most):
+                raise ParameterError(name, value, f"0.1 to {most:g} Hz")
+        if self.through not in get_args(Through):
+            raise ParameterError("through", self.through, f"one of {', '.join(get_args(Through))}")
+
+    @property
+    def base_frame(self) -> str:
+        """The frame in which the controller gives poses."""
+        return self.frame or self.prefix + "base_link"
+
+    @property
+    def profile(self) -> ArmProfile:
+        """Names and limits of the arm."""
+        return ArmProfile.of(
+            self.model,
+            self.prefix,
+            joint_names=self.joint_names,
+            velocity=self.velocity or None,
+            acceleration=self.acceleration,
+        )
+
+
+class StateSink(Protocol):
+    """Where a driver's state goes. All of it is called on the event loop, and must not wait."""
+
+    def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
+        """Take joint states and frames.
+
+        Args:
+            at: when they were received, on the clock of `time.monotonic` [s].
+            reading: the joints.
+            frames: tool tip and flange.
+        """
+
+    def wrench(self, at: float, force: list[float]) -> None:
+        """Take force and torque at the tool [N, N·m], six."""
+
+    def states(self, snapshot: Snapshot) -> None:
+        """Take the whole sample, for states, inputs and outputs."""
+
+    def diagnosis(self, found: Diagnosis) -> None:
+        """Take how the arm is, once a second."""
+
+
+class ArmNode:
+    """The driver of one arm. Made by `arm_node`.
+
+    Attributes:
+        robot: the robot, open.
+        goals: its trajectory goals.
+        services: its services.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        settings: NodeSettings,
+        *,
+        wall: Callable[[], float],
+        options: LaneOptions | None = None,
+    ) -> None:
+        self.robot = robot
+        self.settings = settings
+        self.goals = TrajectoryServer(
+            robot,
+            settings.profile,
+            settings.rules,
+            wall=wall,
+            feedback_rate=settings.feedback_rate,
+            through=settings.through,
+            options=options,
+        )
+        self.services = ArmServices(robot, self.goals)
+        self._tcp_offset: Pose | None = None
+        self._newest: Snapshot | None = None
+        self._count = 0  # joint states since the last diagnosis
+
+    async def run(self, sink: StateSink) -> None:
+        """Publish and serve until this is cancelled."""
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self.goals.run)
+            tasks.start_soon(self._publish_joints, sink)
+            tasks.start_soon(self._publish_states, sink)
+            tasks.start_soon(self._diagnose, sink)
+
+    async def _publish_joints(self, sink: StateSink) -> None:
+        """Joints at the full rate: one question each, where a whole sample takes three."""
+        state, prefix, period = self.robot.state, self.settings.prefix, 1.0 / self.settings.rate
+        start, number = anyio.current_time(), 0
+        while True:
+            try:
+                status = await state.getRobotStatus()
+                sink.joints(
+                    status.received_at,
+                    joint_reading(status),
+                    placed_frames(status, self._tcp_offset, prefix),
+                )
+                self._count += 1
+                if self.settings.wrench:
+                    force = await state.get_tcp_force()
+                    sink.wrench(time.monotonic(), force.tolist())
+            except DucoError as error:
+                _log.debug("no joint states: %s", error)
+                await anyio.sleep(_RETRY)
+            # What was missed is left out, never made up for.
+            number = max(number + 1, int((anyio.current_time() - start) / period))
+            await anyio.sleep_until(start + number * period)
+
+    async def _publish_states(self, sink: StateSink) -> None:
+        """Whole samples to the sink; one that is held up loses samples, not time."""
+        with self.robot.feed.subscribe("latest") as samples:
+            async for snapshot in samples:
+                self._newest = snapshot
+                sink.states(snapshot)
+
+    async def _diagnose(self, sink: StateSink) -> None:
+        feed, start, number = self.robot.feed, anyio.current_time(), 0
+        asked = start
+        while True:
+            try:
+                self._tcp_offset = await self.robot.frames.get_tcp_offset()
+            except DucoError:
+                self._tcp_offset = None  # a tool that was changed meanwhile must not be made up
+            now = anyio.current_time()
+            rate, asked, self._count = self._count / max(now - asked, 1e-3), now, 0
+            sink.diagnosis(diagnosis(self._newest, feed.error, time.monotonic(), rate))
+            number = max(number + 1, int(anyio.current_time() - start))
+            await anyio.sleep_until(start + number)
+
+
+@asynccontextmanager
+async def arm_node(
+    settings: NodeSettings, *, wall: Callable[[], float] = time.time
+) -> AsyncIterator[ArmNode]:
+    """Connect to an arm for a driver; on leaving, the arm stands.
+
+    Args:
+        settings: the driver's parameters.
+        wall: the middleware's clock [s].
+
+    Raises:
+        ParameterError: a parameter is out of range; nothing was sent.
+        ConnectError: no controller answers.
+    """
+    _ = settings.profile  # raises before anything is sent
+    async with connect(
+        settings.host,
+        settings.port,
+        heartbeat=settings.heartbeat,
+        guard=settings.guard or None,
+        state_rate=settings.slow_rate,
+    ) as robot:
+        yield ArmNode(robot, settings, wall=wall)

@@ -1,0 +1,154 @@
+"""Messages of ROS 1 from the driver's values, and its values from messages. No I/O."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from aioduco_msgs.msg import IOState, RobotState
+from control_msgs.msg import FollowJointTrajectoryFeedback, FollowJointTrajectoryResult
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import TransformStamped, WrenchStamped
+from rospy import Duration, Time
+from sensor_msgs.msg import JointState
+from tf2_msgs.msg import TFMessage
+from trajectory_msgs.msg import JointTrajectoryPoint
+
+from aioduco.integrations.ros.trajectory_goals import GoalPoint, NamedTolerance, TrajectoryGoal
+
+if TYPE_CHECKING:
+    from aioduco import Snapshot
+    from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
+    from aioduco.integrations.ros.trajectory_goals import ErrorCode
+    from aioduco.integrations.ros.trajectory_server import PathFeedback
+
+__all__ = [
+    "diagnostics",
+    "feedback",
+    "goal",
+    "io_state",
+    "joint_state",
+    "result",
+    "robot_state",
+    "transforms",
+    "wrench",
+]
+
+
+def goal(message: Any) -> TrajectoryGoal:
+    """A goal of FollowJointTrajectory, unchecked."""
+    trajectory = message.trajectory
+    return TrajectoryGoal(
+        joint_names=list(trajectory.joint_names),
+        points=[
+            GoalPoint(
+                point.positions,
+                point.velocities,
+                point.accelerations,
+                point.effort,
+                point.time_from_start.to_sec(),
+            )
+            for point in trajectory.points
+        ],
+        stamp=trajectory.header.stamp.to_sec(),
+        path_tolerance=[_tolerance(each) for each in message.path_tolerance],
+        goal_tolerance=[_tolerance(each) for each in message.goal_tolerance],
+        goal_time_tolerance=message.goal_time_tolerance.to_sec(),
+    )
+
+
+def _tolerance(message: Any) -> NamedTolerance:
+    return NamedTolerance(message.name, message.position, message.velocity, message.acceleration)
+
+
+def result(code: ErrorCode, text: str) -> Any:
+    """A result of FollowJointTrajectory."""
+    return FollowJointTrajectoryResult(error_code=int(code), error_string=text)
+
+
+def feedback(names: tuple[str, ...], found: PathFeedback, stamp: float) -> Any:
+    """A feedback of FollowJointTrajectory, its joints in the arm's order."""
+    message = FollowJointTrajectoryFeedback(joint_names=list(names))
+    message.header.stamp = Time.from_sec(stamp)
+    time = Duration.from_sec(found.time)
+    for part in ("desired", "actual", "error"):
+        point = JointTrajectoryPoint(positions=getattr(found, part).tolist(), time_from_start=time)
+        setattr(message, part, point)
+    return message
+
+
+def joint_state(names: tuple[str, ...], reading: ArmReading, stamp: float) -> Any:
+    """Joint states."""
+    message = JointState(name=names, position=reading.position)
+    message.velocity, message.effort = reading.velocity, reading.effort
+    message.header.stamp = Time.from_sec(stamp)
+    return message
+
+
+def transforms(base: str, frames: list[PlacedFrame], stamp: float) -> Any:
+    """Frames in that of the base."""
+    at = Time.from_sec(stamp)
+    found = []
+    for frame in frames:
+        message = TransformStamped(child_frame_id=frame.name)
+        message.header.frame_id, message.header.stamp = base, at
+        place, turn = message.transform.translation, message.transform.rotation
+        place.x, place.y, place.z = frame.position
+        turn.x, turn.y, turn.z, turn.w = frame.quaternion
+        found.append(message)
+    return TFMessage(found)
+
+
+def wrench(frame: str, force: list[float], stamp: float) -> Any:
+    """Force and torque at the tool."""
+    message = WrenchStamped()
+    message.header.frame_id, message.header.stamp = frame, Time.from_sec(stamp)
+    push, twist = message.wrench.force, message.wrench.torque
+    push.x, push.y, push.z, twist.x, twist.y, twist.z = force
+    return message
+
+
+def robot_state(snapshot: Snapshot, stamp: float) -> Any:
+    """States of robot, program, safety and mode."""
+    states, status = snapshot.states, snapshot.status
+    message = RobotState(
+        robot_state=int(states.robot),
+        program_state=int(states.program),
+        safety_state=int(states.safety),
+        operation_mode=int(states.mode),
+        text=str(states),
+        enabled=all(status.enabled),
+        collision=status.collision,
+        collision_joint=status.collision_axis,
+        emergency_stop=status.emergency_stop,
+        error=status.error,
+    )
+    message.header.stamp = Time.from_sec(stamp)
+    return message
+
+
+def io_state(snapshot: Snapshot, stamp: float) -> Any:
+    """Inputs and outputs; the first of each list has the number 1."""
+    io = snapshot.io
+    message = IOState(
+        digital_inputs=io.digital_inputs,
+        digital_outputs=io.digital_outputs,
+        tool_inputs=io.tool_inputs,
+        tool_outputs=io.tool_outputs,
+        voltage_inputs=io.analog_voltage_inputs,
+        voltage_outputs=io.analog_voltage_outputs,
+        current_inputs=io.analog_current_inputs,
+        current_outputs=io.analog_current_outputs,
+    )
+    message.header.stamp = Time.from_sec(stamp)
+    return message
+
+
+def diagnostics(name: str, host: str, found: Diagnosis, stamp: float) -> Any:
+    """How the arm is."""
+    status = DiagnosticStatus(
+        level=int(found.level), name=name, message=found.message, hardware_id=host
+    )
+    status.values = [KeyValue(key, value) for key, value in found.values.items()]
+    message = DiagnosticArray(status=[status])
+    message.header.stamp = Time.from_sec(stamp)
+    return message

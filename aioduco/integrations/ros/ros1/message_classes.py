@@ -1,0 +1,103 @@
+"""Classes of messages that are not installed, made from their definitions when they are needed."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from types import ModuleType
+from typing import Any
+
+from aioduco.integrations.ros.ros1.definitions import ACTION, ACTION_HEADERS, MESSAGES, SERVICES
+
+__all__ = ["install"]
+
+_NAME = "control_msgs/FollowJointTrajectory"
+#: installed classes whose definitions, with all that they use, the others are made of
+_USED = (
+    "std_msgs/Header",
+    "trajectory_msgs/JointTrajectory",
+    "actionlib_msgs/GoalID",
+    "actionlib_msgs/GoalStatus",
+)
+_SEPARATOR = "=" * 80 + "\nMSG: "
+
+
+def install() -> None:
+    """Make `control_msgs.msg`, `aioduco_msgs.msg` and `aioduco_msgs.srv` importable.
+
+    Packages that are installed are used as they are. For clients in Python, too: after it,
+    `from control_msgs.msg import FollowJointTrajectoryAction` works with any ROS 1.
+
+    Raises:
+        ModuleNotFoundError: genpy, or messages of ROS's core, are not installed.
+    """
+    missing = [name for name in ("control_msgs", "aioduco_msgs") if not _importable(name)]
+    if not missing:
+        return
+    genmsg = importlib.import_module("genmsg")
+    generator = importlib.import_module("genpy.generator")
+    loader = genmsg.msg_loader
+    context = genmsg.MsgContext.create_default()
+    for name in _USED:
+        for kind, text in _definitions(name):
+            loader.load_msg_from_string(context, text, kind)
+    for name, text in _messages().items():
+        spec = loader.load_msg_from_string(context, text, name)
+        _define(name, "msg", generator.msg_generator(context, spec, {}), missing)
+    for name, text in SERVICES.items():
+        spec = loader.load_srv_from_string(context, text, name)
+        _define(name, "srv", generator.srv_generator(context, spec, {}), missing)
+
+
+def _messages() -> dict[str, str]:
+    """All messages by name, those of the action included, each behind those that it uses."""
+    found = dict(MESSAGES)
+    for part, text in ACTION.items():
+        found[_NAME + part] = text
+    for part, text in ACTION_HEADERS.items():
+        found[f"{_NAME}Action{part}"] = text.format(name=_NAME.partition("/")[2])
+    return found
+
+
+def _importable(package: str) -> bool:
+    try:
+        importlib.import_module(f"{package}.msg")
+    except ModuleNotFoundError:
+        return False
+    return True
+
+
+def _definitions(name: str) -> list[tuple[str, str]]:
+    """The definition of an installed message, and of those that it uses, from its class."""
+    package, _, kind = name.partition("/")
+    whole: str = getattr(importlib.import_module(f"{package}.msg"), kind)._full_text
+    own, *others = whole.split(_SEPARATOR)
+    return [(name, own), *((each.partition("\n")[0], each.partition("\n")[2]) for each in others)]
+
+
+def _define(name: str, folder: str, lines: Any, packages: list[str]) -> None:
+    """Run the code of a message's class in the module where it is looked for."""
+    package, _, kind = name.partition("/")
+    if package not in packages:
+        return
+    module = _module(package, folder)
+    code = compile("\n".join(lines), f"<{name}>", "exec")
+    own = ModuleType(f"{package}.{folder}._{kind}")
+    sys.modules[own.__name__] = own
+    exec(code, own.__dict__)  # made by ROS's generator from the text above
+    for each, made in vars(own).items():
+        if isinstance(made, type) and each.startswith(kind):
+            setattr(module, each, made)
+
+
+def _module(package: str, folder: str) -> ModuleType:
+    """The module of a package that is not installed; made once."""
+    name = f"{package}.{folder}"
+    if name not in sys.modules:
+        parent = sys.modules.setdefault(package, ModuleType(package))
+        parent.__path__ = []
+        module = ModuleType(name)
+        module.__path__ = []
+        sys.modules[name] = module
+        setattr(parent, folder, module)
+    return sys.modules[name]

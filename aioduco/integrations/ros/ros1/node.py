@@ -1,0 +1,425 @@
+"""The driver as a node of ROS 1.
+
+The main thread runs the event loop with the robot. rospy calls back on threads of its own; they
+hand what they have to the loop. A stop does not: it goes to the controller from the thread on
+which it was asked for.
+"""
+
+from __future__ import annotations
+
+import logging
+import signal
+import time
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+import anyio
+import rosgraph
+import rospy
+from actionlib import ActionServer
+from aioduco_msgs.msg import IOState, RobotState
+from aioduco_msgs.srv import (
+    MoveJ,
+    MoveJResponse,
+    MoveL,
+    MoveLResponse,
+    SetLoad,
+    SetLoadResponse,
+    SetOutput,
+    SetOutputResponse,
+    SetTool,
+    SetToolResponse,
+)
+from anyio.from_thread import BlockingPortal
+from control_msgs.msg import FollowJointTrajectoryAction
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import WrenchStamped
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger, TriggerResponse
+from tf2_msgs.msg import TFMessage
+
+from aioduco.errors import DucoError, ParameterError
+from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
+from aioduco.integrations.ros.ros1 import conversions
+from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRules
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Sequence
+
+    from aioduco import Snapshot
+    from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
+    from aioduco.integrations.ros.arm_services import ServiceReply
+    from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
+    from aioduco.integrations.ros.trajectory_server import PathFeedback
+
+__all__ = ["NodeError", "main", "settings_of"]
+
+_LOOK_AT_MASTER = 0.25  # seconds between two looks at whether the master is there
+_SILENT = 5.0  # seconds for which a master may answer nothing; one that is busy takes its time
+_QUEUE = 10  # messages that wait for a slow subscriber
+_RULES = {"path": "path_tolerance", "goal": "goal_tolerance", "goal_time": "goal_time_tolerance"}
+_RULES |= {"start": "start_tolerance", "late": "stamp_tolerance"}
+
+_log = logging.getLogger(__name__)
+
+
+class NodeError(DucoError):
+    """The node could not be started; nothing was sent."""
+
+
+def settings_of(parameters: dict[str, Any]) -> NodeSettings:
+    """The driver's settings from its private parameters.
+
+    Args:
+        parameters: by name. `robot_ip`, the manual's name of the launch argument, is `host`;
+            tolerances of goals are `path_tolerance`, `goal_tolerance`, `goal_time_tolerance`,
+            `start_tolerance` and `stamp_tolerance`.
+
+    Raises:
+        ParameterError: one is missing, unknown, of a wrong kind or out of range.
+    """
+    given = dict(parameters)
+    if "robot_ip" in given:
+        given.setdefault("host", given.pop("robot_ip"))
+        given.pop("robot_ip", None)
+    rules = {name: given.pop(said) for name, said in _RULES.items() if said in given}
+    known = {each.name: each for each in fields(NodeSettings) if each.name != "rules"}
+    for name, value in given.items():
+        if name not in known:
+            wanted = ", ".join([*known, *_RULES.values(), "robot_ip"])
+            raise ParameterError(f"~{name}", value, f"one of {wanted}")
+    if not given.get("host"):
+        raise ParameterError("~host", given.get("host"), "the controller's address: _host:=…")
+    made: dict[str, Any] = {}
+    for name, value in given.items():
+        default = () if name == "joint_names" else getattr(_DEFAULTS, name)
+        made[name] = _as(name, value, default)
+    kept = {name: _as(_RULES[name], value, 0.0) for name, value in rules.items()}
+    return NodeSettings(**made, rules=replace(GoalRules(), **kept))
+
+
+_DEFAULTS = NodeSettings(host="-")
+
+
+def _as(name: str, value: Any, default: Any) -> Any:
+    """A parameter in the kind of its default."""
+    if isinstance(default, tuple) and isinstance(value, (list, tuple)):
+        return tuple(str(each) for each in value)
+    if isinstance(default, float) and type(value) in (int, float):
+        return float(value)
+    if type(value) is type(default):
+        return value
+    kind = "list of texts" if isinstance(default, tuple) else type(default).__name__
+    raise ParameterError(f"~{name}", value, f"a {kind}")
+
+
+def main(arguments: Sequence[str], parameters: dict[str, Any]) -> None:
+    """Run the node until a signal, or until it is told to shut down.
+
+    Args:
+        arguments: of the command line: remappings, `_name:=value` for private parameters.
+        parameters: that go before those of the parameter server.
+
+    Raises:
+        NodeError: no master answers.
+        ParameterError: a parameter is wrong; nothing was sent.
+        ConnectError: no controller answers.
+    """
+    if not rosgraph.is_master_online():
+        raise NodeError(
+            f"no ROS master answers at {rosgraph.get_master_uri()}: start roscore, or set "
+            "ROS_MASTER_URI. Nothing was sent"
+        )
+    rospy.init_node("duco", argv=["duco", *arguments], disable_signals=True)
+    # From here on rospy's threads keep the process alive until they are told.
+    try:
+        settings = settings_of({**(rospy.get_param("~", {}) or {}), **parameters})
+        anyio.run(_serve, settings)
+    finally:
+        rospy.signal_shutdown("the driver ends")
+
+
+async def _serve(settings: NodeSettings) -> None:
+    async with (
+        arm_node(settings, wall=rospy.get_time) as node,
+        BlockingPortal() as portal,
+        anyio.create_task_group() as tasks,
+    ):
+        shell = _Shell(node, portal)
+        rospy.on_shutdown(lambda: _quietly(portal, tasks.cancel_scope.cancel))
+        tasks.start_soon(_until_signal, tasks.cancel_scope)
+        tasks.start_soon(shell.watch_master)
+        tasks.start_soon(shell.serve_services)
+        try:
+            await node.run(shell)
+        finally:
+            # Before the portal closes: what rospy hands over from now on is refused, not lost.
+            shell.close()
+
+
+def _quietly(portal: BlockingPortal, function: Callable[[], object]) -> None:
+    """Call something on the loop, if it still runs."""
+    try:
+        portal.start_task_soon(function)
+    except RuntimeError:
+        return
+
+
+async def _until_signal(scope: anyio.CancelScope) -> None:
+    with anyio.open_signal_receiver(signal.SIGINT, signal.SIGTERM) as signals:
+        async for _ in signals:
+            scope.cancel()
+            return
+
+
+def _without_request(
+    call: Callable[[], Awaitable[ServiceReply]],
+) -> Callable[[Any], Awaitable[ServiceReply]]:
+    return lambda _: call()
+
+
+class _Goal:
+    """A goal of actionlib's, as the driver's core handles goals."""
+
+    def __init__(self, shell: _Shell, handle: Any) -> None:
+        self._shell = shell
+        self._handle = handle
+        self._caller = handle.goal._connection_header.get("callerid", "")
+        self._goal = conversions.goal(handle.goal.goal)
+
+    @property
+    def goal(self) -> TrajectoryGoal:
+        return self._goal
+
+    def alive(self) -> bool:
+        return self._shell.is_connected(self._caller)
+
+    def accepted(self) -> None:
+        self._handle.set_accepted()
+
+    def feedback(self, feedback: PathFeedback) -> None:
+        names = self._shell.names
+        self._handle.publish_feedback(conversions.feedback(names, feedback, rospy.get_time()))
+
+    def succeeded(self) -> None:
+        self._forget().set_succeeded(conversions.result(ErrorCode.SUCCESSFUL, ""), "")
+
+    def cancelled(self, text: str) -> None:
+        self._forget().set_canceled(conversions.result(ErrorCode.SUCCESSFUL, text), text)
+
+    def rejected(self, code: ErrorCode, text: str) -> None:
+        self._forget().set_rejected(conversions.result(code, text), text)
+
+    def aborted(self, code: ErrorCode, text: str) -> None:
+        self._forget().set_aborted(conversions.result(code, text), text)
+
+    def _forget(self) -> Any:
+        self._shell.forget(self._handle.get_goal_id().id)
+        return self._handle
+
+
+class _Shell:
+    """Topics, services and the action of one arm; the sink of its state."""
+
+    def __init__(self, node: ArmNode, portal: BlockingPortal) -> None:
+        self._node = node
+        self._portal = portal
+        self._settings = node.settings
+        self.names = node.settings.profile.joint_names
+        self._goals: dict[str, _Goal] = {}
+        #: from the clock of samples to that of the messages [s]
+        self._ahead = rospy.get_time() - time.monotonic()
+        prefix = node.settings.prefix
+
+        def publisher(topic: str, kind: Any) -> Any:
+            return rospy.Publisher(topic, kind, queue_size=_QUEUE)
+
+        self._joints = publisher("joint_states", JointState)
+        self._transforms = publisher("/tf", TFMessage)
+        self._wrench = publisher("wrench", WrenchStamped)
+        self._robot_state = publisher("robot_state", RobotState)
+        self._io = publisher("io_states", IOState)
+        self._diagnostics = publisher("/diagnostics", DiagnosticArray)
+        self._services: list[Any] = []
+        self._action = ActionServer(
+            f"{prefix}joint_trajectory_controller/follow_joint_trajectory",
+            FollowJointTrajectoryAction,
+            self._take_goal,
+            self._cancel_goal,
+            auto_start=False,
+        )
+
+    # -- state -----------------------------------------------------------------------------------
+
+    def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
+        stamp = at + self._ahead
+        self._joints.publish(conversions.joint_state(self.names, reading, stamp))
+        if self._transforms.get_num_connections():
+            base = self._settings.base_frame
+            self._transforms.publish(conversions.transforms(base, frames, stamp))
+
+    def wrench(self, at: float, force: list[float]) -> None:
+        frame = self._settings.prefix + "tcp_controller"
+        self._wrench.publish(conversions.wrench(frame, force, at + self._ahead))
+
+    def states(self, snapshot: Snapshot) -> None:
+        stamp = snapshot.received_at + self._ahead
+        self._robot_state.publish(conversions.robot_state(snapshot, stamp))
+        self._io.publish(conversions.io_state(snapshot, stamp))
+
+    def diagnosis(self, found: Diagnosis) -> None:
+        now = rospy.get_time()
+        self._ahead = now - time.monotonic()  # a clock that was set, or that is simulated
+        name = rospy.get_name()
+        self._diagnostics.publish(conversions.diagnostics(name, self._settings.host, found, now))
+
+    # -- goals: called on threads of rospy -------------------------------------------------------
+
+    def _take_goal(self, handle: Any) -> None:
+        try:
+            goal = _Goal(self, handle)
+        except Exception as error:  # whatever a client sent: the node goes on
+            text = f"the goal cannot be read: {error!r}; nothing was sent"
+            handle.set_rejected(conversions.result(ErrorCode.INVALID_GOAL, text), text)
+            return
+        self._hand_over(self._submit, goal, handle.get_goal_id().id)
+
+    def _cancel_goal(self, handle: Any) -> None:
+        self._hand_over(self._cancel, handle.get_goal_id().id)
+
+    def _hand_over(self, function: Callable[..., object], *values: object) -> None:
+        """Call something on the loop, without waiting for it."""
+        try:
+            self._portal.start_task_soon(function, *values)
+        except RuntimeError:
+            _log.warning("the driver ends: a goal came too late, and was left")
+
+    # -- and on the loop -------------------------------------------------------------------------
+
+    def _submit(self, goal: _Goal, number: str) -> None:
+        self._goals[number] = goal
+        self._node.goals.submit(goal)
+
+    def _cancel(self, number: str) -> None:
+        goal = self._goals.get(number)
+        if goal is not None:
+            self._node.goals.cancel(goal)
+
+    def forget(self, number: str) -> None:
+        """A goal has its result."""
+        self._goals.pop(number, None)
+
+    def is_connected(self, caller: str) -> bool:
+        """Whether a client's connection for goals stands."""
+        implementation = self._action.goal_sub.impl
+        return implementation is not None and any(
+            each.callerid_pub == caller and each.socket is not None and not each.done
+            for each in list(implementation.connections)
+        )
+
+    async def watch_master(self) -> None:
+        """End goals while the master is gone: refuses connections, or was silent for long."""
+        address = urlsplit(rosgraph.get_master_uri())
+        host, port = address.hostname or "localhost", address.port or 11311
+        start = heard = anyio.current_time()
+        here, number = True, 0
+        while True:
+            number = max(number + 1, int((anyio.current_time() - start) / _LOOK_AT_MASTER))
+            await anyio.sleep_until(start + number * _LOOK_AT_MASTER)
+            refused = False
+            with anyio.move_on_after(_SILENT):
+                try:
+                    await (await anyio.connect_tcp(host, port)).aclose()
+                    heard = anyio.current_time()
+                except OSError:
+                    refused = True
+            was, here = here, not refused and anyio.current_time() - heard < _SILENT
+            if here is not was:
+                _log.warning("the ROS master %s", "is back" if here else "is gone: goals end")
+            if not here:
+                self._node.goals.cancel_all("the ROS master is gone")
+
+    # -- services --------------------------------------------------------------------------------
+
+    async def serve_services(self) -> None:
+        """Offer services and the action; in a thread, since the master may take its time."""
+        await anyio.to_thread.run_sync(self._offer, abandon_on_cancel=True)
+
+    def _offer(self) -> None:
+        services = self._node.services
+        for name, call in (
+            ("bring_up", services.bring_up),
+            ("recover", services.recover),
+            ("pause", services.pause),
+            ("resume", services.resume),
+        ):
+            self._serve(name, Trigger, TriggerResponse, _without_request(call))
+        self._services.append(rospy.Service("~stop", Trigger, self._stop))
+        self._serve(
+            "set_digital_output",
+            SetOutput,
+            SetOutputResponse,
+            lambda asked: services.set_digital_output(asked.number, asked.value),
+        )
+        self._serve(
+            "set_tool_output",
+            SetOutput,
+            SetOutputResponse,
+            lambda asked: services.set_tool_output(asked.number, asked.value),
+        )
+        self._serve(
+            "set_tool",
+            SetTool,
+            SetToolResponse,
+            lambda asked: services.set_tool(asked.name, asked.offset, asked.mass, asked.centre),
+        )
+        self._serve(
+            "set_load",
+            SetLoad,
+            SetLoadResponse,
+            lambda asked: services.set_load(asked.mass, asked.centre),
+        )
+        self._serve(
+            "movej",
+            MoveJ,
+            MoveJResponse,
+            lambda asked: services.movej(asked.joints, asked.v, asked.a),
+        )
+        self._serve(
+            "movel",
+            MoveL,
+            MoveLResponse,
+            lambda asked: services.movel(asked.pose, asked.v, asked.a, asked.tool, asked.wobj),
+        )
+        self._action.start()
+
+    def _serve(
+        self, name: str, kind: Any, response: Any, call: Callable[[Any], Awaitable[ServiceReply]]
+    ) -> None:
+        async def answer(asked: Any) -> ServiceReply:
+            return await call(asked)
+
+        def handle(asked: Any) -> Any:
+            try:
+                return response(*self._portal.call(answer, asked))
+            except RuntimeError:
+                return response(False, "the driver ends; nothing was sent")
+
+        self._services.append(rospy.Service(f"~{name}", kind, handle))
+
+    def _stop(self, _: Any) -> Any:
+        """On rospy's thread: it needs no event loop, and waits behind nothing."""
+        try:
+            self._node.robot.stop_now()
+        except DucoError as error:
+            return TriggerResponse(False, str(error))
+        try:
+            return TriggerResponse(*self._portal.call(self._node.services.stop))
+        except RuntimeError:
+            return TriggerResponse(True, "the stop was accepted; the driver ends")
+
+    def close(self) -> None:
+        """Take no more calls."""
+        for service in self._services:
+            service.shutdown("the driver ends")

@@ -1,0 +1,248 @@
+"""The driver's core on a simulated arm, without ROS: goals, services, readings."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from typing import TYPE_CHECKING
+
+import anyio
+import numpy as np
+import pytest
+
+from aioduco.errors import ParameterError
+from aioduco.integrations.ros.arm_node import NodeSettings, arm_node
+from aioduco.integrations.ros.arm_readings import DiagnosisLevel, diagnosis
+from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalPoint, NamedTolerance
+from aioduco.kinematics import arm
+from aioduco.sim import Simulator
+from aioduco.testing import eventually_async
+
+from .goals import NAMES, START, WRONG, Client, goal, way
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+
+    from aioduco import Snapshot
+    from aioduco.integrations.ros.arm_node import ArmNode
+    from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
+
+
+class Sink:
+    """Remembers the newest of each kind."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.frames: dict[str, PlacedFrame] = {}
+        self.reading: ArmReading | None = None
+        self.snapshot: Snapshot | None = None
+        self.diagnoses: list[Diagnosis] = []
+        self.forces: list[list[float]] = []
+
+    def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
+        self.count += 1
+        self.reading, self.frames = reading, {frame.name: frame for frame in frames}
+
+    def wrench(self, at: float, force: list[float]) -> None:
+        self.forces.append(force)
+
+    def states(self, snapshot: Snapshot) -> None:
+        self.snapshot = snapshot
+
+    def diagnosis(self, found: Diagnosis) -> None:
+        self.diagnoses.append(found)
+
+
+@pytest.fixture(scope="module")
+def sim() -> Iterator[Simulator]:
+    with Simulator() as sim:
+        yield sim
+
+
+@pytest.fixture
+def sink() -> Sink:
+    return Sink()
+
+
+@pytest.fixture
+async def node(sim: Simulator, sink: Sink) -> AsyncIterator[ArmNode]:
+    # servoj: the controller's queue holds a tenth of a second, and this machine may be busy
+    settings = NodeSettings(
+        host=sim.host, port=sim.port, wrench=True, heartbeat=20.0, through="servoj"
+    )
+    async with arm_node(settings) as node:
+        # not a task group: a fixture may be left in another task than it was entered in
+        running = asyncio.create_task(node.run(sink))
+        await node.services.recover()
+        assert (await node.services.movej(START, 3.0, 20.0)).success
+        yield node
+        running.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await running
+
+
+async def settled(node: ArmNode, *clients: Client) -> None:
+    for client in clients:
+        node.goals.submit(client)
+    await eventually_async(lambda: all(client.done for client in clients))
+
+
+async def moving(client: Client) -> None:
+    """Until the arm is well on its way."""
+    await eventually_async(lambda: client.seen and client.seen[-1].time > 0.3)
+
+
+async def test_a_goal_is_followed_with_feedback(node: ArmNode, sim: Simulator) -> None:
+    client = Client(goal(count=50, duration=1.5))
+    await settled(node, client)
+    assert client.told == ["accepted", "succeeded"], client.text
+    np.testing.assert_allclose(sim.joints, way(1.0), atol=0.011)
+    assert np.abs(client.seen[-1].error).max() < 0.1
+
+
+async def test_wrong_goals_move_nothing_and_disturb_nothing(node: ArmNode, sim: Simulator) -> None:
+    stray = goal(count=50, points=[p._replace(time=p.time * 3) for p in goal(count=50).points])
+    client, wrong = Client(stray), [Client(make()) for make, _ in WRONG.values()]
+    node.goals.submit(client)
+    await moving(client)
+    for each in wrong:
+        node.goals.submit(each)
+    # A stamp that counts from another time than this computer's is old, or far ahead, all the same.
+    assert all(each.told == ["rejected"] for each in wrong)
+    await eventually_async(lambda: client.done)
+    assert client.told == ["accepted", "succeeded"], client.text
+    elsewhere = Client(goal())
+    await settled(node, elsewhere)
+    assert (elsewhere.told, elsewhere.code) == (["rejected"], ErrorCode.INVALID_GOAL)
+    np.testing.assert_allclose(sim.joints, way(1.0), atol=0.011)
+
+
+@pytest.mark.parametrize("how", ["cancel", "client", "newer", "all"])
+async def test_a_goal_that_is_given_up_ends_at_rest(
+    node: ArmNode, sim: Simulator, how: str
+) -> None:
+    client = Client(goal(count=50, duration=3.0, far=0.8))
+    newer = Client(goal(points=[GoalPoint(START, time=2.0)]))
+    node.goals.submit(client)
+    await moving(client)
+    if how == "cancel":
+        node.goals.cancel(client)
+    elif how == "client":
+        client.here = False
+    elif how == "newer":
+        node.goals.submit(newer)
+    else:
+        node.goals.cancel_all("the master is gone")
+    await eventually_async(lambda: client.done)
+    if how != "newer":
+        assert not sim.moving
+        assert 0.0 < sim.joints[0] - START[0] < 0.79
+    assert client.told == ["accepted", "cancelled"]
+    if how == "newer":
+        await eventually_async(lambda: newer.done)
+        assert newer.told == ["accepted", "succeeded"], newer.text
+        np.testing.assert_allclose(sim.joints, START, atol=0.011)
+
+
+async def test_a_stop_ends_a_goal_and_waits_behind_nothing(node: ArmNode, sim: Simulator) -> None:
+    client = Client(goal(count=50, duration=3.0, far=0.8))
+    node.goals.submit(client)
+    await moving(client)
+    assert not (await node.services.movej(START, 1.0, 1.0)).success
+    assert not (await node.services.pause()).success
+    assert not (await node.services.set_tool("t", (0.0,) * 6, 0.0, (0.0,) * 3)).success
+    assert (await node.services.stop()).success
+    assert not sim.moving
+    await eventually_async(lambda: client.done)
+    assert client.told == ["accepted", "aborted"]
+    assert client.code == ErrorCode.PATH_TOLERANCE_VIOLATED
+
+
+async def test_tolerances_that_are_not_kept_have_their_codes(node: ArmNode, sim: Simulator) -> None:
+    tight = [NamedTolerance(name, 1e-7) for name in NAMES]
+    client = Client(goal(count=50, duration=1.0, path_tolerance=tight))
+    await settled(node, client)
+    assert client.code == ErrorCode.PATH_TOLERANCE_VIOLATED, client.text
+    assert not sim.moving
+    assert (await node.services.recover()).success
+    assert (await node.services.movej(START, 3.0, 20.0)).success
+    tight = [NamedTolerance(name, 1e-12) for name in NAMES]
+    client = Client(goal(count=50, goal_tolerance=tight, goal_time_tolerance=0.1))
+    await settled(node, client)
+    assert client.code == ErrorCode.GOAL_TOLERANCE_VIOLATED, client.text
+
+
+async def test_an_arm_that_is_not_ready_refuses_goals(node: ArmNode, sim: Simulator) -> None:
+    await node.robot.system.disable()
+    client = Client(goal())
+    await settled(node, client)
+    assert (client.told, client.code) == (["rejected"], ErrorCode.INVALID_GOAL)
+    assert "bring_up" in client.text
+
+
+async def test_services_do_what_they_say(node: ArmNode, sim: Simulator) -> None:
+    services = node.services
+    assert (await services.bring_up()).success
+    assert (await services.set_digital_output(3, True)).success
+    assert sim.get_digital_output(3)
+    assert (await services.set_tool_output(1, True)).success
+    assert (await services.set_load(0.5, (0.0, 0.0, 0.05))).success
+    assert (await services.set_tool("gripper", (0, 0, 0.1, 0, 0, 0), 0.5, (0, 0, 0.05))).success
+    pose = await node.robot.state.get_tcp_pose()
+    assert (await services.movel(pose.shifted(z=0.02), 0.2, 1.0)).success
+    for refused in (
+        await services.set_digital_output(99, True),
+        await services.set_tool_output(0, True),
+        await services.set_load(-1.0, (0.0,) * 3),
+        await services.set_load(1.0, (0.0,) * 2),
+        await services.set_tool("", (0.0,) * 6, 0.0, (0.0,) * 3),
+        await services.movej(START[:5], 1.0, 1.0),
+        await services.movej(START, float("nan"), 1.0),
+        await services.movel(pose, -1.0, 1.0),
+    ):
+        assert not refused.success
+        assert refused.message
+
+
+async def test_a_pause_and_its_end(node: ArmNode, sim: Simulator) -> None:
+    replies = []
+
+    async def move() -> None:
+        replies.append(await node.services.movej(way(1.0), 0.2, 5.0))
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(move)
+        await eventually_async(lambda: sim.moving)
+        assert (await node.services.pause()).success
+        assert not sim.moving
+        assert (await node.services.resume()).success
+    assert replies[0].success
+    np.testing.assert_allclose(sim.joints, way(1.0), atol=1e-3)
+
+
+async def test_what_is_published(node: ArmNode, sim: Simulator, sink: Sink) -> None:
+    await eventually_async(lambda: sink.forces and "flange_controller" in sink.frames)
+    # Samples from before the arm came to START may have been the newest.
+    await eventually_async(
+        lambda: sink.reading and np.allclose(sink.reading.position, sim.joints, atol=1e-3)
+    )
+    there = arm("gcr5_910").fkine(START)[:3, 3]
+    await eventually_async(
+        lambda: np.allclose(sink.frames["flange_controller"].position, there, atol=2e-3)
+    )
+    await eventually_async(lambda: sink.snapshot)
+    await eventually_async(lambda: sink.diagnoses[-1].level == DiagnosisLevel.OK)
+    sim.emergency_stop()
+    try:
+        await eventually_async(lambda: sink.diagnoses[-1].level == DiagnosisLevel.ERROR)
+        assert "release" in sink.diagnoses[-1].message
+    finally:
+        sim.release_emergency_stop()
+    assert diagnosis(None, None, time.monotonic(), 0.0).level == DiagnosisLevel.STALE
+
+
+@pytest.mark.parametrize("wrong", [{"rate": 0.0}, {"feedback_rate": 51.0}, {"slow_rate": -1.0}])
+def test_settings_are_checked(wrong: dict[str, float]) -> None:
+    with pytest.raises(ParameterError, match="Hz"):
+        NodeSettings(host="127.0.0.1", **wrong)  # type: ignore[arg-type]  # one of several floats

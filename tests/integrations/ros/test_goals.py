@@ -1,0 +1,261 @@
+"""Goals without an arm: what is taken, what is refused with which code, and nothing in between."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import anyio
+import anyio.lowlevel
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from aioduco.errors import (
+    DucoError,
+    FirstPointTooFar,
+    GoalToleranceViolated,
+    ParameterError,
+    PathToleranceViolated,
+    StreamStopped,
+)
+from aioduco.integrations.ros.goal_queue import GoalQueue
+from aioduco.integrations.ros.trajectory_goals import (
+    ArmProfile,
+    CheckedGoal,
+    ErrorCode,
+    GoalPoint,
+    GoalRefused,
+    GoalRules,
+    NamedTolerance,
+    TrajectoryGoal,
+    check_goal,
+    check_start,
+    code_of,
+)
+from aioduco.integrations.ros.trajectory_server import TrajectoryServer
+from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState
+from aioduco.models.state import RobotStates
+
+from .goals import NAMES, NOW, PROFILE, START, WRONG, Client, goal, way
+
+RULES = GoalRules()
+
+
+def check(given_goal: TrajectoryGoal) -> CheckedGoal:
+    return check_goal(given_goal, PROFILE, RULES, NOW)
+
+
+@pytest.mark.cases(100)
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_goal_has_its_code(name: str) -> None:
+    make, code = WRONG[name]
+    with pytest.raises(GoalRefused, match="nothing was sent") as refused:
+        check(make())
+    assert refused.value.code == code
+    assert code_of(refused.value) == code
+
+
+def test_joints_in_any_order() -> None:
+    turned = goal(joint_names=NAMES[::-1])
+    turned = replace(
+        turned, points=[p._replace(positions=p.positions[::-1]) for p in turned.points]
+    )
+    np.testing.assert_allclose(
+        check(turned).trajectory.positions, check(goal()).trajectory.positions
+    )
+
+
+def test_velocities_and_accelerations_make_a_curve_of_their_order() -> None:
+    still = (0.0,) * 6
+    points = [
+        GoalPoint(START, still, still, still, 0.0),
+        GoalPoint(way(1.0), still, still, still, 1.0),
+    ]
+    found = check(goal(points=points)).trajectory.curve(START)
+    at = np.array([0.25])
+    quintic = 10 * 0.25**3 - 15 * 0.25**4 + 6 * 0.25**5
+    np.testing.assert_allclose(found.at(at)[0], np.array(START) + 0.3 * quintic, atol=1e-12)
+    cubic = check(goal(points=[p._replace(accelerations=()) for p in points])).trajectory
+    np.testing.assert_allclose(cubic.curve(START).at(at)[0], way(0.25), atol=1e-12)
+
+
+def test_tolerances_are_those_of_the_goal_or_the_default_or_erased() -> None:
+    found = check(
+        goal(
+            path_tolerance=[NamedTolerance(NAMES[1], 0.5), NamedTolerance(NAMES[2], -1.0, -1.0)],
+            goal_tolerance=[NamedTolerance(NAMES[5], 0.002), NamedTolerance(NAMES[0], 0.0)],
+            goal_time_tolerance=3.0,
+        )
+    ).tolerances
+    assert isinstance(found.path, tuple)
+    assert isinstance(found.goal, tuple)
+    assert found.path[:2] == (RULES.path, 0.5)
+    assert found.path[2] > 4 * math.pi
+    assert (found.goal[0], found.goal[5], found.goal_time) == (RULES.goal, 0.002, 3.0)
+
+
+@pytest.mark.parametrize(("first", "far", "taken"), [(0, 0.01, True), (0, 0.05, False)])
+def test_a_trajectory_begins_where_the_arm_is(first: float, far: float, taken: bool) -> None:
+    checked = check(goal())
+    actual = [q + far for q in START]
+    if taken:
+        check_start(checked, actual, PROFILE, RULES)
+        return
+    with pytest.raises(GoalRefused, match="begins elsewhere") as refused:
+        check_start(checked, actual, PROFILE, RULES)
+    assert refused.value.code == ErrorCode.INVALID_GOAL
+
+
+def test_a_first_point_that_is_due_later_is_led_to() -> None:
+    checked = check(goal(points=[GoalPoint(way(1.0), time=1.0)]))
+    check_start(checked, START, PROFILE, RULES)
+    with pytest.raises(GoalRefused, match="rad/s"):
+        check_start(checked, [q - 3.0 for q in START], PROFILE, RULES)
+    with pytest.raises(GoalRefused):
+        check_start(checked, [math.nan] * 6, PROFILE, RULES)
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (PathToleranceViolated("off"), -4),
+        (GoalToleranceViolated("off"), -5),
+        (FirstPointTooFar("far"), -1),
+        (ParameterError("v", 9, "less"), -1),
+        (StreamStopped("stop"), -4),
+    ],
+)
+def test_errors_on_the_way_have_a_code(error: DucoError, code: int) -> None:
+    assert code_of(error) == code
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"joint_names": ("a",) * 6},
+        {"joint_names": ("a", "b")},
+        {"velocity": 0.0},
+        {"velocity": math.nan},
+        {"acceleration": -1.0},
+    ],
+)
+def test_a_profile_is_checked(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ParameterError):
+        ArmProfile.of("gcr5_910", **wrong)
+
+
+def test_a_queue_holds_one_that_runs_and_one_that_waits() -> None:
+    queue: GoalQueue[str] = GoalQueue()
+    assert queue.submit("a") is None
+    assert queue.begin() == "a"
+    assert (queue.submit("b"), queue.superseded) == (None, True)
+    assert queue.begin() is None
+    assert queue.submit("c") == "b"
+    assert not queue.withdraw("b")
+    queue.end()
+    assert queue.begin() == "c"
+    assert (queue.waiting, queue.superseded) == (None, False)
+
+
+# -- any goal ----------------------------------------------------------------------------------
+
+ANY = st.floats() | st.sampled_from([0.0, -0.0, 5e-324, 1e308, math.nan, math.inf, 6.28, -1.0])
+ANY_ROW = st.lists(ANY, max_size=7) | st.just(list(START)) | st.just([0.0] * 6)
+POINTS = st.builds(
+    GoalPoint,
+    positions=ANY_ROW,
+    velocities=ANY_ROW,
+    accelerations=ANY_ROW,
+    effort=ANY_ROW,
+    time=ANY,
+)
+NAME = st.sampled_from([*NAMES, "", "elbow"]) | st.text(max_size=3)
+TOLERANCE = st.lists(st.builds(NamedTolerance, NAME, ANY, ANY, ANY), max_size=3)
+GOALS = st.builds(
+    TrajectoryGoal,
+    joint_names=st.permutations(NAMES) | st.lists(NAME, max_size=8),
+    points=st.lists(POINTS, max_size=4),
+    stamp=ANY | st.floats(NOW - 2, NOW + 1),
+    path_tolerance=TOLERANCE,
+    goal_tolerance=TOLERANCE,
+    goal_time_tolerance=ANY,
+)
+
+
+@st.composite
+def near_goals(draw: st.DrawFn) -> TrajectoryGoal:
+    """Goals that are nearly right: each number may be off, and each part may be another's."""
+    right = goal(count=draw(st.integers(2, 5)))
+    points = []
+    for point in right.points:
+        numbers = {
+            name: draw(st.sampled_from([(), (0.0,) * 6]) | st.lists(ANY, min_size=6, max_size=6))
+            for name in ("velocities", "accelerations")
+        }
+        if draw(st.booleans()):
+            numbers["positions"] = draw(st.lists(st.floats(-7, 7), min_size=6, max_size=6))
+        points.append(point._replace(time=point.time * draw(st.floats(0.5, 3)), **numbers))
+    return replace(right, points=points)
+
+
+class FakeMotion:
+    """Takes what is to be followed, and is there at once."""
+
+    def __init__(self) -> None:
+        self.followed: list[Any] = []
+
+    async def follow_joint_trajectory(self, trajectory: Any, **given: Any) -> None:
+        self.followed.append((trajectory, given))
+        await anyio.lowlevel.checkpoint()
+
+
+class FakeRobot:
+    """As much of a robot as goals need, where all of START is."""
+
+    def __init__(self) -> None:
+        self.motion = FakeMotion()
+        ready = RobotStates(
+            0, 0.0, RobotState.ENABLE, ProgramState.STOPPED, SafetyState.RUN, OperationMode.REMOTE
+        )
+
+        async def answer(value: Any) -> Any:
+            return value
+
+        self.state = SimpleNamespace(
+            get_robot_state=lambda: answer(ready),
+            get_actual_joints_position=lambda: answer(list(START)),
+        )
+
+
+@given(st.one_of(GOALS, near_goals()))
+def test_no_goal_kills_the_server_and_what_is_followed_keeps_the_limits(
+    given_goal: TrajectoryGoal,
+) -> None:
+    robot: Any = FakeRobot()
+    last, any_one = Client(goal()), Client(replace(given_goal, stamp=0.0))
+
+    async def serve() -> None:
+        server = TrajectoryServer(robot, PROFILE, RULES, wall=lambda: NOW)
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(server.run)
+            server.submit(Client(given_goal))  # with any stamp: it may have to wait
+            server.cancel_all("over")
+            for client in (any_one, last):
+                server.submit(client)
+                while not client.done:
+                    await anyio.lowlevel.checkpoint()
+            tasks.cancel_scope.cancel()
+
+    anyio.run(serve)
+    assert last.told == ["accepted", "succeeded"]
+    assert any_one.told in (["rejected"], ["accepted", "succeeded"])
+    assert len(robot.motion.followed) == 1 + (any_one.told != ["rejected"])
+    for trajectory, given_ in robot.motion.followed:
+        curve = trajectory.curve(START)
+        at = np.linspace(0.0, trajectory.duration, 500)
+        assert np.abs(curve.velocity(at)).max() <= given_["v"] * 1.05
+        assert np.abs(curve.at(at)).max() <= 2 * math.pi + 0.1
