@@ -153,9 +153,10 @@ ONLY_IN: dict[str, set[str]] = {
     "foxglove": {"recording/channels.py"},
     "zstandard": {"recording/container.py"},
     "pyarrow": {"recording/tables.py"},
-    **dict.fromkeys(
-        ("rospy", "actionlib", "genpy", "genmsg", "rosgraph"), {"integrations/ros/ros1"}
-    ),
+    **{
+        name: {"integrations/ros/ros1"}
+        for name in ("rospy", "actionlib", "genpy", "genmsg", "rosgraph")
+    },
 }
 
 #: these are pure: no threads, sockets, clocks or files
