@@ -65,7 +65,8 @@ class PaceSpline:
     """
 
     def __init__(self, end: float, spans: int, coefficients: Points | None = None) -> None:
-        self.end, self.spans = end, spans
+        self.end: float = end
+        self.spans: int = spans
         self.coefficients: Points = (
             np.ones(spans + _BASES - 1) if coefficients is None else coefficients
         )

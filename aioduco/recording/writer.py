@@ -87,7 +87,7 @@ class RecordingWriter:
     """
 
     def __init__(self, path: Path, figures: Callable[[], dict[str, str]]) -> None:
-        self.path = path
+        self.path: Path = path
         self.error: Exception | None = None
         self.dropped: int = 0
         self.written: int = 0
@@ -182,7 +182,8 @@ class RecordingWriter:
             from aioduco.recording.channels import MessageChannels  # noqa: PLC0415 - an extra
         except ModuleNotFoundError as exc:
             raise MissingExtra("a recording", exc.name or "foxglove-sdk", "record") from exc
-        self.path, self._file = _created(self.path)
+        created, self._file = _created(self.path)
+        self.path = created
         try:
             channels = MessageChannels(self._buffer, metadata)
             self._flush(channels)

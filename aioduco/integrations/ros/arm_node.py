@@ -137,7 +137,7 @@ class ArmNode:
     ) -> None:
         self.robot = robot
         self.settings = settings
-        self.goals = TrajectoryServer(
+        self.goals: TrajectoryServer = TrajectoryServer(
             robot,
             settings.profile,
             settings.rules,
@@ -146,7 +146,7 @@ class ArmNode:
             through=settings.through,
             options=options,
         )
-        self.services = ArmServices(robot, self.goals)
+        self.services: ArmServices = ArmServices(robot, self.goals)
         self._tcp_offset: Pose | None = None
         self._newest: Snapshot | None = None
         self._count = 0  # joint states since the last diagnosis

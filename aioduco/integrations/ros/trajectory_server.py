@@ -56,18 +56,22 @@ class PathFeedback(Protocol):
     @property
     def time(self) -> float:
         """Time on the trajectory [s]."""
+        ...
 
     @property
     def desired(self) -> NDArray[np.float64]:
         """The place of the path that is closest [rad]. Shape (6,)."""
+        ...
 
     @property
     def actual(self) -> NDArray[np.float64]:
         """Where the arm is [rad]. Shape (6,)."""
+        ...
 
     @property
     def error(self) -> NDArray[np.float64]:
         """`actual` less `desired` [rad]. Shape (6,)."""
+        ...
 
 
 class GoalHandle(Protocol):
@@ -76,9 +80,11 @@ class GoalHandle(Protocol):
     @property
     def goal(self) -> TrajectoryGoal:
         """What is asked for."""
+        ...
 
     def alive(self) -> bool:
         """Whether its client is there."""
+        ...
 
     def accepted(self) -> None:
         """The arm begins to carry it out."""

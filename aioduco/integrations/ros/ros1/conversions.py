@@ -1,5 +1,8 @@
 """Messages of ROS 1 from the driver's values, and its values from messages. No I/O."""
 
+# pyright: reportMissingImports=false
+# ROS 1 and its messages come with the system or are made at run time, and have no types.
+
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any

@@ -5,6 +5,9 @@ hand what they have to the loop. A stop does not: it goes to the controller from
 which it was asked for.
 """
 
+# pyright: reportMissingImports=false
+# ROS 1 and its messages come with the system or are made at run time, and have no types.
+
 from __future__ import annotations
 
 import logging
