@@ -33,10 +33,19 @@ __all__ = ["Planner"]
 
 _NEEDS = ("mujoco", "ompl", "scipy", "toppra")
 _GRACE = 5.0  # after a problem's own time-out the process is ended: to time a path, say [s]
-#: what the process imports for them; toppra imports matplotlib
+#: what the process imports for them; toppra imports matplotlib, and MuJoCo mostly OpenGL
 _PACKAGES = (
     *_NEEDS,
-    *("PIL", "charset_normalizer", "cycler", "dateutil", "fontTools", "glfw", "kiwisolver"),
+    *(
+        "OpenGL",
+        "PIL",
+        "charset_normalizer",
+        "cycler",
+        "dateutil",
+        "fontTools",
+        "glfw",
+        "kiwisolver",
+    ),
     *("matplotlib", "mpl_toolkits", "packaging", "pyparsing"),
 )
 

@@ -36,6 +36,9 @@ __all__ = ["main"]
 
 #: between two looks at whether the program goes on [s of the wall]
 _LOOK = 0.05
+#: time of the wall without a change that hangs, at the least: a program that waits for a thread
+#: that computes lets its own time pass as fast as this computer can simulate [s]
+_AT_LEAST = 3.0
 
 
 class _Child:
@@ -186,9 +189,11 @@ class _Child:
     def _watch(self) -> None:
         """See that the program goes on; end it if it does not."""
         patience = self.options["patience"]
+        looks, last = 0, -1.0
         while not self._over.wait(_LOOK):
             now, since = self.clock.passed, self.recorder.progress
-            if not self._cell.simulator or now - since < patience:
+            looks, last = (0 if since != last else looks + 1), since
+            if not self._cell.simulator or now - since < patience or looks * _LOOK < _AT_LEAST:
                 continue
             if self.clock.sleeps_since(since + 0.1 * patience):
                 continue  # it sleeps for longer than that

@@ -35,7 +35,7 @@ __all__ = ["PreflightError", "PreflightReport", "PreflightSettings", "preflight"
 #: time of a cycle of the simulation [s]: half as many as a controller has, for the sake of speed
 CYCLE = 0.002
 #: what the process imports for the simulator
-_PACKAGES = ("glfw", "mujoco")
+_PACKAGES = ("OpenGL", "glfw", "mujoco")
 #: time for a program that did not end to tell where it is [s]
 _STACKS = 1.0
 

@@ -49,3 +49,30 @@ def test_a_planted_fault_is_found_at_its_line(name: str) -> None:
     assert found == planted(text), "\n".join(map(str, report.findings))
     assert {finding.file for finding in report.findings} == {str(path)}
     assert not report.ok
+
+
+COMPUTES = """
+import asyncio, time
+import aioduco
+
+def compute():
+    until = time.monotonic() + 8.0
+    while time.monotonic() < until:
+        pass
+
+async def main():
+    async with aioduco.connect("192.168.1.10") as robot:
+        await robot.bring_up()
+        await asyncio.to_thread(compute)
+
+asyncio.run(main())
+"""
+
+
+def test_a_program_that_waits_for_its_own_thread_does_not_hang(tmp_path: Path) -> None:
+    """Its time passes as fast as this computer can simulate meanwhile."""
+    path = tmp_path / "computes.py"
+    path.write_text(COMPUTES)
+    report = preflight(path, (), PreflightSettings(patience=5.0, timeout=110), quiet=True)
+    assert report.ok, report.findings
+    assert report.duration > 8.0
