@@ -141,12 +141,12 @@ def _short(who: str, line: Line) -> str:
 async def trial(cell: Cell) -> Result:
     """Try it. What goes wrong with the run itself is part of the result.
 
-    On a machine so busy that a program or its heartbeat fails before the network does, it is tried
-    again.
+    On a machine so busy that a program or its heartbeat fails before the network does, or that a
+    stream has come to its end by then, it is tried again.
     """
     for _ in range(_ATTEMPTS):
         result = await _once(cell)
-        if not math.isnan(result.begin):
+        if not math.isnan(result.begin) and not result.told < result.begin:
             break
     return result
 
