@@ -62,8 +62,6 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     be_patient()
     all_of_it: bool = config.getoption("thorough")
-    if not all_of_it:
-        quick.coarsen()
     for option, number in (("faults", _FAULTS), ("frames", _FRAMES)):
         if config.getoption(option) is None:
             setattr(config.option, option, number[all_of_it])

@@ -13,8 +13,6 @@ from xml.etree import ElementTree
 
 from hypothesis import settings
 
-from aioduco.sim import Simulator
-
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
     from pathlib import Path
@@ -41,17 +39,8 @@ CASES = {
     "test_cli": 2,
     "testing/": 4,
 }
-#: of the simulators that tests make, unless they say so themselves: half the work of the
-#: controller's own [s]. A test of what a single cycle does gives cycle=0.001
-COARSE = 0.002
 #: of the examples of a property, at least so many are tried
 LEAST_EXAMPLES = 5
-
-
-def coarsen() -> None:
-    """Give simulators longer cycles by default."""
-    made = Simulator.__init__
-    made.__kwdefaults__ = {**(made.__kwdefaults__ or {}), "cycle": COARSE}
 
 
 def divided(items: Iterable[pytest.Item]) -> tuple[list[pytest.Item], list[pytest.Item]]:

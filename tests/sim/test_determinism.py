@@ -47,7 +47,7 @@ def traced(monkeypatch: pytest.MonkeyPatch, model: str) -> tuple[list[bytes], tu
     steps: list[bytes] = []
     monkeypatch.setattr(Traced, "steps", steps, raising=False)
     monkeypatch.setattr(simulator, "World", Traced)
-    with Simulator(model, speed=math.inf, cycle=0.001, programs={"all": SCRIPT}) as sim:
+    with Simulator(model, speed=math.inf, programs={"all": SCRIPT}) as sim:
         wire = Wire(sim)
         program = Program(wire)
         still(sim)

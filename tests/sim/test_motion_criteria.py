@@ -274,7 +274,7 @@ class Cell:
 def cell(request: pytest.FixtureRequest) -> Iterator[Cell]:
     with pytest.MonkeyPatch.context() as patch:
         cycles = Cycles(patch)
-        with Simulator(request.param, speed=math.inf, cycle=0.001) as sim:
+        with Simulator(request.param, speed=math.inf) as sim:
             wire = Wire(sim)
             robot = Program(wire)
             robot.bring_up()
