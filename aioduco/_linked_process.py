@@ -8,6 +8,7 @@ import struct
 import subprocess
 from typing import TYPE_CHECKING, Any
 
+from aioduco._platform import handed_socket
 from aioduco._spawn import Process
 
 if TYPE_CHECKING:
@@ -33,13 +34,22 @@ class ValueChannel:
     @classmethod
     def of(cls, arguments: Sequence[str]) -> ValueChannel:
         """The channel to the program, in a process whose `main` has got these arguments."""
-        link = socket.socket(fileno=int(arguments[0]))
-        link.set_inheritable(False)  # what this process starts is not to hold it open
-        return cls(link)
+        return cls(handed_socket(arguments[0]))
 
     def fileno(self) -> int:
         """Its descriptor, to wait for a value or the end by a selector."""
         return self._link.fileno()
+
+    def copy(self) -> socket.socket:
+        """Another socket to the same end, for bytes of another kind."""
+        return self._link.dup()
+
+    def ended(self) -> bool:
+        """Throw away what came, once there is something; whether it was the end."""
+        try:
+            return not self._link.recv(4096)
+        except ConnectionError:
+            return True
 
     def send(self, value: object) -> None:
         """Send a value.
@@ -111,7 +121,7 @@ class LinkedProcess:
         try:
             self._process = Process(
                 module,
-                [theirs.fileno()],
+                [theirs],
                 packages=packages,
                 runs_program=runs_program,
                 output=output,

@@ -15,31 +15,46 @@ Guarantees:
 
 from __future__ import annotations
 
+import base64
+import contextlib
 import importlib.util
 import json
 import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
+
+from aioduco._platform import NEW_GROUP, SHARED, hands_over_by_number, has_memory_files
 
 if TYPE_CHECKING:
+    import socket
     from collections.abc import Iterable, Sequence
 
-__all__ = ["MARK", "Process", "Unstartable", "children", "is_frozen", "misplaced"]
+__all__ = [
+    "MARK",
+    "Process",
+    "Unstartable",
+    "children",
+    "is_frozen",
+    "misplaced",
+]
 
 #: first argument of a frozen program that is to run one of the processes
 MARK: Final = "--aioduco-process"
 #: variable in the environment of each process: which one it is
 _VARIABLE: Final = "AIODUCO_PROCESS"
-#: what the processes of a robot import beside the standard library
+#: what the processes of a robot import beside the standard library: cffi where glfw finds it
 _PACKAGES: Final = (
+    "_cffi_backend",
     "aioduco",
     "anyio",
+    "cffi",
     "idna",
     "ijson",
     "numpy",
     "ply",
+    "pycparser",
     "ruckig",
     "six",
     "sniffio",
@@ -102,7 +117,8 @@ class Process:
 
     Args:
         module: what it runs: `main` of this module.
-        descriptors: file descriptors that it gets; their numbers are its arguments.
+        sockets: sockets that it gets, by `handed_socket` from its first arguments, in order.
+        memory: what names its shared memory, its next argument: an open descriptor, or a name.
         packages: what it imports beside `_PACKAGES`.
         runs_program: whether it runs a program of the user, which finds its modules by PYTHONPATH
             and in the user's own packages too.
@@ -117,32 +133,40 @@ class Process:
     def __init__(
         self,
         module: str,
-        descriptors: Sequence[int],
+        sockets: Sequence[socket.socket],
         *,
+        memory: int | str | None = None,
         packages: Sequence[str] = (),
         runs_program: bool = False,
         output: bool = False,
     ) -> None:
         begin = _command(module, (*_PACKAGES, *packages), "-P" if runs_program else "-I")
-        command = [*begin, *map(str, descriptors)]
-        #: in memory, so that it fills no disk and no reader has to wait for its end
-        stderr = os.memfd_create("aioduco-process")
-        self._stderr: int | None = stderr
+        by_number = hands_over_by_number()
+        handed = [str(each.fileno()) if by_number else SHARED for each in sockets]
+        if memory is not None:
+            handed.append(str(memory))
+        kept = [each.fileno() for each in sockets]
+        if isinstance(memory, int):
+            kept.append(memory)
         self._words = ""
+        self._stderr: _LastWords | None = _LastWords()
         try:
             self.popen: subprocess.Popen[bytes] = subprocess.Popen(
-                command,
-                pass_fds=descriptors,
-                stdin=subprocess.DEVNULL,
+                [*begin, *handed],
+                pass_fds=kept if by_number else (),
+                stdin=subprocess.DEVNULL if by_number else subprocess.PIPE,
                 stdout=None if output else subprocess.DEVNULL,
-                stderr=None if output else stderr,
+                stderr=None if output else self._stderr.descriptor,
                 # Ctrl-C and the end of a terminal are for the program.
                 start_new_session=True,
+                creationflags=NEW_GROUP,
                 env=_environment(module, runs_program=runs_program),
             )
         except BaseException:
             self.close()
             raise
+        if not by_number:
+            self._share(sockets)
 
     def __repr__(self) -> str:
         return f"<Process {self.popen.pid}>"
@@ -155,9 +179,7 @@ class Process:
     def last_words(self) -> str:
         """The end of its standard error, mostly why it failed; empty if it wrote nothing."""
         if self._stderr is not None:
-            size = os.fstat(self._stderr).st_size
-            text = os.pread(self._stderr, _WORDS, max(0, size - _WORDS)).decode(errors="replace")
-            self._words = text.strip()
+            self._words = self._stderr.read().decode(errors="replace").strip()
         return self._words
 
     def close(self) -> None:
@@ -165,12 +187,58 @@ class Process:
         _ = self.last_words
         stderr, self._stderr = self._stderr, None
         if stderr is not None:
-            os.close(stderr)
+            stderr.close()
+
+    def _share(self, sockets: Sequence[socket.socket]) -> None:
+        """Hand sockets over where a child inherits none: a line each on its standard input."""
+        given: Any = sockets  # `share` is there where `fromshare` is
+        assert self.popen.stdin is not None
+        with contextlib.suppress(OSError), self.popen.stdin as lines:  # it has ended already
+            for each in given:
+                lines.write(base64.b64encode(each.share(self.popen.pid)) + b"\n")
+
+
+class _LastWords:
+    """The standard error of a process.
+
+    In memory where the system can: so it fills no disk. Else in a file of its own, which is read by
+    another descriptor: two that share one have one position.
+    """
+
+    def __init__(self) -> None:
+        self._file: Path | None = None
+        if has_memory_files():
+            self.descriptor = os.memfd_create("aioduco-process")
+        else:
+            import tempfile  # noqa: PLC0415 - for this alone
+
+            self.descriptor, name = tempfile.mkstemp(prefix="aioduco-")
+            self._file = Path(name)
+
+    def read(self) -> bytes:
+        """The end of what was written."""
+        if self._file is None:
+            size = os.fstat(self.descriptor).st_size
+            return os.pread(self.descriptor, _WORDS, max(0, size - _WORDS))
+        return self._file.read_bytes()[-_WORDS:]
+
+    def close(self) -> None:
+        """Close it, and throw it away."""
+        os.close(self.descriptor)
+        if self._file is not None:
+            # Windows keeps it while the process that writes it runs
+            with contextlib.suppress(OSError):
+                self._file.unlink()
 
 
 def _environment(module: str, *, runs_program: bool) -> dict[str, str]:
     environment = {**os.environ, _VARIABLE: module}
-    if not runs_program and environment.get("MUJOCO_GL", "").lower() != "glfw":
+    if runs_program:
+        return environment
+    # NumPy's algebra starts a thread for each processor, which matrices of six have no use for:
+    # to start and end them takes longer than to import NumPy.
+    environment.setdefault("OPENBLAS_NUM_THREADS", "1")
+    if environment.get("MUJOCO_GL", "").lower() != "glfw":
         # MuJoCo imports glfw, which starts interpreters in the current folder to look for the
         # newest of its libraries there too. With this one, which is none, it starts nothing.
         environment.setdefault("PYGLFW_LIBRARY", os.devnull)

@@ -9,7 +9,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BusError",
+    "CalibrationError",
     "CallTimeout",
+    "CameraError",
     "ConnectError",
     "ConnectTimeout",
     "ConnectionLost",
@@ -21,6 +23,10 @@ __all__ = [
     "GoalInCollision",
     "GoalOutOfReach",
     "GoalToleranceViolated",
+    "GripperError",
+    "GripperFault",
+    "GripperNotActivated",
+    "GripperTimeout",
     "GuardLost",
     "HeartbeatLost",
     "LaneFailed",
@@ -34,9 +40,11 @@ __all__ = [
     "NoPathFound",
     "NotAController",
     "NotSent",
+    "ObjectLost",
     "OutcomeUnknown",
     "ParameterError",
     "PathIncomplete",
+    "PathRefused",
     "PathToleranceViolated",
     "PersonNeeded",
     "PlanObstructed",
@@ -70,6 +78,7 @@ __all__ = [
     "UnitWarning",
     "UnknownFunction",
     "Unreachable",
+    "WaypointFileError",
     "WrongLoop",
     "WrongProcess",
 ]
@@ -296,6 +305,37 @@ class ModbusGarbled(ModbusError):
 
     If the device was to write, it may or may not have done so. Nothing is sent again by itself.
     """
+
+
+class GripperError(DucoError):
+    """A gripper did not do what it was asked for: one of the subclasses, mostly."""
+
+
+class GripperNotActivated(GripperError):
+    """The gripper has to be activated after power on before it moves; nothing moved.
+
+    `await gripper.activate()` does it. The fingers may go through all of their stroke then.
+    """
+
+
+class GripperFault(GripperError):
+    """The gripper has a fault.
+
+    Attributes:
+        code: the fault's code.
+    """
+
+    def __init__(self, gripper: str, code: int, meaning: str) -> None:
+        self.code = code
+        super().__init__(f"{gripper} has fault {code:#04x}: {meaning}")
+
+
+class GripperTimeout(GripperError, TimeoutError):
+    """The gripper did not come to rest in time, or its sensor did not answer the output."""
+
+
+class ObjectLost(GripperError):
+    """The gripper does not hold what it gripped, or has gripped nothing."""
 
 
 class TrackPoolFull(Refused):
@@ -592,8 +632,40 @@ class RenderError(DucoError, RuntimeError):
     """This computer can draw no picture of a simulator, or show no window. It goes on without."""
 
 
+class CameraError(DucoError, OSError):
+    """A camera gives no picture: it is not there, or was unplugged. Nothing was done to the arm."""
+
+
+class CalibrationError(DucoError, ValueError):
+    """From these views it cannot be told where a camera is: it says what is wrong with them."""
+
+
 class RecordingError(DucoError):
     """A recording cannot be written, read or played. What it says was done to the arm, was done."""
+
+
+class PathRefused(DucoError):
+    """Something speaks against leading the arm along a recorded path or to waypoints.
+
+    Nothing was sent.
+
+    Attributes:
+        findings: what, each with its place.
+    """
+
+    def __init__(self, message: str, findings: tuple[str, ...]) -> None:
+        self.findings = findings
+        super().__init__(message)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (str(self), self.findings)
+
+
+class WaypointFileError(DucoError, ValueError):
+    """A file of waypoints cannot be read or written: it says the line and the field.
+
+    Nothing was sent.
+    """
 
 
 class MissingExtra(DucoError, ModuleNotFoundError):

@@ -17,21 +17,35 @@
     def test_the_program_is_good(duco_preflight):
         assert duco_preflight("program.py", ["192.168.1.10"]).ok
 
+    @pytest.mark.duco_model("gcr20_1100")
+    @pytest.mark.duco_speed(5.0)
+    @pytest.mark.duco_fault("movej2", Cut(Place.BEFORE_REPLY))
+    async def test_it_is_said_who_is_asked(duco_robot):
+        ...
+
 The robots' times go by the simulator's clock. Unless a test asks for one, neither MuJoCo nor
 Thrift is loaded for them. The fixture `duco_robot` is a coroutine: it needs pytest-asyncio, in any
 mode, or anyio's own plugin.
+
+`pytest --duco-host 192.168.1.10` runs the same tests on an arm, slowly. Tests that need the
+simulated controller, for its view or for a fault, are skipped there. A test that fails leaves a
+recording of its arm, its last lines and states, and a picture.
 """
 
 from __future__ import annotations
 
 import importlib.util
+import re
+import shutil
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+    from collections.abc import AsyncIterator, Callable, Generator, Iterator, Mapping
 
+    from aioduco.controller_clock import Clock
     from aioduco.preflight import PreflightReport
     from aioduco.robot import Robot
     from aioduco.sim import Simulator
@@ -46,6 +60,63 @@ __all__ = [
     "duco_simulator_options",
     "duco_sync_robot",
 ]
+
+_MARKERS = (
+    "duco_model(name): the simulated arm of this test, such as gcr20_1100",
+    "duco_speed(factor): how fast the simulated clock runs, of the wall's; inf by default",
+    "duco_fault(function, fault, times=1, skip=0): what a proxy does to calls of a function",
+)
+_failed = pytest.StashKey[bool]()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Options for tests on an arm, and of what failed tests leave."""
+    group = parser.getgroup("duco", "DUCO arms")
+    group.addoption(
+        "--duco-host",
+        metavar="HOST[:PORT]",
+        help="run tests of robots on this arm instead of a simulated one: it will move",
+    )
+    group.addoption(
+        "--duco-model", metavar="NAME", help="which arm that is, for tests marked by duco_model"
+    )
+    group.addoption(
+        "--duco-host-speed",
+        type=float,
+        default=10.0,
+        metavar="PERCENT",
+        help="global speed of that arm during a test; it is put back (default: %(default)s)",
+    )
+    group.addoption(
+        "--duco-artefacts",
+        metavar="DIR",
+        help="where failed tests leave what is known of their arms (default: pytest's own folder "
+        "for temporary files)",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Make the markers known; refuse an arm for several processes."""
+    for line in _MARKERS:
+        config.addinivalue_line("markers", line)
+    host = config.getoption("duco_host", None)
+    if host and (hasattr(config, "workerinput") or getattr(config.option, "numprocesses", 0)):
+        raise pytest.UsageError("--duco-host: tests on one arm run one after the other, without -n")
+
+
+def pytest_report_header(config: pytest.Config) -> str | None:
+    """Say which arm will move."""
+    host = config.getoption("duco_host")
+    speed = config.getoption("duco_host_speed")
+    return f"duco: the arm at {host} will move, at {speed:g} % of its speed" if host else None
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, Any, None]:
+    """Note whether a test failed, for its fixtures."""
+    outcome = yield
+    if outcome.get_result().failed:
+        item.stash[_failed] = True
 
 
 def _async_fixture() -> Callable[[Any], Any]:
@@ -73,60 +144,151 @@ def duco_simulator_options() -> Mapping[str, Any]:
     return {"speed": float("inf")}
 
 
+def _marked(request: pytest.FixtureRequest, name: str) -> Any:
+    """The argument of a marker of the test; None without one."""
+    marker = request.node.get_closest_marker(name)
+    return None if marker is None else marker.args[0]
+
+
 @pytest.fixture
-def duco_simulator(duco_simulator_options: Mapping[str, Any]) -> Iterator[Simulator]:
+def duco_simulator(
+    request: pytest.FixtureRequest, duco_simulator_options: Mapping[str, Any]
+) -> Iterator[Simulator]:
     """A simulated controller with its arm, powered off, on a port of its own."""
+    if request.config.getoption("duco_host"):
+        pytest.skip("it needs the simulated arm, and --duco-host names another one")
     from aioduco.sim import Simulator  # noqa: PLC0415 - it brings MuJoCo
 
-    with Simulator(**duco_simulator_options) as simulator:
+    options = dict(duco_simulator_options)
+    for option, marker in (("model", "duco_model"), ("speed", "duco_speed")):
+        value = _marked(request, marker)
+        if value is not None:
+            options[option] = value
+    with Simulator(**options) as simulator:
         yield simulator
 
 
 @pytest.fixture
-def duco_proxy(duco_simulator: Simulator) -> Iterator[FaultProxy]:
-    """A fault proxy before the simulated controller; without faults until a test adds one."""
+def duco_proxy(request: pytest.FixtureRequest, duco_simulator: Simulator) -> Iterator[FaultProxy]:
+    """A fault proxy before the simulated controller, with the faults of the test's markers."""
     from aioduco.testing import FaultProxy  # noqa: PLC0415 - not for who has no need of it
 
     with FaultProxy(duco_simulator.host, duco_simulator.port) as proxy:
+        for marker in request.node.iter_markers("duco_fault"):
+            proxy.on(*marker.args, **marker.kwargs)
         yield proxy
 
 
-def _line(request: pytest.FixtureRequest, simulator: Simulator) -> Simulator | FaultProxy:
-    """What is connected to: the simulated controller, or the proxy if the test has one."""
-    if "duco_proxy" in request.fixturenames:
-        proxy: FaultProxy = request.getfixturevalue("duco_proxy")
-        return proxy
-    return simulator
+class _Line:
+    """Where the robot of a test is, and what it leaves if the test fails.
+
+    Args:
+        request: of the robot's fixture.
+    """
+
+    host: str
+    port: int
+    clock: Clock | None
+
+    def __init__(self, request: pytest.FixtureRequest) -> None:
+        self._request = request
+        config = request.config
+        self.simulator: Simulator | None = None
+        address: str | None = config.getoption("duco_host")
+        faults = request.node.get_closest_marker("duco_fault") is not None
+        if address:
+            if faults or "duco_proxy" in request.fixturenames:
+                pytest.skip("it puts faults on the wire, which is not done to an arm")
+            model = _marked(request, "duco_model")
+            if model not in (None, config.getoption("duco_model")):
+                pytest.skip(f"it needs a {model}; --duco-model says which arm is there")
+            host, _, port = address.partition(":")
+            self.host, self.port, self.clock = host, int(port or 7003), None
+        else:
+            simulator: Simulator = request.getfixturevalue("duco_simulator")
+            self.simulator = simulator
+            line: Simulator | FaultProxy = simulator
+            if faults or "duco_proxy" in request.fixturenames:
+                line = request.getfixturevalue("duco_proxy")
+            self.host, self.port, self.clock = line.host, line.port, simulator.clock
+        #: percent of an arm's speed; None for a simulated one, which is as fast as it is
+        self.speed: float | None = config.getoption("duco_host_speed") if address else None
+        self._folder = self._made_folder()
+        self.options: dict[str, Any] = {} if self.clock is None else {"clock": self.clock}
+        if importlib.util.find_spec("foxglove") is not None:
+            from aioduco.testing.artefacts import RECORDING  # noqa: PLC0415 - as above
+
+            self.options["record"] = self._folder / RECORDING
+
+    def _made_folder(self) -> Path:
+        name = re.sub(r"[^\w.-]+", "_", self._request.node.nodeid)[-120:]
+        base: str | None = self._request.config.getoption("duco_artefacts")
+        if base is None:
+            factory: pytest.TempPathFactory = self._request.getfixturevalue("tmp_path_factory")
+            return factory.mktemp("duco-" + name[-60:])
+        folder = Path(base) / name
+        folder.mkdir(parents=True, exist_ok=True)
+        return folder
+
+    def leave(self) -> None:
+        """Keep what is known of the arm if the test failed, and nothing if not."""
+        node: pytest.Item = self._request.node
+        if not node.stash.get(_failed, False):
+            shutil.rmtree(self._folder, ignore_errors=True)
+            return
+        from aioduco.testing.artefacts import leave_artefacts  # noqa: PLC0415 - as above
+
+        files = leave_artefacts(self._folder, self.simulator)
+        node.add_report_section("teardown", "duco", f"{self._folder}: {', '.join(files)}")
+
+
+@pytest.fixture(name="_duco_line")
+def _line_of_test(request: pytest.FixtureRequest) -> Iterator[_Line]:
+    line = _Line(request)
+    yield line
+    line.leave()
 
 
 @_async_fixture()
-async def duco_robot(
-    request: pytest.FixtureRequest, duco_simulator: Simulator
-) -> AsyncIterator[Robot]:
-    """A robot connected to the simulated controller, ready to move.
+async def duco_robot(_duco_line: _Line) -> AsyncIterator[Robot]:
+    """A robot connected to the simulated controller, ready to move; or to that of `--duco-host`.
 
-    It is connected by way of `duco_proxy` if the test asks for that too. After the test its arm
-    is stopped, and the connections closed.
+    It is connected by way of `duco_proxy` if the test asks for that, or has a fault. After the test
+    its arm is stopped, and the connections closed.
     """
     from aioduco import connect  # noqa: PLC0415 - not for who has no need of it
 
-    line = _line(request, duco_simulator)
-    async with connect(line.host, line.port, clock=duco_simulator.clock) as robot:
+    line = _duco_line
+    async with connect(line.host, line.port, **line.options) as robot:
         await robot.bring_up()
-        yield robot
+        if line.speed is None:
+            yield robot
+            return
+        before = await robot.settings.get_global_speed()
+        await robot.settings.speed(line.speed)
+        try:
+            yield robot
+        finally:
+            await robot.settings.speed(before)
 
 
 @pytest.fixture
-def duco_sync_robot(
-    request: pytest.FixtureRequest, duco_simulator: Simulator
-) -> Iterator[SyncRobot]:
+def duco_sync_robot(_duco_line: _Line) -> Iterator[SyncRobot]:
     """The same for programs that wait: a robot of `aioduco.sync`, ready to move."""
     from aioduco.sync import connect  # noqa: PLC0415 - not for who has no need of it
 
-    line = _line(request, duco_simulator)
-    with connect(line.host, line.port, clock=duco_simulator.clock) as robot:
+    line = _duco_line
+    with connect(line.host, line.port, **line.options) as robot:
         robot.bring_up()
-        yield robot
+        if line.speed is None:
+            yield robot
+            return
+        before = robot.settings.get_global_speed()
+        robot.settings.speed(line.speed)
+        try:
+            yield robot
+        finally:
+            robot.settings.speed(before)
 
 
 @pytest.fixture

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import time
 import warnings
+from contextlib import contextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -12,9 +14,10 @@ from aioduco.errors import ParameterError
 from aioduco.models.names import ManualNames
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.supervision.settings import RobotSettings
+from aioduco.trace import ProcedureFinished, emit
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
     from os import PathLike
     from types import TracebackType
     from typing import Self
@@ -42,7 +45,8 @@ if TYPE_CHECKING:
     from aioduco.controller_clock import Clock
     from aioduco.envelope import Envelope
     from aioduco.models.state import RobotStates
-    from aioduco.recording.recorder import Recording
+    from aioduco.recording.publication import Publication
+    from aioduco.recording.recorder import Recording, RobotObserver
     from aioduco.streaming.servo import Servo
     from aioduco.streaming.speed import Speed
     from aioduco.supervision.events import Events
@@ -263,7 +267,7 @@ class Robot(ManualNames):
         if self._record is not None:
             import_module("aioduco.recording.recorder")  # here it holds up no event loop
         self._recording: Recording | None = None
-        self._recordings: list[Recording] = []
+        self._observers: list[RobotObserver] = []
         endpoint = StreamEndpoint.of(self._supervisor)
         for name, place in _SECTIONS.items():
             setattr(self, name, _load(place)(self._supervisor))
@@ -323,9 +327,9 @@ class Robot(ManualNames):
             await self._supervisor.aclose()
         finally:
             # After it: what leaving the robot takes is recorded, too.
-            recordings, self._recordings = self._recordings, []
-            for recording in recordings:
-                await recording.stop()
+            observers, self._observers = self._observers, []
+            for observer in observers:
+                await observer.stop()
 
     if not TYPE_CHECKING:  # for a type checker they are not there, as they are of no use
 
@@ -391,7 +395,8 @@ class Robot(ManualNames):
         """
         from aioduco.supervision.bringup import bring_up  # noqa: PLC0415  # loaded with Thrift
 
-        return await bring_up(self._supervisor, timeout)
+        with self._traced("bring_up"):
+            return await bring_up(self._supervisor, timeout)
 
     async def recover(self, *, timeout: float = 30.0) -> RobotStates:
         """Lead the arm out of a stop: clear, power off and on where that is needed, enable.
@@ -412,9 +417,28 @@ class Robot(ManualNames):
         """
         from aioduco.supervision.bringup import recover  # noqa: PLC0415  # loaded with Thrift
 
-        states = await recover(self._supervisor, timeout)
-        await self.rearm_heartbeat()
+        with self._traced("recover"):
+            states = await recover(self._supervisor, timeout)
+            await self.rearm_heartbeat()
         return states
+
+    @contextmanager
+    def _traced(self, name: str) -> Iterator[None]:
+        """Have the trace hook see how a procedure ends."""
+        trace = self._supervisor.settings.trace
+        if trace is None:
+            yield
+            return
+        begin = time.monotonic()
+        error: BaseException | None = None
+        try:
+            yield
+        except BaseException as exc:
+            error = exc
+            raise
+        finally:
+            now = time.monotonic()
+            emit(trace, ProcedureFinished(now, "", name, error, now - begin))
 
     @property
     def feed(self) -> StateFeed:
@@ -447,8 +471,40 @@ class Robot(ManualNames):
         from aioduco.recording.recorder import Recording  # noqa: PLC0415  # with its extra
 
         recording = Recording(self._supervisor, path, forces)
-        self._recordings = [other for other in self._recordings if not other.over] + [recording]
+        self._observed(recording)
         return recording
+
+    def publish(
+        self, port: int = 8765, *, host: str = "127.0.0.1", forces: bool = True
+    ) -> Publication:
+        """Publish the robot live on a WebSocket: `async with robot.publish():`.
+
+        What `record` writes to a file is sent to every watcher that connects, on the same
+        channels: Foxglove and Lichtblick show it, and any program that speaks Foxglove's protocol
+        reads it. Watchers only watch. Nothing waits for them: one that is too slow loses messages.
+
+        Args:
+            port: port to listen on; 0 for a free one, which `Publication.port` tells.
+            host: address of this computer to listen on. Anything but loopback lets everybody in
+                that network watch: there is no password.
+            forces: whether samples have forces, too: two more questions to the controller for
+                each, see `StateFeed.forces`.
+
+        Returns:
+            The publication, not started yet. Closing the robot ends it.
+
+        Raises:
+            ParameterError: an argument is out of range.
+        """
+        from aioduco.recording.publication import Publication  # noqa: PLC0415  # with its extra
+
+        publication = Publication(self._supervisor, port, host, forces)
+        self._observed(publication)
+        return publication
+
+    def _observed(self, observer: RobotObserver) -> None:
+        """Have a recording or publication ended with the robot."""
+        self._observers = [other for other in self._observers if not other.over] + [observer]
 
     @property
     def recording(self) -> Recording | None:

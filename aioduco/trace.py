@@ -10,9 +10,9 @@ unless that takes longer than a second. Nothing is made or called while no hook 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from aioduco.reporting import BackgroundLogger, reporter
 
@@ -21,10 +21,14 @@ __all__ = [
     "ConnectionEnded",
     "ConnectionOpened",
     "Event",
+    "ProcedureFinished",
     "Trace",
     "TraceEvent",
     "emit",
+    "tell",
 ]
+
+T = TypeVar("T")
 
 _log = BackgroundLogger(__name__)
 
@@ -87,6 +91,21 @@ class ConnectionEnded(TraceEvent):
     reason: str
 
 
+@dataclass(frozen=True, slots=True)
+class ProcedureFinished(TraceEvent):
+    """A procedure of several calls is over: the arm is ready, or there is an error.
+
+    Attributes:
+        name: `bring_up` or `recover`.
+        error: what was raised; None if the arm is ready.
+        duration: seconds that it took.
+    """
+
+    name: str
+    error: BaseException | None
+    duration: float
+
+
 #: the former name of `TraceEvent`, for programs that use it
 Event = TraceEvent
 
@@ -96,6 +115,15 @@ Trace = Callable[[TraceEvent], None]
 def emit(trace: Trace, event: TraceEvent) -> None:
     """Have the hook called with an event; neither what it raises nor how long it takes matters."""
     reporter.put(lambda: _call(trace, event))
+
+
+def tell(observers: Iterable[Callable[[T], object]], what: T) -> None:
+    """Call the package's own observers here and now; what one raises is logged, and no more."""
+    for observer in observers:
+        try:
+            observer(what)
+        except Exception:
+            _log.exception("an observer failed at %r", what)
 
 
 def _call(trace: Trace, event: TraceEvent) -> None:

@@ -73,26 +73,26 @@ def main() -> None:
             rows.append((report.duration, report.took, spent() - before))
     shares = sorted(took / duration for duration, took, _ in rows)
     processor = sorted(used / duration for duration, _, used in rows)
+    share = {
+        name: {
+            "p50_percent": round(100 * percentile(each, 50), 1),
+            "max_percent": round(100 * each[-1], 1),
+        }
+        for name, each in (("by the wall", shares), ("of a processor", processor))
+    }
+    noise = round(percentile(sorted(wall / used for wall, used in idle), 50), 2)
     results = {
         "runs": times,
         "program_s": round(rows[0][0], 1),
-        "share": {
-            name: {
-                "p50_percent": round(100 * percentile(each, 50), 1),
-                "max_percent": round(100 * each[-1], 1),
-            }
-            for name, each in (("by the wall", shares), ("of a processor", processor))
-        },
-        "wall over processor time of an idle interpreter": round(
-            percentile(sorted(wall / used for wall, used in idle), 50), 2
-        ),
+        "share": share,
+        "wall over processor time of an idle interpreter": noise,
     }
     print_table(
         f"Trying a program of {rows[0][0]:.0f} s, {times} times",
         ["share of the program's time [%]", "p50", "max"],
-        [[name, *row.values()] for name, row in results["share"].items()],  # type: ignore[attr-defined]  # the value is a dict here
+        [[name, *row.values()] for name, row in share.items()],
     )
-    print(f"wall over processor time of an idle interpreter: {list(results.values())[-1]}")
+    print(f"wall over processor time of an idle interpreter: {noise}")
     if options.save:
         print(f"written: {write_results('preflight', results)}")
 

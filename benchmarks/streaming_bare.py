@@ -66,9 +66,9 @@ print(json.dumps([*late, missed]))
 
 
 class BareLoop:
-    """The loop, in a process of its own on one processor, while the block runs."""
+    """The loop, in a process of its own on one processor, or any for None, while the block runs."""
 
-    def __init__(self, rate: float, core: int) -> None:
+    def __init__(self, rate: float, core: int | None) -> None:
         self._core = core
         self._period = round(1e9 / rate)
         self._late: list[int] = []
@@ -80,7 +80,8 @@ class BareLoop:
         self._process = subprocess.Popen(
             [*self._command(), str(self._period)], stdin=subprocess.PIPE, stdout=self._output
         )
-        os.sched_setaffinity(self._process.pid, {self._core})
+        if self._core is not None:
+            os.sched_setaffinity(self._process.pid, {self._core})
         return self
 
     def _command(self) -> list[str]:

@@ -28,7 +28,10 @@ BENCHMARKS = HERE.parent / "benchmarks"
 BEGIN = "<!-- figures:begin -->"
 END = "<!-- figures:end -->"
 
-UNITS = {"us": "µs", "ms": "ms", "s": "s", "hz": "Hz", "rad": "rad", "m": "m", "percent": "%"}
+UNITS = {
+    "us": "µs", "ms": "ms", "s": "s", "hz": "Hz", "rad": "rad", "mrad": "mrad", "m": "m",
+    "percent": "%",
+}  # fmt: skip
 
 
 def cell(value: Any) -> str:

@@ -50,6 +50,8 @@ DIALECTS = {"async": "aioduco", "sync": "aioduco.sync", "compat": "aioduco.compa
 
 HEAD = """# The manual's examples
 
+<!-- examples, not run: functions of examples/manual, which tests/manual runs whole -->
+
 Every example of code that manual 3.8 prints in its list of functions, in three dialects: by
 `aioduco`, by `aioduco.sync`, and by the vendor's class in `aioduco.compat`. Which one is for whom,
 and how a program is brought over, says [From the vendor's SDK](from-the-vendor-sdk.md).

@@ -13,9 +13,10 @@ class SectionsAreNotMade(griffe.Extension):
 
     def on_class(self, *, cls: griffe.Class, **_: Any) -> None:
         """Rewrite one class."""
-        bases = [str(base) for base in cls.bases]
-        if "Section" in bases or cls.path == "aioduco.api.motion.Motion":
+        if "Section" in [str(base) for base in cls.bases]:
             cls.bases = []
+            cls.members.pop("__init__", None)
+        elif cls.path == "aioduco.api.motion.Motion":  # its bases have the motions
             cls.members.pop("__init__", None)
 
 

@@ -1,20 +1,44 @@
 """Options of the whole suite, and how much of it is run.
 
-Without options every test function runs, with a few of its cases: see `quick.py`. With `--thorough`
-all of their cases run.
+Without options every kind of test runs, with a few of its cases: see `quick.py`. With `--thorough`
+all of them run, with all of their cases.
 """
 
 from __future__ import annotations
 
 import os
+import sys
 from collections import Counter
+from importlib import import_module
+from multiprocessing import resource_tracker
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 import quick
+from cycle_time import COARSE, set_cycle
 from hypothesis import settings
-from patient import be_patient
+
+# Before anything of the package is imported: what it sees of the platform is taken away here, and
+# in all children by PYTHONPATH.
+BARE = Path(__file__).parent / "bare"
+if "--bare-platform" in sys.argv or "AIODUCO_TESTS_BARE" in os.environ:
+    sys.path.insert(0, str(BARE))
+    if "AIODUCO_TESTS_BARE" not in os.environ:
+        paths = [str(BARE), *filter(None, [os.environ.get("PYTHONPATH")])]
+        os.environ["PYTHONPATH"] = os.pathsep.join(paths)
+    import_module("bare_platform").install()
+    # Of Python's shared memory on Linux, and of none on Windows: no test is to have left it.
+    resource_tracker.ensure_running()
+
+from patient import be_patient  # noqa: E402 - see above
+
+if TYPE_CHECKING:
+    from collections.abc import Generator
+
+# Threads of NumPy's algebra, which nothing here has a use for, take longer to start and to end than
+# NumPy to load, in each of some hundred processes.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 _FAULTS = {False: 300, True: 10_000}
 _FRAMES = {False: 300, True: 3_000}
@@ -31,6 +55,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="FILE",
         help="leave out what passed in another run, whose --junitxml this is: with --thorough all "
         "that the quick run leaves to it",
+    )
+    parser.addoption(
+        "--bare-platform",
+        action="store_true",
+        help="run without what Windows lacks, see tests/bare: no memory files, no poll, no sends "
+        "that do not wait, no forks, no inherited descriptors, an event loop of select",
     )
     group = parser.getgroup("adversity", "faults on the wire, cancellations and kills")
     group.addoption(
@@ -62,6 +92,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     be_patient()
     all_of_it: bool = config.getoption("thorough")
+    if not all_of_it:
+        set_cycle(COARSE)
     for option, number in (("faults", _FAULTS), ("frames", _FRAMES)):
         if config.getoption(option) is None:
             setattr(config.option, option, number[all_of_it])
@@ -82,6 +114,10 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.getoption("bare_platform"):
+        for item in items:
+            for mark in item.iter_markers("linux"):
+                item.add_marker(pytest.mark.skip(f"of Linux alone: {mark.args[0]}"))
     if config.getoption("thorough"):
         file = config.getoption("beyond")
         kept, left = (items, []) if file is None else quick.beyond(items, Path(file))
@@ -92,10 +128,37 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         items[:] = kept
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Without what a guard's process needs, a test that asks for one is skipped with its words."""
+    report = yield
+    error = call.excinfo
+    if report.failed and error is not None and item.config.getoption("bare_platform"):
+        why = _guard_refused(error.value)
+        if why:
+            report.outcome = "skipped"
+            report.longrepr = (str(item.path), item.location[1] or 0, f"Skipped: {why}")
+    return report
+
+
+def _guard_refused(error: BaseException) -> str:
+    """What a robot said that was to have a guard on a platform without one; else nothing."""
+    if isinstance(error, BaseExceptionGroup):
+        return next(filter(None, map(_guard_refused, error.exceptions)), "")
+    # Of a process of the test, or beside what the test waited for, it is quoted.
+    said = "process needs Linux, and this system has no packets" in str(error)
+    return "a guard's process needs Linux" if said else ""
+
+
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers() -> int:
-    """`-n auto`: more than the processors, since most tests wait for an arm or an answer."""
-    return quick.processors() + 2
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """`-n auto`: more than the processors, since most tests wait for an arm or an answer.
+
+    Each has to load all tests first, which counts in the quick run.
+    """
+    return quick.processors() + (2 if config.getoption("thorough") else 1)
 
 
 @pytest.fixture(scope="session")

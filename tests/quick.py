@@ -1,7 +1,9 @@
-"""The quick run: every test function, with a few of its cases.
+"""The quick run: every kind of test, with a few cases.
 
-What a case costs decides how many are taken. A test says so itself by `pytest.mark.cases(n)`;
-otherwise the table below does, by the longest beginning of its file's path.
+A test that takes more than a second or so is left to the thorough run by `pytest.mark.slow`, if a
+quicker one of its file tests what is like it. Of the others, what a case costs decides how many are
+taken. A test says so itself by `pytest.mark.cases(n)`; otherwise the table below does, by the
+longest beginning of its file's path.
 """
 
 from __future__ import annotations
@@ -24,18 +26,18 @@ T = TypeVar("T")
 #: cases of a test, by the beginning of its path: few where programs are started, where simulators
 #: run or where something is waited for
 CASES = {
-    "": 8,
+    "": 4,
     "adversity/": 1,
     "client/test_examples": 2,
     "descriptions/": 3,
     "hostile/": 1,
     "interop/": 4,
-    "sim/": 2,
+    "sim/": 1,
     "sim/test_fidelity": 8,
     "sim/test_message": 8,
-    "streaming/": 4,
+    "streaming/": 2,
     "streaming/test_examples": 2,
-    "sync/": 3,
+    "sync/": 2,
     "test_cli": 2,
     "testing/": 4,
 }
@@ -95,7 +97,8 @@ def spread_cases(metafunc: pytest.Metafunc) -> None:
     Args:
         metafunc: the test.
     """
-    limit = _cases_of(metafunc.definition)
+    # A table without a case would be a test that is skipped.
+    limit = max(_cases_of(metafunc.definition), 1)
     parametrize = metafunc.parametrize
 
     def spread_out(
@@ -114,12 +117,14 @@ def spread(cases: Sequence[T], number: int) -> list[T]:
     """So many of the cases, evenly: the first, the last and some between, always the same."""
     if len(cases) <= number:
         return list(cases)
-    if number == 1:
-        return [cases[0]]
+    if number < 2:
+        return list(cases[:number])
     return [cases[round(n * (len(cases) - 1) / (number - 1))] for n in range(number)]
 
 
 def _cases_of(item: pytest.Item) -> int:
+    if item.get_closest_marker("slow") is not None:
+        return 0
     marker = item.get_closest_marker("cases")
     if marker is not None:
         return int(marker.args[0])

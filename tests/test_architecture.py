@@ -6,6 +6,8 @@ import ast
 import re
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
 
@@ -49,6 +51,7 @@ def test_every_step_of_a_path_exists_in_its_file() -> None:
     assert missing == []
 
 
+@pytest.mark.slow
 def test_every_method_in_the_text_exists() -> None:
     """Those that stand outside of the tables, as `Class.method`."""
     text = "".join(line for line in PAGE.splitlines(keepends=True) if not line.startswith("|"))

@@ -115,6 +115,13 @@ def test_missing_extra_is_named(
 # -- sim -----------------------------------------------------------------------------------------
 
 
+def test_a_gripper_that_does_not_exist_is_named_with_those_that_do() -> None:
+    answer = run("sim", "--port", "0", "--gripper", "hand")
+    assert answer.exit_code == 1
+    assert "robotiq_2f85" in answer.output
+
+
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_sim_says_where_it_listens_and_ends_when_told(number: signal.Signals) -> None:
     with process("sim", "--port", "0") as sim:
@@ -128,6 +135,7 @@ def test_sim_says_where_it_listens_and_ends_when_told(number: signal.Signals) ->
     assert (sim.returncode, errors) == (0, "")
 
 
+@pytest.mark.slow
 def test_sim_pushes_status_frames_where_it_says() -> None:
     with process("sim", "--port", "0", "--status-port", "0") as sim:
         assert sim.stdout is not None
@@ -139,6 +147,7 @@ def test_sim_pushes_status_frames_where_it_says() -> None:
     assert sim.returncode == 0
 
 
+@pytest.mark.slow
 def test_sim_does_what_a_shell_tells_it() -> None:
     with process("sim", "--port", "0") as sim:
         assert sim.stdout is not None
@@ -172,6 +181,7 @@ def test_sim_says_so_when_the_port_is_taken() -> None:
     assert f"cannot listen on 127.0.0.1:{port}" in answer.output
 
 
+@pytest.mark.slow
 def test_sim_draws_what_the_arm_did(tmp_path: Path) -> None:
     film, cell = tmp_path / "out.gif", tmp_path / "cell.xml"
     cell.write_text('<mujoco><worldbody><geom size="0.1" pos="0 1 1"/></worldbody></mujoco>')
@@ -191,6 +201,7 @@ def test_sim_draws_what_the_arm_did(tmp_path: Path) -> None:
         assert getattr(animation, "n_frames", 1) > 5
 
 
+@pytest.mark.slow
 def test_sim_draws_how_the_arm_stands(tmp_path: Path) -> None:
     last = tmp_path / "last.png"
     with process("sim", "--port", "0", "--render", str(last)) as sim:
@@ -228,6 +239,7 @@ def test_sim_says_what_it_cannot_show(options: tuple[str, ...], code: int, says:
 # -- demo ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_demo_without_a_terminal(tmp_path: Path) -> None:
     """The whole of it: an arm in a process of its own, plain lines, a plot, and a result."""
     plot, result = tmp_path / "demo.png", tmp_path / "demo.json"
@@ -249,6 +261,8 @@ def test_demo_without_a_terminal(tmp_path: Path) -> None:
     assert {"finished", "blended", "stopped"} == set(outcomes)
     assert all(motion["name"] in done.stdout for motion in report["motions"])
     assert all(motion["duration"] > 0 for motion in report["motions"])
+    assert report["carried"] is True
+    assert "the gripper holds the box" in done.stdout
     assert 0 < report["greatest_tracking_error"] < 5e-3
 
     assert plot.read_bytes().startswith(PNG)
@@ -294,6 +308,7 @@ finally:
 """
 
 
+@pytest.mark.slow
 def test_demo_loads_everything_before_its_event_loop_runs(tmp_path: Path) -> None:
     """Loading holds up the loop; a robot that is open has no time for that.
 
@@ -310,6 +325,7 @@ def test_demo_loads_everything_before_its_event_loop_runs(tmp_path: Path) -> Non
     assert complaints(done.stderr) == "1\n[]\n"
 
 
+@pytest.mark.slow
 def test_demo_gives_its_result_alone_on_the_output() -> None:
     done = subprocess.run(
         # At the speed of the wall's clock: it stops a motion in its middle, and blends two.
@@ -344,6 +360,7 @@ def test_demo_asks_before_it_moves_an_arm_that_it_did_not_make() -> None:
         assert what in said
 
 
+@pytest.mark.slow
 def test_demo_runs_on_another_arm_once_that_is_confirmed() -> None:
     with Simulator("gcr10_1300", speed=8) as sim:
         answer = run("demo", *address(sim), "--model", "gcr10_1300", "--no-plot", typed="y\n")
@@ -352,6 +369,7 @@ def test_demo_runs_on_another_arm_once_that_is_confirmed() -> None:
         assert sim.get_digital_output(1) is False
 
 
+@pytest.mark.slow
 def test_demo_is_slower_on_an_arm_that_it_did_not_make(monkeypatch: pytest.MonkeyPatch) -> None:
     plans: list[Choreography] = []
 
@@ -376,6 +394,7 @@ def test_demo_without_a_controller_says_so() -> None:
         assert f"cannot connect to 127.0.0.1:{port}" in answer.output.replace("\n", "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("number", "status", "times"),
     [(signal.SIGINT, 130, 1), (signal.SIGINT, 130, 3), (signal.SIGTERM, 143, 1)],
@@ -408,6 +427,7 @@ def test_demo_reports_what_went_wrong() -> None:
         assert not sim.moving
 
 
+@pytest.mark.slow
 def test_demo_on_a_terminal_shows_the_arm_while_it_moves(tmp_path: Path) -> None:
     """On a pseudo terminal, with a Ctrl-C typed there, which its own simulator must survive."""
     ours, theirs = pty.openpty()
@@ -455,6 +475,7 @@ def test_a_function_is_called_by_its_name_and_read_as_json() -> None:
         assert json.loads(status.stdout)["joints"] == pytest.approx(joints, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_call_that_moves_the_arm_asks_first() -> None:
     motion = ("call", "movej2", "[0.3, 0, 1.5, 0, -1.5, 0]", "v=2", "a=5")
     with Simulator(speed=10) as sim:
@@ -463,8 +484,8 @@ def test_a_call_that_moves_the_arm_asks_first() -> None:
             assert run("call", name, "--yes", *port).exit_code == 0
         begin = sim.joints
         declined = run(*motion, *port, typed="n\n")
-        assert declined.exit_code == 1
-        assert "robot.motion.movej2([0.3, 0, 1.5, 0, -1.5, 0], v=2, a=5)" in declined.stdout
+        assert declined.exit_code == 3
+        assert "robot.motion.movej2([0.3, 0, 1.5, 0, -1.5, 0], v=2, a=5)" in declined.stderr
         assert sim.joints.almost_equal(begin, 1e-6)
         done = run(*motion, *port, "--yes")
         assert (done.exit_code, done.stdout) == (0, "Outcome.FINISHED\n")

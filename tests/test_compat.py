@@ -546,6 +546,7 @@ main(sys.argv[1:])
 """
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("lib", "runner"),
     [

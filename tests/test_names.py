@@ -6,6 +6,8 @@ import ast
 from collections import defaultdict
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1] / "aioduco"
 
 #: folders and files whose classes may be called as another's, since they are the same thing again
@@ -46,6 +48,7 @@ def shared_names(trees: dict[str, ast.Module]) -> dict[str, list[str]]:
     return {name: paths for name, paths in places.items() if len(paths) > 1}
 
 
+@pytest.mark.slow
 def test_a_class_name_means_one_thing() -> None:
     assert not shared_names(modules())
 
@@ -59,6 +62,7 @@ def test_a_class_of_the_same_name_in_another_module_is_found() -> None:
     assert shared_names(trees) == {"Pool": ["api/one.py", "_wire/two.py"]}
 
 
+@pytest.mark.slow
 def test_no_more_than_two_modules_have_one_name() -> None:
     """Besides those that are called by the manual's sections."""
     places: defaultdict[str, list[str]] = defaultdict(list)

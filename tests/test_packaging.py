@@ -105,7 +105,7 @@ def test_jerk_limits_need_their_extra_and_not_the_simulator() -> None:
         "plan": {"aioduco", "ompl", "toppra", "scipy"},
         "sweep": {"distributed"},
     }
-    assert extras["all"] == ["aioduco[sim,stream,cli,plot,plan,record]"]
+    assert extras["all"] == ["aioduco[sim,stream,cli,plot,plan,record,panel,otel,fleet]"]
 
 
 def test_licence_is_whole() -> None:

@@ -13,12 +13,16 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-def items(name: str, count: int, limit: int | None = None) -> list[pytest.Item]:
-    mark = None if limit is None else pytest.mark.cases(limit).mark
+def items(
+    name: str, count: int, limit: int | None = None, *, slow: bool = False
+) -> list[pytest.Item]:
+    marks = {} if limit is None else {"cases": pytest.mark.cases(limit).mark}
+    if slow:
+        marks["slow"] = pytest.mark.slow.mark
     return [
         cast(
             "pytest.Item",
-            SimpleNamespace(nodeid=f"{name}[{n}]", get_closest_marker=lambda _: mark),
+            SimpleNamespace(nodeid=f"{name}[{n}]", get_closest_marker=marks.get),
         )
         for n in range(count)
     ]
@@ -52,6 +56,18 @@ def test_each_test_is_there_with_a_few_of_its_cases_and_in_order() -> None:
     first = ids(spread(dear, CASES["streaming/"]))
     assert ids(kept)[: len(first) + 1] == [*first, alone[0].nodeid]
     assert sorted(ids(kept) + ids(left)) == sorted(ids([*dear, *alone, *cheap, *marked]))
+
+
+def test_a_slow_test_is_left_out_and_has_a_case_all_the_same() -> None:
+    slow = items("tests/streaming/t.py::slow", 5, limit=3, slow=True)
+    assert divided(slow) == ([], slow)
+    made: list[Any] = []
+    metafunc = SimpleNamespace(
+        definition=slow[0], parametrize=lambda names, values, **_: made.append(values)
+    )
+    spread_cases(cast("pytest.Metafunc", metafunc))
+    metafunc.parametrize("name", range(8))
+    assert made == [[0]]
 
 
 @pytest.mark.parametrize("ids", [None, str, list("abcdefgh"), dict.fromkeys("abcdefgh")])

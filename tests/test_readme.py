@@ -21,9 +21,13 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 CHINESE = (ROOT / "README.zh-CN.md").read_text(encoding="utf-8")
 
 
+def programs(text: str) -> list[str]:
+    """The awaited one, and the plain script."""
+    return re.findall(r"^```python[^\n]*\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
+
+
 def program(text: str) -> str:
-    (found,) = re.findall(r"^```python\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
-    return str(found)
+    return programs(text)[0]
 
 
 def command(text: str, name: str) -> str:
@@ -36,7 +40,7 @@ def test_program_runs_as_it_stands(tmp_path: Path) -> None:
     """Only the address is another one: that of a simulated controller."""
     source = program(README)
     with Simulator(speed=10) as sim:
-        there = source.replace('"192.168.1.10"', f'"{sim.host}", {sim.port}')
+        there = source.replace('"127.0.0.1"', f'"{sim.host}", {sim.port}')
         assert there != source
         file = tmp_path / "program.py"
         file.write_text(there, encoding="utf-8")
@@ -67,12 +71,20 @@ def test_each_command_is_one_line_that_makes_its_own_environment(name: str) -> N
     assert all(words[0].startswith(".venv/bin/") for words in rest)
 
 
-def test_quick_start_has_the_same_program() -> None:
-    assert program(README) in (ROOT / "docs" / "quickstart.md").read_text(encoding="utf-8")
+def test_the_tutorial_begins_with_the_same_program() -> None:
+    assert program(README) in (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
 
 
-def test_chinese_readme_has_the_same_program_and_commands() -> None:
-    assert program(CHINESE) == program(README)
+@pytest.mark.parametrize("page", ["README.md", "README.zh-CN.md", "docs/index.md"])
+def test_the_first_screen_has_the_plain_script_too(page: str) -> None:
+    awaited, plain = programs((ROOT / page).read_text(encoding="utf-8"))[:2]
+    assert "await robot.bring_up()" in awaited
+    assert "aioduco.sync.connect" in plain
+    assert plain.count("\n") < 10
+
+
+def test_chinese_readme_has_the_same_programs_and_commands() -> None:
+    assert programs(CHINESE) == programs(README)
     for name in ("run", "test"):
         assert command(CHINESE, name) == command(README, name)
 
@@ -127,5 +139,5 @@ def test_pages_examples_and_docstrings_have_one_home() -> None:
         for home in homes:
             np.testing.assert_allclose(home, HOME, atol=1e-3, err_msg=str(path))
         found += [path.name] * bool(homes)
-    assert {"README.md", "README.zh-CN.md", "quickstart.md", "index.md", "motion.md"} <= set(found)
+    assert {"README.md", "README.zh-CN.md", "tutorial.md", "index.md", "motion.md"} <= set(found)
     assert {"01_connect_and_move.py", "07_plain_script.py", "from-the-vendor-sdk.md"} <= set(found)

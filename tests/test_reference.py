@@ -1,24 +1,14 @@
-"""The examples of the reference pages run as they are printed, against the simulator."""
+"""Each section of the robot has a page in the reference, with an example. `pages` runs them."""
 
 from __future__ import annotations
 
-import ast
-import builtins
-import inspect
 import re
-import types
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 import aioduco
 from aioduco.api.section import Section
-from aioduco.sim import Simulator
-from aioduco.testing import eventually_async
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 PAGES = Path(__file__).parents[1] / "docs" / "reference"
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
@@ -29,31 +19,6 @@ NAMES = {
     "log": "settings",
     "version": "system",
 }
-#: pages on which `robot` is not the awaited one
-OTHERS = {"sync", "compat"}
-
-EXAMPLES = [
-    pytest.param(code, id=f"{page.stem}-{number}")
-    for page in sorted(PAGES.glob("*.md"))
-    if page.stem not in OTHERS
-    for number, code in enumerate(BLOCK.findall(page.read_text("utf-8")))
-]
-
-
-@pytest.fixture
-def sim() -> Iterator[Simulator]:
-    with Simulator(speed=10) as running:
-        yield running
-
-
-@pytest.mark.parametrize("code", EXAMPLES)
-async def test_an_example_runs(code: str, sim: Simulator) -> None:
-    compiled = compile(code, "example", "exec", ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)
-    async with aioduco.connect(sim.host, sim.port) as robot:
-        made = types.FunctionType(compiled, {"robot": robot, "__builtins__": builtins})()
-        if inspect.iscoroutine(made):
-            await made
-    await eventually_async(lambda: not sim.moving)
 
 
 def sections() -> list[str]:

@@ -32,6 +32,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "said"),
     [
@@ -52,17 +53,20 @@ def test_what_programs_call_is_recorded(name: str, said: str, recorded: Path) ->
     assert record["doc"]
 
 
+@pytest.mark.slow
 def test_what_is_taken_by_keyword_alone_is_recorded(recorded: Path) -> None:
     records = json.loads(recorded.read_text(encoding="utf-8"))
-    assert "rate" in records["aioduco.Robot.servo.joints > PacedOptions"]["keys"]
+    assert "rate" in records["aioduco.Robot.servo.joints > ServoOptions"]["keys"]
 
 
+@pytest.mark.slow
 def test_the_same_interface_has_no_differences(recorded: Path) -> None:
     done = signatures(str(recorded), str(recorded))
     assert done.returncode == 0
     assert done.stdout.endswith(": 0 differences\n")
 
 
+@pytest.mark.slow
 def test_each_difference_is_told(recorded: Path, tmp_path: Path) -> None:
     record: dict[str, Any] = json.loads(recorded.read_text(encoding="utf-8"))
     record["aioduco.Robot.stop"]["doc"] = "Another text."

@@ -289,9 +289,9 @@ class Connection:
     def send_ahead(self, function: idl.Function, arguments: bytes, deadline: float | None) -> bool:
         """Send a call before its owner's thread gets to run, from any thread; never waits.
 
-        For calls that may be sent twice. The caller must hold the claim to the next call. The
-        owner's `exchange` of this call then only waits for the answer. A connection that does not
-        take the whole of it at once is poisoned.
+        The caller must hold the claim to the next call. The owner's `exchange` of this call then
+        only waits for the answer. A connection that does not take the whole of it at once is
+        poisoned: the controller, which never has the rest, carries nothing of it out.
 
         Returns:
             Whether it was sent.
@@ -302,7 +302,8 @@ class Connection:
             return False
         try:
             stream = self._stream
-            if stream is None or not self._life.begin():
+            # What came unasked, or a closed connection, is for the owner to tell.
+            if stream is None or not stream.silent or not self._life.begin():
                 return False
             reply, message = self._next(function, arguments)
             if stream.send_at_once(message) != len(message):

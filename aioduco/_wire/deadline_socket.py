@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import errno
-import fcntl
 import math
 import os
-import select
 import socket
 import struct
-import termios
+import threading
 import time
 from typing import Any, Final
 
-from aioduco._wire.nonblocking import disconnect, send_at_once
+from aioduco._platform import CONNECTING, limits_sockets, readiness, unacknowledged
+from aioduco._wire.nonblocking import disconnect, is_silent, send_at_once
 
 #: A peer that vanished without a FIN is given up after about eight seconds, whether the
 #: connection idles (probes from the fifth second on) or bytes are on their way.
@@ -28,7 +27,15 @@ _DELIVER: Final = struct.pack("ii", 0, 0)
 #: seconds by which the system's own limit on a read or write may be longer than what is left
 _SLACK: Final = 0.02
 
+#: seconds between two moments at which the main thread can take a signal. One that comes just
+#: before a wait begins does not end the wait: its handler, which may be to stop the arm, would run
+#: only when the controller answers.
+WAKE_EVERY: Final = 0.2
+
 _CHUNK: Final = 16384
+
+#: seconds of a wait without a deadline, where Python keeps the time: it is begun anew then
+_LONG: Final = 3600.0
 
 
 class DeadlinePassed(Exception):
@@ -45,7 +52,8 @@ class DeadlineSocket:
     Deadlines are times of `time.monotonic()`; None is no limit. They are kept by the system's
     limits on a socket (SO_RCVTIMEO, SO_SNDTIMEO), not by Python's: a read is then one blocking
     system call that releases the interpreter's lock once instead of twice. A limit is set
-    anew only if what is left differs from it.
+    anew only if what is left differs from it. Where the system has no such limits, the socket
+    never blocks, and Python's limits keep the time.
 
     One thread at a time; `shutdown` and `undelivered` may be used from any.
 
@@ -53,12 +61,15 @@ class DeadlineSocket:
     more of what was sent. Only `close` is an ordinary end.
     """
 
-    __slots__ = ("_limit", "_poll", "_shut", "_socket")
+    __slots__ = ("_ahead", "_limit", "_readable", "_shut", "_socket")
 
     def __init__(self, family: int, type_: int, protocol: int) -> None:
         self._socket = socket.socket(family, type_, protocol)
-        self._poll = select.poll()
-        self._poll.register(self._socket, select.POLLIN)
+        self._readable = readiness(self._socket)
+        #: where Python keeps the time: the same socket, for sends that do not wait
+        self._ahead: socket.socket | None = None
+        if not limits_sockets():
+            self._ahead = socket.socket(family, type_, protocol, self._socket.fileno())
         #: the system's limit in seconds; None: none, as on a new socket
         self._limit: float | None = None
         self._shut = False
@@ -83,7 +94,7 @@ class DeadlineSocket:
         # here; one that comes later ends the wait.
         if self._shut:
             raise Ended
-        if error == errno.EINPROGRESS:
+        if error in CONNECTING:
             error = self._wait_connected(deadline)
         if error:
             raise OSError(error, os.strerror(error))
@@ -91,14 +102,16 @@ class DeadlineSocket:
         # before: it would limit the handshake too.
         if hasattr(socket, "TCP_USER_TIMEOUT"):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, _USER_TIMEOUT_MS)
-        # from here on the system keeps the time
-        sock.setblocking(True)
+        if self._ahead is None:
+            # from here on the system keeps the time
+            sock.setblocking(True)
+        else:
+            self._ahead.setblocking(False)
+            sock.settimeout(_LONG)
 
     def _wait_connected(self, deadline: float) -> int:
-        poll = select.poll()
-        poll.register(self._socket, select.POLLOUT)
         left = deadline - time.monotonic()
-        if left <= 0 or not poll.poll(math.ceil(left * 1000)):
+        if left <= 0 or not readiness(self._socket, writing=True)(left):
             return errno.ETIMEDOUT
         return self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
 
@@ -108,12 +121,25 @@ class DeadlineSocket:
         Raises:
             Ended: the other side closed the connection.
         """
-        if not self._poll.poll(0):
+        if not self._readable(0):
             return b""
         found = self._socket.recv(64, socket.MSG_PEEK)
         if not found:
             raise Ended
         return found
+
+    @property
+    def silent(self) -> bool:
+        """Whether nothing came that has not been read, not even the end; from any thread."""
+        if self._ahead is None:
+            return is_silent(self._socket.fileno())
+        try:
+            self._ahead.recv(1, socket.MSG_PEEK)
+        except BlockingIOError:
+            return True
+        except OSError:
+            return False
+        return False
 
     def send(self, data: bytes | memoryview, deadline: float | None) -> int:
         """Hand bytes to the system; how many it took, at least one.
@@ -128,10 +154,18 @@ class DeadlineSocket:
             except BlockingIOError:
                 # the system's limit, which may be a little before or after the deadline
                 continue
+            except TimeoutError as exc:
+                if exc.errno is not None:
+                    raise  # the system gave the connection up; Python's own limit has no number
 
     def send_at_once(self, data: bytes) -> int:
         """As `nonblocking.send_at_once`: how many bytes the system took, negative for none."""
-        return send_at_once(self._socket.fileno(), data)
+        if self._ahead is None:
+            return send_at_once(self._socket.fileno(), data)
+        try:
+            return self._ahead.send(data)
+        except OSError:
+            return -1
 
     def receive(self, deadline: float | None) -> bytes:
         """The next bytes, at least one.
@@ -146,6 +180,10 @@ class DeadlineSocket:
                 data = self._socket.recv(_CHUNK)
             except BlockingIOError:
                 continue
+            except TimeoutError as exc:
+                if exc.errno is not None:
+                    raise
+                continue
             if not data:
                 raise Ended
             return data
@@ -153,8 +191,7 @@ class DeadlineSocket:
     @property
     def undelivered(self) -> int:
         """How many bytes the system still holds that the other side has not acknowledged."""
-        found = fcntl.ioctl(self._socket, termios.TIOCOUTQ, bytes(4))
-        return int(struct.unpack("i", found)[0])
+        return unacknowledged(self._socket)
 
     def shutdown(self) -> None:
         """End reads and writes that are under way, on any thread; discard what is undelivered."""
@@ -170,29 +207,39 @@ class DeadlineSocket:
     def discard(self) -> None:
         """Give the socket back and forget what is undelivered; while no other thread uses it."""
         disconnect(self._socket.fileno())
-        self._socket.close()
+        self.close_copy()
 
     def close_copy(self) -> None:
         """Close a forked child's copy of the socket, and nothing else: the parent uses it on."""
+        if self._ahead is not None:
+            self._ahead.detach()
         self._socket.close()
 
     def close(self) -> None:
         """End an idle connection in the ordinary way; never while another thread uses it."""
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _DELIVER)
-        self._socket.close()
+        self.close_copy()
 
     def _limit_to(self, deadline: float | None) -> None:
         limit: float | None = None
-        if deadline is not None:
-            left = deadline - time.monotonic()
+        wakes = threading.current_thread() is threading.main_thread()
+        if deadline is not None or wakes:
+            left = WAKE_EVERY if deadline is None else deadline - time.monotonic()
             if left <= 0:
                 raise DeadlinePassed
+            if wakes:
+                left = min(left, WAKE_EVERY)
             slack = min(_SLACK, left / 8)
             if self._limit is not None and left <= self._limit <= left + slack:
                 return
             # a little longer, so that it also fits the next call with the same time
             limit = left + slack / 2
         elif self._limit is None:
+            return
+        if self._ahead is not None:
+            # Never without a limit: that would make both blocking.
+            self._socket.settimeout(_LONG if limit is None else limit)
+            self._limit = limit
             return
         microseconds = 0 if limit is None else math.ceil(limit * 1e6)
         packed = struct.pack("@ll", *divmod(microseconds, 1_000_000))

@@ -34,7 +34,8 @@ class _ForkHooks:
         """Have `one.forked` called in every child that is forked from now on."""
         if not self._listens:
             self._listens = True
-            os.register_at_fork(after_in_child=self._forked)
+            if hasattr(os, "register_at_fork"):  # where there are forks
+                os.register_at_fork(after_in_child=self._forked)
         self._all.add(one)
 
     def _forked(self) -> None:

@@ -19,7 +19,8 @@ MAX_REPLY: Final = 4 * 1024 * 1024
 
 _I32 = struct.Struct("!i").unpack_from
 
-_FIXED: Final = {
+#: bytes of a value of each type that has always as many
+FIXED_WIDTHS: Final = {
     TType.BOOL: 1,
     TType.BYTE: 1,
     TType.I16: 2,
@@ -139,7 +140,7 @@ class StructScanner:
     def _fields(self, inner: _Struct, data: bytes | bytearray, size: int) -> bool:
         """Go past fields until one opens, the struct ends, or the bytes do."""
         fields = inner.fields
-        fixed = _FIXED
+        fixed = FIXED_WIDTHS
         at = self.position
         while at < size:
             kind = data[at]
@@ -180,7 +181,7 @@ class StructScanner:
             if at >= size:
                 break
             turn = -inner.left % len(types)
-            width = _FIXED.get(types[turn])
+            width = FIXED_WIDTHS.get(types[turn])
             if width is not None:
                 inner.left -= 1
                 at += width
@@ -227,7 +228,7 @@ class StructScanner:
         # the type that an empty list announces says nothing
         if count and inner is not None and inner != element:
             raise Malformed(f"a list has elements of the type {element}, not {inner}")
-        width = _FIXED.get(element)
+        width = FIXED_WIDTHS.get(element)
         if width is not None:
             return at + 5 + count * width
         _check_types((element,), count)
@@ -267,7 +268,7 @@ class StructScanner:
 def _check_types(types: tuple[int, ...], count: int) -> None:
     """See that there are such types; an empty container may name any."""
     for kind in types:
-        if count and kind not in _FIXED and kind not in _HEAD and kind != _STRUCT:
+        if count and kind not in FIXED_WIDTHS and kind not in _HEAD and kind != _STRUCT:
             raise Malformed(f"there is no type {kind}")
 
 

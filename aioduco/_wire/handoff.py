@@ -1,8 +1,8 @@
 """How a call gets from a task to a thread and back. Of `_wire`, only this module imports asyncio.
 
-A call is handed over by a `SimpleQueue` and comes back by `call_soon_threadsafe`: measured, a
-third cheaper than `anyio.to_thread`, and the thread can own its connection, as the manual asks
-(1.5.1).
+A call is sent by its task, and handed by a `SimpleQueue` to the thread that owns the connection, as
+the manual asks (1.5.1). That thread is woken while the controller works, reads the answer, and
+brings it back by `call_soon_threadsafe`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._wire.forks import fork_hooks
-from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco.errors import WrongLoop, WrongProcess
 
 if TYPE_CHECKING:
@@ -36,8 +35,8 @@ class Call(ABC):
     """One call on its way: what is sent, by when, and what came of it.
 
     Each attribute has one writer: the thread writes `value`, `error` and `handed_over`, then calls
-    `notify`; the waiting side writes `abandoned`. For an urgent call, the side that hands it over
-    writes `handed_over` before the thread has it.
+    `notify`; the waiting side writes `abandoned`. The side that hands it over writes `handed_over`
+    before the thread has it.
 
     Args:
         function: the function of the wire; None only opens the connection.
@@ -66,11 +65,6 @@ class Call(ABC):
         #: whether a connection was asked to send it
         self.handed_over = False
         self.worker: Worker | None = None
-
-    @property
-    def urgent(self) -> bool:
-        """Whether it is to be on its way before its thread gets to run."""
-        return self.function is not None and call_kind(self.function.name) is CallKind.STOP
 
     @property
     def name(self) -> str:
@@ -215,9 +209,11 @@ def _detach_copy(loop: asyncio.AbstractEventLoop) -> None:
         number = selector.fileno()
     else:
         return  # nothing of it is in the system
-    with select.epoll() as own:
-        os.dup2(own.fileno(), number, inheritable=False)
-    if hasattr(ours, "_make_self_pipe"):
+    if hasattr(select, "epoll"):
+        with select.epoll() as own:
+            os.dup2(own.fileno(), number, inheritable=False)
+    # A kqueue is not inherited: there only the copy must not touch its number again.
+    if hasattr(select, "epoll") and hasattr(ours, "_make_self_pipe"):
         ours._close_self_pipe()
         ours._make_self_pipe()
         return

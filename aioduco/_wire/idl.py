@@ -16,6 +16,7 @@ from typing import Any
 from thriftpy2.thrift import TPayload, TType, gen_init
 
 from aioduco._wire import rpc
+from aioduco._wire.layout import Layouts
 from aioduco._wire.type_checks import Check, check_of, type_of
 
 SERVICE = "RPCRobot"
@@ -79,12 +80,14 @@ class Function:
         number: whether the function returns a whole number.
         head: the name as it stands in a message: its length and its text.
         texts: whether the result has strings in it, at any depth.
+        layouts: those of the replies that came.
     """
 
     __slots__ = (
         "args",
         "checks",
         "head",
+        "layouts",
         "name",
         "number",
         "older",
@@ -111,6 +114,7 @@ class Function:
         self.number: bool = not self.void and self.result.thrift_spec[0][0] in _WHOLE
         self.head: bytes = struct.pack("!i", len(name)) + name.encode()
         self.texts: bool = _has_text(self.result.thrift_spec)
+        self.layouts: Layouts = Layouts()
         #: one factory per parameter for the value that a field left out stands for
         self.zeros: tuple[Any, ...] = tuple(
             entry[2] if entry[0] == TType.STRUCT else _ZERO[entry[0]] for entry in entries

@@ -18,7 +18,7 @@ from aioduco._wire.rpc import AsyncRpc
 from aioduco._wire.worker import AbandonOutcome, Worker, hung
 from aioduco._wire.worker_pool import WorkerPool
 from aioduco.errors import ConnectError, ConnectionLost, NotSent, UnknownFunction
-from aioduco.trace import CallFinished, emit
+from aioduco.trace import CallFinished, emit, tell
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -288,8 +288,7 @@ class WireLane:
         event = CallFinished(end, self.name, name, args, value, error, end - begin)
         if self._trace is not None:
             emit(self._trace, event)
-        for observer in self.observers:
-            observer(event)
+        tell(self.observers, event)
 
     async def _carry_out(self, call: AwaitedCall) -> Any:
         try:

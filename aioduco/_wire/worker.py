@@ -119,9 +119,9 @@ class Worker:
         self.start()
         call.worker = self
         self._current = call
-        if call.urgent and (connection := self._connection) is not None:
+        connection = self._connection
+        if connection is not None and call.function is not None:
             # The thread may have to wait for the interpreter's lock; the bytes need not.
-            assert call.function is not None
             call.handed_over = True  # before: an abandon in the middle of it must see it
             call.handed_over = connection.send_ahead(call.function, call.arguments, call.deadline)
         self._inbox.put(call)
@@ -236,7 +236,8 @@ class Worker:
 
     def _carry_out(self, call: Call) -> Any:
         connection = self._connection
-        used = connection is not None and connection.usable
+        # one that was given up after the call had been sent on it knows what is to be told
+        used = connection is not None and (connection.usable or call.handed_over)
         if not used:
             connection = self._open(call)
         assert connection is not None

@@ -2,32 +2,48 @@
 
 from __future__ import annotations
 
-import dataclasses
-import enum
 import inspect
 import json as json_module
 import re
 from typing import Annotated, Any
 
-import numpy as np
 import typer
+
+from aioduco.cli.addresses import HostOption, Port, robot_at
+from aioduco.cli.exit_codes import FAILED, ended_by_errors
+from aioduco.cli.plain_values import print_json
+from aioduco.cli.questions import ask
 
 __all__ = ["call", "function_of"]
 
 
+def _functions(incomplete: str) -> list[str]:
+    """Names of functions, for the shell's completion."""
+    from aioduco._wire import idl  # noqa: PLC0415
+    from aioduco.models.names import SPELLINGS, place  # noqa: PLC0415
+
+    names = {*SPELLINGS, *idl.functions()}
+    return sorted(name for name in names if name.startswith(incomplete) and place(name))
+
+
 def call(
-    name: Annotated[str, typer.Argument(help="The function, as the manual or the wire names it.")],
+    name: Annotated[
+        str,
+        typer.Argument(
+            help="The function, as the manual or the wire names it.", autocompletion=_functions
+        ),
+    ],
     words: Annotated[
         list[str] | None,
         typer.Argument(help="Its arguments as JSON or words, in order or as name=value."),
     ] = None,
-    host: Annotated[str, typer.Option(help="Address of the controller.")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the controller.")] = 7003,
+    host: HostOption = None,
+    port: Port = None,
     describe: Annotated[
         bool, typer.Option("--describe", help="Say what it takes and does, and call nothing.")
     ] = False,
     yes: Annotated[
-        bool, typer.Option("--yes", help="Do not ask before a call that changes something.")
+        bool, typer.Option("--yes", "-y", help="Do not ask before a call that changes something.")
     ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
@@ -38,6 +54,11 @@ def call(
     aioduco call get_tcp_pose
 
     aioduco call movej2 "[0, -0.2, 1.8, 0, -1.57, 0]" v=0.5 a=1
+
+    aioduco call movel --describe
+
+    Exit codes: 0 called; 1 it failed, or no controller; 2 wrong options; 3 not confirmed; 4 it is
+    not known that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
     """
     import aioduco.sync  # noqa: PLC0415 - for this command alone
     from aioduco._wire.idempotence import call_kind  # noqa: PLC0415
@@ -48,7 +69,8 @@ def call(
         raise typer.BadParameter(
             f"no function of the robot is called {name}; docs/functions.md lists all of them"
         )
-    robot = aioduco.sync.connect(host, port)
+    address = robot_at(host, port)
+    robot = aioduco.sync.connect(address.host, address.port, lag_limit=None)
     if describe:
         function = function_of(robot, where)
         # annotations are texts, which a signature shows in quotes
@@ -57,16 +79,16 @@ def call(
         return
     positional, named = _arguments(words or [])
     shown = [*map(repr, positional), *(f"{key}={value!r}" for key, value in named.items())]
-    if not call_kind(SPELLINGS.get(name, name)).repeatable and not yes:
-        typer.confirm(f"{where}({', '.join(shown)}) on {host}:{port}. Go on?", abort=True)
+    if not call_kind(SPELLINGS.get(name, name)).repeatable:
+        ask(f"{where}({', '.join(shown)}) on {address}", "Go on?", yes=yes)
     try:
-        with robot:
+        with ended_by_errors("interrupted: what moved was stopped"), robot:
             result = function_of(robot, where)(*positional, **named)
-    except (aioduco.DucoError, TypeError) as error:
+    except TypeError as error:
         typer.echo(f"{name}: {error}", err=True)
-        raise typer.Exit(1) from None
+        raise typer.Exit(FAILED) from None
     if json:
-        typer.echo(json_module.dumps(_plain(result)))
+        print_json(result)
     elif result is not None:
         typer.echo(result)
 
@@ -97,20 +119,3 @@ def _value(word: str) -> Any:
         return json_module.loads(word)
     except ValueError:
         return word
-
-
-def _plain(value: Any) -> Any:
-    """A result in the types that JSON knows."""
-    if isinstance(value, enum.Enum):
-        return value.name
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {
-            field.name: _plain(getattr(value, field.name)) for field in dataclasses.fields(value)
-        }
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, dict):
-        return {str(key): _plain(each) for key, each in value.items()}
-    if isinstance(value, list | tuple | set | frozenset):
-        return [_plain(each) for each in value]
-    return value if isinstance(value, str | int | float | bool | None) else str(value)

@@ -1,30 +1,97 @@
-"""`aioduco check`: taught points looked at before an arm goes there."""
+"""`aioduco check`: a controller compared with the simulated one, or taught points looked at."""
 
 from __future__ import annotations
 
-from pathlib import Path  # noqa: TC003 - typer evaluates the annotations
+from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from aioduco.cli.addresses import Port, RobotAddress, robot_at
+from aioduco.cli.exit_codes import ended_by_errors
+from aioduco.cli.questions import SAFE, ask
 
 __all__ = ["check"]
 
 
 def check(
-    file: Annotated[Path, typer.Argument(help="File of points, as `TaughtPoints.save` writes it.")],
-    model: Annotated[str, typer.Option(help="The arm.")] = "gcr5_910",
+    target: Annotated[
+        str,
+        typer.Argument(
+            help="Address of a controller or a name of your robots.toml; or a file of points, as "
+            "`TaughtPoints.save` writes it."
+        ),
+    ],
+    port: Port = None,
+    move: Annotated[
+        bool, typer.Option("--move", help="Also what moves the arm, after a question.")
+    ] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before it moves.")] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="The report also as a file: .md or .json."),
+    ] = None,
+    model: Annotated[str, typer.Option(help="Of points: the arm.")] = "gcr5_910",
     start: Annotated[
         str | None,
-        typer.Option(help="Point of the file where it begins; the first joints, if left out."),
+        typer.Option(help="Of points: where it begins; the first joints, if left out."),
     ] = None,
     tool: Annotated[
-        str | None, typer.Option(help="Tip of the tool from the flange: x,y,z,rx,ry,rz [m, rad].")
+        str | None,
+        typer.Option(help="Of points: tip of the tool from the flange: x,y,z,rx,ry,rz [m, rad]."),
     ] = None,
     wobj: Annotated[
-        str | None, typer.Option(help="Work object in the base: x,y,z,rx,ry,rz [m, rad].")
+        str | None,
+        typer.Option(help="Of points: work object in the base: x,y,z,rx,ry,rz [m, rad]."),
     ] = None,
 ) -> None:
-    """Check taught points: reach, joint limits, singularities, branches. Nothing moves."""
+    """Check a controller against the simulated one; or taught points, without a controller.
+
+    Of a controller: a list of what it does otherwise than `aioduco sim`. It only reads unless
+    --move is given. Exit codes: 0 nothing differs; 1 something does, or it was not reached; 2 wrong
+    options; 3 not confirmed; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
+
+    Of a file: reach, joint limits, singularities, branches of its points. Nothing moves.
+
+    aioduco check 192.168.1.10 --move -o report.md
+
+    aioduco check points.toml --model gcr10_1300
+    """
+    if target.endswith(".toml") or Path(target).is_file():
+        _points(Path(target), model, start, tool, wobj)
+    else:
+        _controller(robot_at(target, port), move=move, yes=yes, output=output)
+
+
+def _controller(address: RobotAddress, *, move: bool, yes: bool, output: Path | None) -> None:
+    from aioduco.testing.conformance import check_controller  # noqa: PLC0415 - for this command alone
+
+    if output is not None and output.suffix not in (".md", ".json"):
+        raise typer.BadParameter("a name that ends in .md or .json", param_hint="--output")
+    if move:
+        what = (
+            f"The last joint of the arm at {address} will turn by up to 17 degrees and the first "
+            f"one by 6, slowly, several times. It must be enabled.\n{SAFE}"
+        )
+        ask(what, "Move it?", yes=yes)
+    # An interrupted check stops the arm before it ends, as each one does.
+    with ended_by_errors():
+        report = check_controller(
+            address.host,
+            address.port,
+            move=move,
+            progress=lambda each: typer.echo(f"... {each.name}", err=True),
+        )
+    typer.echo(str(report))
+    if output is not None:
+        text = report.json() if output.suffix == ".json" else report.markdown()
+        output.write_text(text, encoding="utf-8")
+        typer.echo(f"written to {output}")
+    if not report.ok:
+        raise typer.Exit(1)
+
+
+def _points(file: Path, model: str, start: str | None, tool: str | None, wobj: str | None) -> None:
     from aioduco.errors import ParameterError  # noqa: PLC0415 - for this command alone
     from aioduco.kinematics import check as look  # noqa: PLC0415
     from aioduco.models.points import TaughtPoints  # noqa: PLC0415

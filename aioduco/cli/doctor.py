@@ -8,12 +8,15 @@ from typing import Annotated
 import anyio
 import typer
 
+from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.exit_codes import ended_by_errors
+
 __all__ = ["doctor"]
 
 
 def doctor(
-    host: Annotated[str, typer.Argument(help="Address of the controller.")],
-    port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the controller.")] = 7003,
+    host: Host = None,
+    port: Port = None,
     seconds: Annotated[
         float, typer.Option(min=0.1, max=600.0, help="How long to measure, each way [s].")
     ] = 3.0,
@@ -21,20 +24,23 @@ def doctor(
         Path | None, typer.Option(help="Where to write the figures, for `aioduco plot`.")
     ] = None,
 ) -> None:
-    """Measure what rate this machine and the network to an arm can hold. Nothing moves."""
+    """Measure what rate this machine and the network to an arm can hold. Nothing moves.
+
+    aioduco doctor left --seconds 10
+
+    Exit codes: 0 measured; 1 it could not be, such as without a controller; 2 wrong options.
+    """
     from rich.console import Console  # noqa: PLC0415 - for this command alone
 
-    from aioduco.errors import StreamError  # noqa: PLC0415
     from aioduco.streaming.doctor import examine  # noqa: PLC0415
 
+    address = robot_at(host, port)
+
     async def run() -> None:
-        found = await examine(host, port, seconds=seconds)
+        found = await examine(address.host, address.port, seconds=seconds)
         Console().print(found)
         if json is not None:
             found.plain.save(json)
 
-    try:
+    with ended_by_errors():
         anyio.run(run)
-    except StreamError as error:
-        typer.echo(str(error), err=True)
-        raise typer.Exit(1) from None

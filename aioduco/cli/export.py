@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import enum
+import shutil
+import sysconfig
 from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
@@ -26,6 +28,7 @@ class Format(enum.StrEnum):
     SRDF = "srdf"
     MJCF = "mjcf"
     MOVEIT = "moveit"
+    ROS1 = "ros1"
 
 
 def export(
@@ -74,7 +77,10 @@ def export(
     ] = None,
     distro: Annotated[str, typer.Option(help="Release of ROS 2: jazzy or humble.")] = "jazzy",
 ) -> None:
-    """Write an arm as URDF, SRDF, MJCF or MoveIt's configuration, over files of the same names."""
+    """Write an arm as URDF, SRDF, MJCF, MoveIt's configuration or a package of ROS 1.
+
+    Files of the same names are overwritten.
+    """
     from aioduco import descriptions  # noqa: PLC0415 - for this command alone
     from aioduco.errors import ParameterError  # noqa: PLC0415
 
@@ -92,15 +98,26 @@ def export(
                 f"{called}.xml": descriptions.mjcf(*arms, name=name, meshes=meshes),
                 "scene.xml": descriptions.mjcf_scene(called, f"{called}.xml"),
             }
+        elif kind is Format.ROS1:
+            from aioduco.integrations.ros.ros1.launch_package import (  # noqa: PLC0415 - as above
+                launch_package,
+            )
+
+            own = shutil.which("aioduco", path=sysconfig.get_path("scripts")) or "aioduco"
+            files = launch_package(
+                *arms, name=called, command=own, meshes=meshes, mesh_uri=mesh_uri
+            )
         else:
             release = cast("RosDistro", distro)
             files = descriptions.moveit(
                 *arms, name=name, meshes=meshes, mesh_uri=mesh_uri, distro=release
             )
-        output.mkdir(parents=True, exist_ok=True)
         for path, text in files.items():
             target = output / path
+            target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(text, encoding="utf-8")
+            if text.startswith("#!"):
+                target.chmod(0o755)
             typer.echo(target)
     except (OSError, ParameterError) as error:
         typer.echo(str(error), err=True)

@@ -22,6 +22,8 @@ _BRINGS = {
     "sweep": ("distributed",),
     "record": ("foxglove", "zstandard"),
     "parquet": ("pyarrow",),
+    "fleet": ("zenoh",),
+    "panel": ("viser",),
 }
 
 
@@ -29,7 +31,8 @@ def need(*extras: str) -> None:
     """End with a message that says what to install, if something of the extras is missing.
 
     Args:
-        extras: names of extras: "sim", "plot", "plan", "sweep", "record", "parquet".
+        extras: names of extras: "sim", "plot", "plan", "sweep", "record", "parquet", "fleet",
+            "panel".
     """
     missing = {
         extra: [name for name in _BRINGS[extra] if importlib.util.find_spec(name) is None]

@@ -59,6 +59,10 @@ def sim(
         Path | None,
         typer.Option(exists=True, dir_okay=False, help="What the flange carries: MJCF."),
     ] = None,
+    gripper: Annotated[
+        str | None,
+        typer.Option(help="A gripper at the flange, such as robotiq_2f85, dh_ag95, parallel."),
+    ] = None,
     mounting: Annotated[
         str, typer.Option(help="floor, wall, ceiling, or x,y,z,rx,ry,rz of the base [m, rad].")
     ] = "floor",
@@ -98,6 +102,7 @@ def sim(
                 programs=programs,
                 scene=scene,
                 tool=tool,
+                gripper=gripper,
                 mounting=_mounting(mounting),
                 strict=strict,
                 real_readings=real_readings,

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any
 
 from aioduco._version import __version__
 from aioduco._wire.connection import Connection
+from aioduco._wire.deadline_socket import WAKE_EVERY
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState
@@ -243,7 +244,7 @@ class DucoCobot(ManualFunctions):
             return 0
         if not self._turn.acquire(blocking=False):
             connection.abandon("close() was called")
-            self._turn.acquire()
+            self._take_turn()
         try:
             if connection.state is ConnectionState.ACTIVE:
                 # a signal handler in the middle of a call, which closes it when it goes on
@@ -279,7 +280,9 @@ class DucoCobot(ManualFunctions):
     def _send(self, name: str, args: tuple[Any, ...]) -> Any:
         if self._connection is None:
             raise ConnectionLost(f"{name} was not sent: call open() first")
-        if not self._turn.acquire(blocking=call_kind(name) is not CallKind.STOP):
+        if call_kind(name) is not CallKind.STOP:
+            self._take_turn()
+        elif not self._turn.acquire(blocking=False):
             return self._send_aside(name, args)
         try:
             connection = self._connection
@@ -292,6 +295,11 @@ class DucoCobot(ManualFunctions):
             return connection.call(name, args, self.timeout)
         finally:
             self._turn.release()
+
+    def _take_turn(self) -> None:
+        """Wait for the call of another thread, and for signals meanwhile."""
+        while not self._turn.acquire(timeout=WAKE_EVERY):
+            pass
 
     def _send_aside(self, name: str, args: tuple[Any, ...]) -> Any:
         """Call on a connection of its own, while another call is under way on the object's."""

@@ -308,6 +308,8 @@ class Planner:
         overdue = threading.Timer(problem.timeout + _GRACE, end)
         try:
             if self._sent is None:
+                # It has loaded what it needs, which is no part of a problem's time.
+                process.channel.receive()
                 process.channel.send(self._seed)
             if self._sent != self.scene.revision:
                 process.channel.send(WorkerScene(self.scene.compiled(), self.scene.loose))

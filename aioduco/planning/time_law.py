@@ -8,7 +8,8 @@ the pace over that time, speed, acceleration and jerk of each joint are
 where q', q'', q''' are those of the law itself. The ends are at rest for any pace, as the law is.
 `b` is a cubic spline; its coefficients are moved by Newton's method on the duration with barriers
 at the limits, which are made steeper from step to step. Each step costs what grows with the
-number of nodes, not more.
+number of nodes, not more. Within, arrays have the nodes last: numpy sums over six joints of a
+thousand nodes several times as fast that way.
 """
 
 from __future__ import annotations
@@ -72,7 +73,7 @@ class PaceSpline:
         )
 
     def __call__(self, times: Points) -> Points:
-        """The square and its first two derivatives. Shape (n, 3)."""
+        """The square and its first two derivatives. Shape (3, n)."""
         first, bases = self.bases(times)
         return _weighed(bases, self.coefficients[_rows(first)])
 
@@ -80,7 +81,7 @@ class PaceSpline:
         """The first coefficient that counts at each time, and what it and the next count.
 
         Returns:
-            Shapes (n,) and (n, 4, 3): value and two derivatives.
+            Shapes (n,) and (4, 3, n): value and two derivatives.
         """
         width = self.end / self.spans
         at = np.clip(times / width, 0.0, self.spans)
@@ -90,10 +91,11 @@ class PaceSpline:
         value = [w**3, 3 * u**3 - 6 * u**2 + 4, 3 * w**3 - 6 * w**2 + 4, u**3]
         slope = [-(w**2), 3 * u**2 - 4 * u, -3 * w**2 + 4 * w, u**2]
         bend = [w, 3 * u - 2, 3 * w - 2, u]
-        found = np.empty((len(times), _BASES, 3))
-        found[:, :, 0] = np.transpose(value) / 6.0
-        found[:, :, 1] = np.transpose(slope) / (2.0 * width)
-        found[:, :, 2] = np.transpose(bend) / width**2
+        found = np.empty((_BASES, 3, len(times)))
+        found[:, 0] = value
+        found[:, 1] = slope
+        found[:, 2] = bend
+        found *= np.array([1.0 / 6.0, 0.5 / width, 1.0 / width**2])[:, None]
         return first, found
 
     def passed(self, times: Points) -> Points:
@@ -102,7 +104,7 @@ class PaceSpline:
         off, weights = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)]), np.array([5.0, 8.0, 5.0]) / 18
         widths = np.diff(times)
         inner = times[:-1, None] + widths[:, None] * (0.5 + 0.5 * off)
-        slowness = 1.0 / np.sqrt(self(inner.ravel())[:, 0])
+        slowness = 1.0 / np.sqrt(self(inner.ravel())[0])
         took = slowness.reshape(inner.shape) @ weights * widths
         return np.concatenate([[0.0], np.cumsum(took)])
 
@@ -120,8 +122,11 @@ class _Barriers:
     def __init__(
         self, nodes: PathNodes, pace: PaceSpline, limits: MotionLimits, rate: float
     ) -> None:
-        speed, acceleration, jerk = limits.arrays
-        times, one, two, three, rates, tighter = nodes
+        speed, acceleration, jerk = (limit[:, None] for limit in limits.arrays)
+        times, rates, tighter = nodes.times, nodes.rates, nodes.tighter.T
+        one, two, three = (
+            np.ascontiguousarray(part.T) for part in (nodes.first, nodes.second, nodes.third)
+        )
         first, self._bases = pace.bases(times)
         self._rows = _rows(first)
         self._count = len(pace.coefficients)
@@ -129,51 +134,51 @@ class _Barriers:
         shares[:-1] += np.diff(times)
         shares[1:] += np.diff(times)
         self._shares = 0.5 * shares / times[-1]
-        hard = tighter[:, None, 1] / acceleration
-        sharp = tighter[:, None, 2] / jerk
+        hard = tighter[1] / acceleration
+        sharp = tighter[2] / jerk
         # What value and derivatives of b count in acceleration and jerk, as shares of the limits.
-        self._hard = np.stack([two * hard, 0.5 * one * hard], axis=2)
-        self._sharp = np.stack([three * sharp, 1.5 * two * sharp, 0.5 * one * sharp], axis=2)
+        self._hard = two * hard, 0.5 * one * hard
+        self._sharp = three * sharp, 1.5 * two * sharp, 0.5 * one * sharp
         self._fast = np.maximum(
-            (np.abs(one) * tighter[:, :1] / speed).max(axis=1) ** 2, (rates / rate) ** 2
+            (np.abs(one) * tighter[0] / speed).max(axis=0) ** 2, (rates / rate) ** 2
         )
         first_of, other = np.triu_indices(_BASES)
-        self._places = (
-            (_BASES - 1 - other + first_of) * self._count + first[:, None] + other
-        ).ravel()
-        self._slopes = self._bases.transpose(0, 2, 1)
+        rows = (_BASES - 1 - other + first_of) * self._count + other
+        self._places = (rows[:, None] + first).ravel()
         # What each second derivative by value and derivatives of b counts for two coefficients.
-        twice = self._bases[:, first_of, :, None] * self._bases[:, other, None, :]
-        twice = (twice + twice.transpose(0, 1, 3, 2)).transpose(0, 2, 3, 1)
-        twice[:, range(3), range(3)] *= 0.5
-        self._curves = twice[:, *np.triu_indices(3)]
+        left, right = self._bases[first_of], self._bases[other]
+        self._curves = np.empty((len(first_of), len(_PAIRS), len(times)))
+        for column, (i, j) in enumerate(_PAIRS):
+            np.multiply(left[:, i], right[:, j], out=self._curves[:, column])
+            if i != j:
+                self._curves[:, column] += left[:, j] * right[:, i]
 
     def at(self, coefficients: Points) -> Points:
-        """The square of the pace and its derivatives at the nodes. Shape (n, 3)."""
+        """The square of the pace and its derivatives at the nodes. Shape (3, n)."""
         return _weighed(self._bases, coefficients[self._rows])
 
     def worst(self, b: Points) -> float:
         """How many times the square of the pace is too large."""
         hard, unscaled = self.shares(b)
-        sharpest = float((np.abs(unscaled).max(axis=1) * np.sqrt(b[:, 0])).max())
-        fastest = float((self._fast * b[:, 0]).max())
+        sharpest = float((np.abs(unscaled).max(axis=0) * np.sqrt(b[0])).max())
+        fastest = float((self._fast * b[0]).max())
         return max(float(np.abs(hard).max()), float(np.cbrt(sharpest**2)), fastest)
 
     def shares(self, b: Points) -> tuple[Points, Points]:
         """Shares of the limits of acceleration, and of jerk at a pace of one; linear in b."""
-        hard = np.matmul(self._hard, b[:, :2, None])[:, :, 0]
-        return hard, np.matmul(self._sharp, b[:, :, None])[:, :, 0]
+        hard = self._hard[0] * b[0] + self._hard[1] * b[1]
+        return hard, self._sharp[0] * b[0] + self._sharp[1] * b[1] + self._sharp[2] * b[2]
 
     def value(self, square: Points, hard: Points, unscaled: Points, weight: float) -> float:
         """What is made least; infinite outside of the limits."""
         if square.min() <= 0.0:
             return float("inf")
-        room = (1.0 - hard * hard).prod(axis=1) * (1.0 - self._fast * square)
-        sharp = 1.0 - unscaled * unscaled * square[:, None]
-        inside = min(sharp.min(), (1.0 - np.abs(hard)).min(), (1.0 - self._fast * square).min())
-        if inside <= 0.0:
+        room = 1.0 - hard * hard
+        sharp = 1.0 - unscaled * unscaled * square
+        left = 1.0 - self._fast * square
+        if min(sharp.min(), room.min(), left.min()) <= 0.0:
             return float("inf")
-        barriers = np.log(room * sharp.prod(axis=1)).sum()
+        barriers = np.log(room.prod(axis=0) * left * sharp.prod(axis=0)).sum()
         return float((self._shares / np.sqrt(square)).sum() - weight * barriers)
 
     def furthest(self, square: Points, hard: Points, change: Points, of_hard: Points) -> float:
@@ -195,34 +200,34 @@ class _Barriers:
             LinAlgError: there is none.
         """
         root = np.sqrt(value)
-        sharp = unscaled * root[:, None]
+        sharp = unscaled * root
         hard_room, sharp_room, left = 1.0 - hard**2, 1.0 - sharp**2, 1.0 - self._fast * value
         # Derivatives of the shares of acceleration and jerk by b, b' and b''.
-        ones = [self._hard[:, :, 0], self._hard[:, :, 1]]
-        twos = [self._sharp[:, :, i] * root[:, None] for i in range(3)]
-        twos[0] = twos[0] + 0.5 * unscaled / root[:, None]
+        ones = self._hard
+        twos = [share * root for share in self._sharp]
+        twos[0] += 0.5 * unscaled / root
         push, pull = hard / hard_room, sharp / sharp_room
-        slope = np.zeros((len(value), 3))
+        slope = np.empty((3, len(value)))
         for i, share in enumerate(twos):
-            slope[:, i] = (pull * share).sum(axis=1)
+            slope[i] = (pull * share).sum(axis=0)
         for i, share in enumerate(ones):
-            slope[:, i] += (push * share).sum(axis=1)
+            slope[i] += (push * share).sum(axis=0)
         slope *= 2.0 * weight
-        slope[:, 0] += weight * self._fast / left - 0.5 * self._shares * value**-1.5
+        slope[0] += weight * self._fast / left - 0.5 * self._shares * value**-1.5
         # Of the second derivatives the part that is never negative (Gauss and Newton's).
         stiff, stiffer = (1.0 + hard**2) / hard_room**2, (1.0 + sharp**2) / sharp_room**2
-        curves = np.empty((len(value), 6))
+        curves = np.empty((len(_PAIRS), len(value)))
         for column, (i, j) in enumerate(_PAIRS):
-            curves[:, column] = (stiffer * twos[i] * twos[j]).sum(axis=1)
+            curves[column] = (stiffer * twos[i] * twos[j]).sum(axis=0)
             if j < 2:
-                curves[:, column] += (stiff * ones[i] * ones[j]).sum(axis=1)
+                curves[column] += (stiff * ones[i] * ones[j]).sum(axis=0)
         curves *= 2.0 * weight
-        curves[:, 0] += 0.75 * self._shares * value**-2.5 + weight * (self._fast / left) ** 2
-        local = np.matmul(curves[:, None, :], self._curves)
+        curves[0] += 0.75 * self._shares * value**-2.5 + weight * (self._fast / left) ** 2
+        local = np.einsum("kn,pkn->pn", curves, self._curves)
         count = self._count
         banded = np.bincount(self._places, local.ravel(), _BASES * count).reshape(_BASES, count)
         banded[-1] += 1e-12 * banded[-1].max()
-        slopes = np.matmul(slope[:, None, :], self._slopes)
+        slopes = np.einsum("kn,pkn->pn", slope, self._bases)
         gradient = np.bincount(self._rows.ravel(), slopes.ravel(), count)
         found: Points = -solveh_banded(banded, gradient, check_finite=False)
         return found, float(-(gradient @ found))
@@ -249,14 +254,14 @@ def faster(
     weight, last = soft / len(nodes.times), _HARD / len(nodes.times)
     coefficients = coefficients * (_INSIDE / barriers.worst(barriers.at(coefficients)))
     b = barriers.at(coefficients)
-    square, hard, sharp = b[:, 0], *barriers.shares(b)
+    square, hard, sharp = b[0], *barriers.shares(b)
     for _ in range(_STEPS):
         try:
             step, gain = barriers.step(square, hard, sharp, weight)
         except LinAlgError:
             break
         b = barriers.at(step)
-        change, of_hard, of_sharp = b[:, 0], *barriers.shares(b)
+        change, of_hard, of_sharp = b[0], *barriers.shares(b)
         before = barriers.value(square, hard, sharp, weight)
         part = barriers.furthest(square, hard, change, of_hard)
         while True:
@@ -276,9 +281,9 @@ def faster(
 
 
 def _rows(first: Any) -> Any:
-    return first[:, None] + np.arange(_BASES)
+    return first + np.arange(_BASES)[:, None]
 
 
 def _weighed(bases: Points, coefficients: Points) -> Points:
-    found: Points = np.matmul(coefficients[:, None, :], bases)[:, 0]
+    found: Points = np.einsum("pn,pkn->kn", coefficients, bases)
     return found

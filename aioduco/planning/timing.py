@@ -204,7 +204,7 @@ def _along(curve: Curve, law: BSpline[Any], times: Points, pace: PaceSpline) -> 
     place = np.clip(law(times), curve.t[0], curve.t[-1])
     place[[0, -1]] = curve.t[0], curve.t[-1]
     one, two = law(times, 1), law(times, 2)
-    square, slope, _ = pace(times).T
+    square, slope, _ = pace(times)
     rate = one * np.sqrt(square)
     change = two * square + 0.5 * one * slope
     first, second = curve(place, 1), curve(place, 2)

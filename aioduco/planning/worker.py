@@ -1,9 +1,9 @@
 """The process that plans, started by a `Planner`.
 
-It gets values over its channel: the seed of the search first, then MuJoCo's model of a scene with
-the positions in it, or a problem. The answer to a problem is a solution, or the error that says why
-there is none. It ends when its channel does; OMPL's bindings then have no chance to complain of
-what they leave behind.
+It says that it has begun. Then it gets values over its channel: the seed of the search first, then
+MuJoCo's model of a scene with the positions in it, or a problem. The answer to a problem is a
+solution, or the error that says why there is none. It ends when its channel does; OMPL's bindings
+then have no chance to complain of what they leave behind.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ __all__ = ["main", "serve"]
 
 def serve(channel: ValueChannel) -> None:
     """Answer until the channel ends."""
+    channel.send(None)
     seed(channel.receive())
     checker: CollisionChecker | None = None
     while True:

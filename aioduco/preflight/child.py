@@ -251,5 +251,6 @@ def main(arguments: list[str]) -> NoReturn:
     end = threading.Thread(target=_end_with, args=(channel,), name="preflight-end", daemon=True)
     end.start()
     with (Path(options["folder"]) / "stacks").open("w") as stacks:
-        faulthandler.register(signal.SIGUSR1, stacks)  # asked for when the time is over
+        if hasattr(signal, "SIGUSR1"):  # asked for when the time is over
+            faulthandler.register(signal.SIGUSR1, stacks)
         _Child(options).run()

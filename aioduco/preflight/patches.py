@@ -195,7 +195,7 @@ def _clocks(clock: ProgramClock, recorder: RunRecorder) -> None:
     module.sleep = slept
 
 
-class _Selector(selectors.EpollSelector):
+class _Selector(selectors.DefaultSelector):
     """Tells the clock when its loop waits."""
 
     clock: ProgramClock

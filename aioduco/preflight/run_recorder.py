@@ -252,8 +252,8 @@ class RunRecorder:
         for pair in self._touching.keys() - pairs:
             self._touching.pop(pair)["end"] = now
         for pair in pairs - self._touching.keys():
-            one, _, other = pair.partition(" touches ")
-            if not _of_arm(one):
+            one, touches, other = pair.partition(" touches ")
+            if not touches or not _of_arm(one):  # what is gripped is touched as it is meant to be
                 continue
             contact = {
                 "pair": [one, other], "time": now, "end": now, "sample": sample,

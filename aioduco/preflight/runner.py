@@ -247,9 +247,10 @@ def _run(
             linked.channel.send(options)
         process.wait(timeout)
     except subprocess.TimeoutExpired:
-        process.send_signal(signal.SIGUSR1)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(_STACKS)
+        if hasattr(signal, "SIGUSR1"):
+            process.send_signal(signal.SIGUSR1)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(_STACKS)
         stacks = folder / "stacks"
         told = (stacks.is_file() and stacks.read_text(encoding="utf-8")) or "not known"
         raise PreflightError(

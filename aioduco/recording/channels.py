@@ -1,9 +1,10 @@
-"""As what messages a robot is recorded: the channels of a file, their schemas and units.
+"""As what messages a robot is recorded and published: the channels, their schemas and units.
 
 Foxglove's schemas are used where there is one; the other channels are JSON with a schema. Numbers
-that are measured at each sample are rounded to a grid finer than what the arm's sensors tell, since
+that are measured at each sample are rounded to a grid finer than what the arm repeats, since
 digits of noise are most of the size of a file: see `ANGLE`, `SPEED` and so on. A channel whose
-values change seldom is written when they do, and once a second.
+values change seldom is written when they do, and every five seconds. Joints, which are most of what
+is written, are encoded here: by the library's classes that takes three times as long.
 """
 
 from __future__ import annotations
@@ -12,15 +13,15 @@ import dataclasses
 import enum
 import json
 import math
+import struct
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import foxglove
-from foxglove.channels import FrameTransformsChannel, JointStatesChannel, LogChannel
+from foxglove.channels import FrameTransformsChannel, LogChannel
 from foxglove.mcap import MCAPCompression, MCAPWriteOptions
 from foxglove.messages import (
     FrameTransform,
     FrameTransforms,
-    JointState,
     JointStates,
     Log,
     LogLevel,
@@ -30,33 +31,50 @@ from foxglove.messages import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from foxglove import JsonSchema  # type: ignore[attr-defined]
+    from collections.abc import Iterable, Mapping
+    from pathlib import Path
 
     from aioduco.models.pose import Pose
+    from aioduco.models.state import IOStatus
+    from aioduco.recording.container import McapChannel, McapMessage, McapSchema
     from aioduco.supervision.events import Event
     from aioduco.supervision.state_feed import Snapshot
 
-__all__ = ["ANGLE", "FORCE", "LENGTH", "QUATERNION", "SPEED", "MessageChannels", "plain"]
+__all__ = [
+    "ANGLE",
+    "FORCE",
+    "LENGTH",
+    "QUATERNION",
+    "SPEED",
+    "FileChannels",
+    "MessageChannels",
+    "ServerChannels",
+    "plain",
+]
 
 # Powers of two: so the rest of each number is zeros, which the file is compressed by.
-#: steps of recorded angles: 1 µrad
-ANGLE: Final = 2.0**20
-#: steps of recorded speeds of joints: 61 µrad/s
-SPEED: Final = 2.0**14
-#: steps of recorded positions: 0.95 µm
-LENGTH: Final = 2.0**20
-#: steps of the four numbers of a recorded rotation
-QUATERNION: Final = 2.0**20
+#: steps of recorded angles: 7.6 µrad, at a reach of 1 m a third of what arms repeat (0.02 mm)
+ANGLE: Final = 2.0**17
+#: steps of recorded speeds of joints: 0.98 mrad/s
+SPEED: Final = 2.0**10
+#: steps of recorded positions: 7.6 µm
+LENGTH: Final = 2.0**17
+#: steps of the four numbers of a recorded rotation: it is right to 15 µrad
+QUATERNION: Final = 2.0**17
 #: digits of recorded forces: 1 mN, 1 mN·m
 FORCE: Final = 3
-#: digits of recorded currents, temperatures and analogue signals
+#: digits of recorded temperatures and analogue signals
 _ROUGH: Final = 2
 #: seconds after which a channel is written although nothing changed
-_AGAIN: Final = 1.0
+_AGAIN: Final = 5.0
 #: seconds between two messages about the drives
-_DRIVES_EVERY: Final = 0.1
+_DRIVES_EVERY: Final = 0.2
+#: steps of the times of samples [ns]: 16 µs, less than they are late by
+_SAMPLED: Final = 1 << 14
+#: digits of recorded currents, which are ‰ of the rated ones
+_CURRENT: Final = 1
+#: seconds between two transforms: they follow from the joints, which each sample has
+_TRANSFORMS_EVERY: Final = 0.039
 
 _NAMES: Final = tuple(f"joint_{number}" for number in range(1, 7))
 _LEVELS: Final = (
@@ -160,12 +178,19 @@ class Writable(Protocol):
 
 
 class _ChannelSet:
-    """The channels of one file. The library keeps them for ever: they are used again."""
+    """The channels of one file or server. The library keeps them for ever: they are used again."""
 
     def __init__(self) -> None:
         self.context = foxglove.Context()
-        self.joints = JointStatesChannel("/joint_states", context=self.context)
-        self.setpoints = JointStatesChannel("/joint_setpoints", context=self.context)
+        self.joints, self.setpoints = (
+            foxglove.Channel(
+                topic,
+                schema=JointStates.get_schema(),
+                message_encoding="protobuf",
+                context=self.context,
+            )
+            for topic in ("/joint_states", "/joint_setpoints")
+        )
         self.transforms = FrameTransformsChannel("/tf", context=self.context)
         self.log = LogChannel("/log", context=self.context)
         self.json = {
@@ -176,60 +201,42 @@ class _ChannelSet:
         }
 
 
-def _schema(topic: str, fields: dict[str, Any]) -> JsonSchema:
+def _schema(topic: str, fields: dict[str, Any]) -> dict[str, Any]:
     return {"type": "object", "title": f"aioduco.{topic[1:]}", "properties": fields}
 
 
-#: sets that no file uses now
+#: sets that nothing uses now
 _free: list[_ChannelSet] = []
 
 
 class MessageChannels:
-    """Writes messages about a robot; on one thread.
+    """Gives messages about a robot to whatever takes them from `context`; on one thread.
 
-    Times are seconds of `time.monotonic()`; the file has nanoseconds since 1970, by the difference
+    Times are seconds of `time.monotonic()`; messages have nanoseconds since 1970, by the difference
     of the two clocks at the beginning.
 
     Args:
-        target: what the file is written to.
-        metadata: what the file says about the recording; `clock_offset` is the difference of the
-            clocks [ns].
+        clock_offset: the difference of the clocks [ns].
     """
 
-    def __init__(self, target: Writable, metadata: dict[str, str]) -> None:
+    def __init__(self, clock_offset: int) -> None:
         self._set = _free.pop() if _free else _ChannelSet()
-        self._offset = int(metadata["clock_offset"]) // 1000
-        # one thread, for a robot's program has better use for the others
-        options = MCAPWriteOptions(
-            profile="aioduco",
-            chunk_size=None,
-            compression=MCAPCompression.Zstd,
-            compression_threads=0,
-            disable_seeking=True,
-        )
-        self._writer = foxglove.open_mcap(target, context=self._set.context, writer_options=options)
-        self._closed = False
-        self._flange: FrameTransform | None = None
+        self._offset = clock_offset
+        self._released = False
+        self._flange: tuple[float, ...] | None = None
         self._pose: tuple[float, ...] | None = None
         self._last: dict[str, tuple[float, Any]] = {}
-        self.metadata("aioduco", metadata)
 
-    def metadata(self, name: str, values: dict[str, str]) -> None:
-        """Write texts about the recording itself."""
-        self._writer.write_metadata(name, values)
+    @property
+    def context(self) -> foxglove.Context:
+        """What the library ties channels to those who take their messages by."""
+        return self._set.context
 
-    def flush(self) -> None:
-        """End the chunk."""
-        self._writer.flush()
-
-    def close(self) -> None:
-        """End the file."""
-        if not self._closed:
-            self._closed = True
-            try:
-                self._writer.close()
-            finally:
-                _free.append(self._set)
+    def release(self) -> None:
+        """Give the channels to the next one: nobody takes messages from them any more."""
+        if not self._released:
+            self._released = True
+            _free.append(self._set)
 
     # -- what is recorded ------------------------------------------------------------------------
 
@@ -237,15 +244,12 @@ class MessageChannels:
         """Write a sample of the state."""
         status, states, io = sample.status, sample.states, sample.io
         at = status.received_at
-        stamp, time_ns = self._times(at)
-        self._joints(self._set.joints, stamp, time_ns, status.joints, status.joint_speeds.tolist())
-        self._joints(
-            self._set.setpoints,
-            stamp,
-            time_ns,
-            status.expected_joints,
-            status.expected_joint_speeds.tolist(),
-        )
+        stamp, time_ns = self._times(at, _SAMPLED)
+        joints = _joint_states(time_ns, status.joints, status.joint_speeds.tolist())
+        self._set.joints.log(joints, log_time=time_ns)
+        expected = status.expected_joint_speeds.tolist()
+        setpoints = _joint_states(time_ns, status.expected_joints, expected)
+        self._set.setpoints.log(setpoints, log_time=time_ns)
         self._transforms(at, stamp, time_ns, status.pose)
         state = {
             "robot": states.robot.name,
@@ -259,11 +263,11 @@ class MessageChannels:
             "error": status.error,
         }
         self._if_changed("/state", at, state)
-        self._if_changed("/io", at, _fields("/io", io))
-        self._if_changed("/registers", at, _fields("/registers", io))
+        for topic in ("/io", "/registers"):
+            self._fields_if_changed(topic, at, io)
         if self._due("/drives", at, _DRIVES_EVERY):
             drives = {
-                "currents": _rounded(status.joint_currents.tolist()),
+                "currents": _rounded(status.joint_currents.tolist(), _CURRENT),
                 "temperatures": _rounded(status.joint_temperatures.tolist()),
                 "driver_temperatures": _rounded(status.driver_temperatures.tolist()),
             }
@@ -282,12 +286,9 @@ class MessageChannels:
 
     def flange(self, pose: Pose | None) -> None:
         """Take where the flange is, seen from the tip of the tool; None if nobody tells."""
-        if pose is None:
-            self._flange = None
-            return
-        stamp = Timestamp(sec=0, nsec=0)
-        self._flange = _transform(stamp, "tcp", "flange", _transform_numbers(pose))
-        self._pose = None
+        self._flange = None if pose is None else _transform_numbers(pose)
+        if pose is not None:
+            self._pose = None
 
     def command(
         self,
@@ -331,39 +332,23 @@ class MessageChannels:
 
     # -- how -------------------------------------------------------------------------------------
 
-    def _times(self, at: float) -> tuple[Timestamp, int]:
-        # Whole microseconds: the digits below are noise, and three times in each message.
-        micros = round(at * 1e6) + self._offset
-        seconds, rest = divmod(micros, 1_000_000)
-        return Timestamp(sec=seconds, nsec=rest * 1000), micros * 1000
-
-    @staticmethod
-    def _joints(
-        channel: JointStatesChannel,
-        stamp: Timestamp,
-        time_ns: int,
-        positions: Iterable[float],
-        speeds: Sequence[float],
-    ) -> None:
-        joints = [
-            JointState(
-                name=name,
-                position=round(position * ANGLE) / ANGLE,
-                velocity=None if math.isnan(speed) else round(speed * SPEED) / SPEED,
-            )
-            for name, position, speed in zip(_NAMES, positions, speeds, strict=True)
-        ]
-        channel.log(JointStates(timestamp=stamp, joints=joints), log_time=time_ns)
+    def _times(self, at: float, step: int = 1000) -> tuple[Timestamp, int]:
+        # In steps of whole microseconds, or more: the digits below are noise.
+        time_ns = (round(at * 1e9) + self._offset + step // 2) // step * step
+        seconds, rest = divmod(time_ns, 1_000_000_000)
+        return Timestamp(sec=seconds, nsec=rest), time_ns
 
     def _transforms(self, at: float, stamp: Timestamp, time_ns: int, pose: Pose) -> None:
+        if not self._due("/tf", at, _TRANSFORMS_EVERY):
+            return
         numbers = _transform_numbers(pose)
-        again = self._due("/tf", at, _AGAIN)
+        again = self._due("/tf again", at, _AGAIN)
         if numbers == self._pose and not again:
             return
         self._pose = numbers
         transforms = [_transform(stamp, "world", "tcp", numbers)]
         if again and self._flange is not None:
-            transforms.append(self._flange)
+            transforms.append(_transform(stamp, "tcp", "flange", self._flange))
         self._set.transforms.log(FrameTransforms(transforms=transforms), log_time=time_ns)
 
     def _due(self, topic: str, at: float, every: float) -> bool:
@@ -380,17 +365,188 @@ class MessageChannels:
             self._last[topic] = (at, values)
             self._json(topic, at, values)
 
+    def _fields_if_changed(self, topic: str, at: float, io: IOStatus) -> None:
+        """As `_if_changed`, of attributes of a sample: rounded only when they are written."""
+        values = tuple([getattr(io, name) for name in _FIELDS[topic]])
+        last = self._last.get(topic)
+        if last is None or last[1] != values or at - last[0] >= _AGAIN:
+            self._last[topic] = (at, values)
+            kinds = _FIELDS[topic].items()
+            found = {
+                name: value if kind is _FLAGS else _rounded(value, 4)
+                for (name, kind), value in zip(kinds, values, strict=True)
+            }
+            self._json(topic, at, found)
+
     def _json(self, topic: str, at: float, values: dict[str, Any]) -> None:
         text = json.dumps(values, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
         self._set.json[topic].log(text, log_time=self._times(at)[1])
 
 
-def _fields(topic: str, io: Any) -> dict[str, Any]:
-    """The fields of a channel that are attributes of a sample."""
-    return {
-        name: getattr(io, name) if kind is _FLAGS else _rounded(getattr(io, name), 4)
-        for name, kind in _FIELDS[topic].items()
-    }
+class FileChannels(MessageChannels):
+    """Writes messages about a robot to an MCAP file.
+
+    Args:
+        target: what the file is written to.
+        metadata: what the file says about the recording; `clock_offset` is the difference of the
+            clocks [ns].
+    """
+
+    def __init__(self, target: Writable, metadata: dict[str, str]) -> None:
+        super().__init__(int(metadata["clock_offset"]))
+        # one thread, for a robot's program has better use for the others
+        options = MCAPWriteOptions(
+            profile="aioduco",
+            chunk_size=None,
+            compression=MCAPCompression.Zstd,
+            compression_threads=0,
+            disable_seeking=True,
+            # An index of messages has 16 bytes for each, more than most take here. Without it, one
+            # of chunks alone has some readers find no message: without both they read all.
+            emit_message_indexes=False,
+            emit_chunk_indexes=False,
+        )
+        self._writer = foxglove.open_mcap(target, context=self.context, writer_options=options)
+        self._closed = False
+        self.metadata("aioduco", metadata)
+
+    def metadata(self, name: str, values: dict[str, str]) -> None:
+        """Write texts about the recording itself."""
+        self._writer.write_metadata(name, values)
+
+    def flush(self) -> None:
+        """End the chunk."""
+        self._writer.flush()
+
+    def close(self) -> None:
+        """End the file."""
+        if not self._closed:
+            self._closed = True
+            try:
+                self._writer.close()
+            finally:
+                self.release()
+
+
+def write_indexed(
+    path: Path, messages: Iterable[McapMessage], metadata: Mapping[str, dict[str, str]]
+) -> None:
+    """Write messages to a file with indexes of its chunks and of its messages.
+
+    Args:
+        path: the file; there must be none of this name.
+        messages: in the order of their times.
+        metadata: texts by the name of their record.
+
+    Raises:
+        OSError: it exists, or cannot be written.
+    """
+    context = foxglove.Context()
+    options = MCAPWriteOptions(profile="aioduco", compression=MCAPCompression.Zstd)
+    channels: dict[McapChannel, foxglove.Channel] = {}
+    try:
+        with foxglove.open_mcap(str(path), context=context, writer_options=options) as writer:
+            for name, texts in metadata.items():
+                writer.write_metadata(name, texts)
+            for message in messages:
+                kind = message.channel
+                if kind not in channels:
+                    channels[kind] = foxglove.Channel(
+                        kind.topic,
+                        message_encoding=kind.encoding,
+                        schema=_as_written(kind.schema),
+                        context=context,
+                    )
+                channels[kind].log(bytes(message.data), log_time=message.time_ns)
+    finally:
+        for channel in channels.values():
+            channel.close()
+
+
+def _as_written(schema: McapSchema | None) -> foxglove.Schema | None:
+    if schema is None:
+        return None
+    return foxglove.Schema(name=schema.name, encoding=schema.encoding, data=schema.data)
+
+
+class ServerChannels(MessageChannels):
+    """Sends messages about a robot to the watchers of a WebSocket server.
+
+    The library has threads of its own for that. A watcher that is too slow loses the oldest
+    messages that wait for it.
+
+    Args:
+        host: address to listen on.
+        port: port to listen on; 0 for a free one.
+        metadata: as for a file; `address` is how watchers see the robot called.
+
+    Raises:
+        OSError: it cannot listen there.
+    """
+
+    def __init__(self, host: str, port: int, metadata: dict[str, str]) -> None:
+        super().__init__(int(metadata["clock_offset"]))
+        name = f"aioduco {metadata['address']}"
+        try:
+            self._server = foxglove.start_server(
+                name=name, host=host, port=port, context=self.context
+            )
+        except RuntimeError as exc:  # the library's, of which it has no other
+            self.release()
+            raise OSError(str(exc)) from exc
+        self.port: int = self._server.port
+
+    def close(self) -> None:
+        """Say goodbye to the watchers, and listen no more."""
+        self._server.stop()
+        self.release()
+
+
+def _message_format() -> tuple[str, list[Any]]:
+    """How `struct` packs a JointStates of six joints, and what of it is always the same.
+
+    Protobuf's wire format: a timestamp of seconds and nanoseconds, then for each joint its name,
+    position and velocity. The two whole numbers have five bytes each, whatever they are: so all
+    messages are of one length, and are compressed better.
+    """
+    layout = "<3s5ss5s"
+    parts: list[Any] = [b"\x0a\x0c\x08", b"", b"\x10", b""]
+    for name in _NAMES:
+        text = name.encode()
+        head = b"\x12" + bytes([len(text) + 20]) + b"\x0a" + bytes([len(text)]) + text + b"\x11"
+        layout += f"{len(head)}sdsd"
+        parts += [head, 0.0, b"\x19", 0.0]
+    return layout, parts
+
+
+_LAYOUT, _PARTS = _message_format()
+_PACK: Final = struct.Struct(_LAYOUT).pack
+#: what is added to a number and subtracted again, which rounds it to the grid
+_TO_ANGLE: Final = 1.5 * 2.0**52 / ANGLE
+_TO_SPEED: Final = 1.5 * 2.0**52 / SPEED
+
+
+def _joint_states(time_ns: int, positions: Iterable[float], speeds: Iterable[float]) -> bytes:
+    """A JointStates of six joints; one that tells no speed has NaN."""
+    seconds, rest = divmod(time_ns, 1_000_000_000)
+    parts = _PARTS.copy()
+    parts[1], parts[3] = _five_bytes(seconds), _five_bytes(rest)
+    parts[5::4] = [position + _TO_ANGLE - _TO_ANGLE for position in positions]
+    parts[7::4] = [speed + _TO_SPEED - _TO_SPEED for speed in speeds]
+    return _PACK(*parts)
+
+
+def _five_bytes(number: int) -> bytes:
+    """A whole number from 0 to 2**35 - 1 in protobuf's varint of five bytes."""
+    return bytes(
+        (
+            number & 127 | 128,
+            number >> 7 & 127 | 128,
+            number >> 14 & 127 | 128,
+            number >> 21 & 127 | 128,
+            number >> 28,
+        )
+    )
 
 
 def _rounded(values: Iterable[float], digits: int = _ROUGH) -> list[float | None]:

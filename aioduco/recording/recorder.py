@@ -1,9 +1,9 @@
-"""What of a robot is recorded, and while it runs: the feed, calls, tasks, events, streams, the log.
+"""What of a robot is recorded or published: the feed, calls, tasks, events, streams, the log.
 
 Guarantees:
 - Nothing here makes a call, a task, a stream or the event loop wait: what is seen is put into the
   queue of the writer's thread.
-- What fails ends the recording, and nothing else: `Recording.error` says why, and it is logged.
+- What fails ends the recording, and nothing else: its `error` says why, and it is logged.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from aioduco._version import __version__
 from aioduco._wire.handoff import loop_callback
 from aioduco.errors import DucoError, ParameterError, RecordingError, RobotStateError, StreamClosed
 from aioduco.models.samples import pose
-from aioduco.recording.writer import RecordingWriter
+from aioduco.recording.writer import MessageWriter, RecordingWriter
 from aioduco.reporting import BackgroundLogger
 from aioduco.streaming.session import Session
 from aioduco.supervision.concurrency import BackgroundTasks, every, run_to_completion
@@ -35,11 +35,11 @@ if TYPE_CHECKING:
     from aioduco.supervision.task import Task
     from aioduco.trace import TraceEvent
 
-__all__ = ["Recording", "RecordingStatistics"]
+__all__ = ["Recording", "RecordingStatistics", "RobotObserver"]
 
 _log = BackgroundLogger(__name__)
 
-#: seconds for the file to be closed, after which its thread is left to itself
+#: seconds for the writer to end, after which its thread is left to itself
 _CLOSE_LIMIT: Final = 5.0
 #: samples that wait at most
 _SAMPLES: Final = 256
@@ -75,7 +75,7 @@ class RecordingHandler(logging.Handler):
         writer: where lines go.
     """
 
-    def __init__(self, writer: RecordingWriter) -> None:
+    def __init__(self, writer: MessageWriter[Any]) -> None:
         super().__init__()
         self._writer = writer
 
@@ -109,20 +109,26 @@ class RecordingHandler(logging.Handler):
             last.handle(record)
 
 
-class Recording:
-    """A recording of one robot: `Robot.record` makes it, `async with` or `start` begins it.
+class RobotObserver:
+    """Sees what a robot does, and has it written; what a recording and a publication are.
+
+    Args:
+        supervisor: of the robot.
+        writer: where it goes.
+        forces: whether samples are to have forces.
 
     Attributes:
-        handler: records log lines. It is added to the logger `aioduco`; a program may add it to
-            its own.
+        handler: takes log lines. It is added to the logger `aioduco`; a program may add it to its
+            own.
     """
 
-    def __init__(self, supervisor: Supervisor, path: str | os.PathLike[str], forces: bool) -> None:
-        if not isinstance(path, str | os.PathLike) or not os.fspath(path):
-            raise ParameterError("path", path, "the name of a file")
+    #: what it is called in messages, and the function that makes it
+    _KIND = "an observer"
+    _MADE_BY = "observe"
+
+    def __init__(self, supervisor: Supervisor, writer: MessageWriter[Any], forces: bool) -> None:
         self._supervisor = supervisor
         self._forces = forces
-        self._put_forces = False
         self._started = False
         self._finished = False
         self._ended = anyio.Event()
@@ -130,24 +136,22 @@ class Recording:
         self._failure: Exception | None = None
         self._undo: list[Callable[[], object]] = []
         self._background = BackgroundTasks(self._crashed)
-        #: by open stream, the set-point that was recorded last
+        #: by open stream, the set-point that was written last
         self._streams: dict[Session, tuple[float, ...] | None] = {}
-        self._writer = RecordingWriter(Path(path), self._figures)
-        self.handler: logging.Handler = RecordingHandler(self._writer)
+        self._writer = writer
+        self.handler: logging.Handler = RecordingHandler(writer)
 
     def __repr__(self) -> str:
         state = "running" if self.running else "ended" if self._started else "not started"
         why = f" ({self.error})" if self.error is not None else ""
-        return f"<Recording {self.path} {state}{why}, {self._writer.size} bytes>"
+        return f"<{type(self).__name__} {self._described(state + why)}>"
 
-    @property
-    def path(self) -> Path:
-        """The file; if there was one of its name, a number was added to it."""
-        return self._writer.path
+    def _described(self, state: str) -> str:
+        return state
 
     @property
     def running(self) -> bool:
-        """Whether it records."""
+        """Whether what is seen is taken."""
         return self._writer.accepts
 
     @property
@@ -160,25 +164,21 @@ class Recording:
         """Why it ended by itself, such as a full disk; None if it did not."""
         return self._failure or self._writer.error
 
-    def statistics(self) -> RecordingStatistics:
-        """Figures since its start."""
-        writer = self._writer
-        return RecordingStatistics(writer.written, writer.dropped + self._missed, writer.size)
-
     async def start(self) -> Self:
-        """Open the file, and record from now on.
+        """Begin: what happens from now on is seen.
 
         Raises:
-            RobotStateError: the robot is not open, or the recording was started before.
-            RecordingError: the file cannot be written.
+            RobotStateError: the robot is not open, or this was started before.
+            RecordingError: the file cannot be written, or nothing can listen there.
             MissingExtra: the extra `record` is not installed.
         """
-        self._supervisor.check_open("record")
+        self._supervisor.check_open(self._MADE_BY)
         if self._started:
-            raise RobotStateError("a recording is started once; make another one")
+            raise RobotStateError(f"{self._KIND} is started once; make another one")
         self._started = True
+        metadata = {**self._metadata(), "arm": await self._arm()}
         opened = anyio.Event()
-        self._writer.begin(self._metadata(), loop_callback(opened.set), loop_callback(self._over))
+        self._writer.begin(metadata, loop_callback(opened.set), loop_callback(self._over))
         try:
             await opened.wait()
             self._see_open()
@@ -189,9 +189,9 @@ class Recording:
         return self
 
     async def stop(self) -> None:
-        """End the recording: what was seen is written, and the file is closed.
+        """End: what was seen is written, and the file or the port is closed.
 
-        What fails is logged and not raised: `error` says whether the file is whole.
+        What fails is logged and not raised: `error` says it.
         """
         if self._started:
             _, cancelled = await run_to_completion(self._stop)
@@ -220,8 +220,8 @@ class Recording:
         # Its thread says so as the last thing that it does.
         if not self._ended.is_set() or not self._writer.join(_CLOSE_LIMIT):
             _log.error(
-                "the recording %s was not closed within %g s: the disk hangs, or is too slow",
-                *(self.path, _CLOSE_LIMIT),
+                "%s was not closed within %g s: what it writes to hangs, or is too slow",
+                *(self._writer.target, _CLOSE_LIMIT),
             )
 
     def _see_open(self) -> None:
@@ -229,7 +229,12 @@ class Recording:
         if isinstance(error, DucoError):
             raise error
         if error is not None:
-            raise RecordingError(f"{self.path} cannot be written: {error}") from error
+            raise RecordingError(f"{self._cannot}: {error}") from error
+
+    @property
+    def _cannot(self) -> str:
+        """What is not possible if it cannot be opened."""
+        return f"{self._writer.target} cannot be opened"
 
     def _over(self) -> None:
         """The writer has ended, by itself or not; on the event loop."""
@@ -237,15 +242,16 @@ class Recording:
         self._ended.set()
 
     def _crashed(self, error: BaseException) -> None:
-        """Part of the recording failed: the rest of it ends, and nothing else does."""
+        """Part of it failed: the rest of it ends, and nothing else does."""
         self._failure = error if isinstance(error, Exception) else RuntimeError(repr(error))
         self._let_go()
         self._writer.finish()
 
     def _begin(self) -> None:
         supervisor = self._supervisor
-        if self._forces and not supervisor.feed.forces:
-            supervisor.feed.forces = self._put_forces = True
+        if self._forces:
+            supervisor.feed.force_readers += 1
+            self._undo.append(self._forget_forces)
         logger = logging.getLogger("aioduco")
         logger.addHandler(self.handler)
         self._undo.append(lambda: logger.removeHandler(self.handler))
@@ -264,8 +270,17 @@ class Recording:
         undo, self._undo = self._undo, []
         for step in undo:
             step()
-        if self._put_forces:
-            self._supervisor.feed.forces = self._put_forces = False
+
+    def _forget_forces(self) -> None:
+        self._supervisor.feed.force_readers -= 1
+
+    async def _arm(self) -> str:
+        """Series and model of the arm; empty if its controller does not tell."""
+        try:
+            told = await self._supervisor.poll.call("get_robot_type", (), _ASK_LIMIT)
+        except DucoError:
+            return ""
+        return " ".join(filter(None, told[:3]))
 
     def _metadata(self) -> dict[str, str]:
         wall, monotonic = time.time_ns(), time.monotonic_ns()
@@ -277,10 +292,6 @@ class Recording:
             "clock_offset": str(wall - monotonic),
             "state_rate": f"{self._supervisor.feed.rate:g}",
         }
-
-    def _figures(self) -> dict[str, str]:
-        figures = self.statistics()
-        return {"written": str(figures.written), "dropped": str(figures.dropped)}
 
     # -- what is seen ----------------------------------------------------------------------------
 
@@ -360,3 +371,37 @@ class Recording:
             "errors": task.errors,
         }
         self._writer.put("other", "/tasks", time.monotonic(), found)
+
+
+class Recording(RobotObserver):
+    """A recording of one robot: `Robot.record` makes it, `async with` or `start` begins it."""
+
+    _KIND = "a recording"
+    _MADE_BY = "record"
+
+    def __init__(self, supervisor: Supervisor, path: str | os.PathLike[str], forces: bool) -> None:
+        if not isinstance(path, str | os.PathLike) or not os.fspath(path):
+            raise ParameterError("path", path, "the name of a file")
+        self._file = RecordingWriter(Path(path), self._figures)
+        super().__init__(supervisor, self._file, forces)
+
+    def _described(self, state: str) -> str:
+        return f"{self.path} {state}, {self._file.size} bytes"
+
+    @property
+    def path(self) -> Path:
+        """The file; if there was one of its name, a number was added to it."""
+        return self._file.path
+
+    def statistics(self) -> RecordingStatistics:
+        """Figures since its start."""
+        writer = self._file
+        return RecordingStatistics(writer.written, writer.dropped + self._missed, writer.size)
+
+    @property
+    def _cannot(self) -> str:
+        return f"{self.path} cannot be written"
+
+    def _figures(self) -> dict[str, str]:
+        figures = self.statistics()
+        return {"written": str(figures.written), "dropped": str(figures.dropped)}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from aioduco.errors import ParameterError, RecordingError
+from aioduco.errors import MissingExtra, ParameterError, RecordingError
 from aioduco.recording.container import McapFile
 from aioduco.recording.protobuf import DECODERS
 
@@ -63,7 +63,7 @@ class RecordedRun:
 
     Attributes:
         path: the file.
-        metadata: texts about the recording: "library", "controller", "address", "started".
+        metadata: texts about the recording: "library", "controller", "address", "arm", "started".
         complete: whether the recording was ended, and all of it is here. If not, its program was
             killed, or it could not be written any more.
     """
@@ -77,6 +77,7 @@ class RecordedRun:
         for messages in by_topic.values():
             messages.sort(key=lambda message: message.time_ns)
         self._messages = by_topic
+        self._texts = file.metadata
         self.metadata: dict[str, str] = file.metadata.get("aioduco", {})
         self.complete: bool = file.complete
         times = [messages[0].time_ns for messages in by_topic.values()]
@@ -181,6 +182,35 @@ class RecordedRun:
         from aioduco.recording.tables import write_parquet  # noqa: PLC0415 - with what it needs
 
         return write_parquet(self, Path(folder))
+
+    def to_mcap(self, path: str | os.PathLike[str]) -> Path:
+        """Write it as an MCAP file with an index: what Rerun and viewers that jump about need.
+
+        Every message is the same, and the file is larger by half. One that was cut off is whole
+        then, as far as it went.
+
+        Args:
+            path: the file; one that exists is not written over.
+
+        Returns:
+            The file.
+
+        Raises:
+            RecordingError: it exists, or cannot be written.
+            MissingExtra: the extra `record` is not installed.
+        """
+        try:
+            from aioduco.recording.channels import write_indexed  # noqa: PLC0415 - an extra
+        except ModuleNotFoundError as exc:
+            raise MissingExtra("an index", exc.name or "foxglove-sdk", "record") from exc
+        target = Path(path)
+        messages = [message for each in self._messages.values() for message in each]
+        messages.sort(key=lambda message: message.time_ns)
+        try:
+            write_indexed(target, messages, self._texts)
+        except OSError as exc:
+            raise RecordingError(f"{target} cannot be written: {exc}") from exc
+        return target
 
 
 def _decoded(message: McapMessage) -> dict[str, Any]:

@@ -1,13 +1,13 @@
-"""Writes a recording, on a thread of its own.
+"""Writes messages about a robot, on a thread of its own: to a file, or to watchers.
 
 Guarantees:
-- `RecordingWriter.put` neither raises nor waits, from any thread. What does not fit into the queue
-  is dropped and counted.
-- The thread writes what it has each `FLUSH_EVERY` seconds, as a whole chunk. A program that is
-  killed leaves a file that can be read up to the last chunk.
+- `MessageWriter.put` neither raises nor waits, from any thread. What does not fit into the queue is
+  dropped and counted.
+- The thread ends with the recording or publication, and never holds up the end of the interpreter.
+- The thread writes to a file what it has each `FLUSH_EVERY` seconds, as a whole chunk. A program
+  that is killed leaves a file that can be read up to the last chunk.
 - Whatever goes wrong with the file ends the recording alone: the reason is kept and logged, and the
   file is cut off behind its last whole chunk.
-- The thread ends with the recording, and never holds up the end of the interpreter.
 """
 
 from __future__ import annotations
@@ -17,9 +17,11 @@ import contextlib
 import os
 import threading
 import time
+from abc import ABC, abstractmethod
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
+from aioduco._platform import BINARY, CLOSE_ON_EXEC
 from aioduco.errors import MissingExtra
 from aioduco.reporting import BackgroundLogger
 
@@ -27,20 +29,26 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from aioduco.recording.channels import MessageChannels
+    from aioduco.recording.channels import FileChannels, MessageChannels, ServerChannels
 
-__all__ = ["FLUSH_EVERY", "RecordingWriter"]
+__all__ = ["FLUSH_EVERY", "MessageWriter", "PublicationWriter", "RecordingWriter"]
 
 _log = BackgroundLogger(__name__)
 
 #: seconds between two chunks; what is not in a chunk yet is lost with the process
 FLUSH_EVERY: Final = 0.75
+#: seconds between two looks at a queue that was empty
+_PAUSE: Final = 0.03
 #: items that wait at most
 _MOST: Final = 20_000
 #: names that are tried for a file that exists
 _NAMES: Final = 10_000
+#: seconds for which watchers are waited for at the end
+_GOODBYE: Final = 0.5
 #: seconds for the file to be closed when the interpreter ends
 _AT_EXIT: Final = 1.0
+
+C = TypeVar("C", bound="MessageChannels")
 
 
 class ChunkBuffer:
@@ -71,32 +79,26 @@ class ChunkBuffer:
         return taken
 
 
-class RecordingWriter:
-    """Writes one file. It may be begun once.
+class MessageWriter(ABC, Generic[C]):
+    """Writes messages to channels. It may be begun once.
 
     Args:
-        path: where to write. A file that exists is kept: a number is added to the name.
-        figures: gives what the file says about the recording at its end.
+        name: what its thread is called.
 
     Attributes:
-        path: where it is written.
         error: why it ended early; None if it did not.
         dropped: items that did not fit into the queue.
         written: items that were written.
-        size: bytes that were written.
     """
 
-    def __init__(self, path: Path, figures: Callable[[], dict[str, str]]) -> None:
-        self.path: Path = path
+    def __init__(self, name: str) -> None:
         self.error: Exception | None = None
         self.dropped: int = 0
         self.written: int = 0
-        self.size: int = 0
-        self._figures = figures
+        self._name = name
         self._queue: SimpleQueue[tuple[Any, ...] | None] = SimpleQueue()
-        self._buffer = ChunkBuffer()
+        self._finishing = threading.Event()
         self._accepts = False
-        self._file = -1
         self._process = os.getpid()
         self._thread: threading.Thread | None = None
 
@@ -105,24 +107,26 @@ class RecordingWriter:
         """Whether what is put is written."""
         return self._accepts
 
+    @property
+    @abstractmethod
+    def target(self) -> str:
+        """What it writes to, in words."""
+
     def begin(
         self,
         metadata: dict[str, str],
         opened: Callable[[], None],
         ended: Callable[[], None],
     ) -> None:
-        """Start the thread, which opens the file.
+        """Start the thread, which opens what it writes to.
 
         Args:
-            metadata: what the file says about the recording at its beginning.
-            opened: called on the thread when the file is open, or `error` says why it is not.
+            metadata: what is said about the robot and the clocks at the beginning.
+            opened: called on the thread when it is open, or `error` says why it is not.
             ended: called on the thread when it has ended, for whatever reason.
         """
         self._thread = threading.Thread(
-            target=self._run,
-            name="aioduco-recording",
-            daemon=True,
-            args=(metadata, opened, ended),
+            target=self._run, name=self._name, daemon=True, args=(metadata, opened, ended)
         )
         self._thread.start()
 
@@ -136,9 +140,10 @@ class RecordingWriter:
         self._queue.put(item)
 
     def finish(self) -> None:
-        """Write what waits, and close the file; this returns at once."""
+        """Write what waits, and end; this returns at once."""
         self._accepts = False
         self._queue.put(None)
+        self._finishing.set()
 
     def join(self, timeout: float) -> bool:
         """Wait until the thread has ended. Returns whether it has."""
@@ -146,6 +151,22 @@ class RecordingWriter:
             return True
         self._thread.join(timeout)
         return not self._thread.is_alive()
+
+    @abstractmethod
+    def _open(self, metadata: dict[str, str]) -> C:
+        """Open what it writes to."""
+
+    @abstractmethod
+    def _save(self, channels: C) -> None:
+        """Pass on what was written, at least each `FLUSH_EVERY` seconds."""
+
+    @abstractmethod
+    def _end(self, channels: C) -> None:
+        """End well, after the last item."""
+
+    @abstractmethod
+    def _close(self, channels: C) -> None:
+        """Close, whether it ended well or not."""
 
     def _run(
         self, metadata: dict[str, str], opened: Callable[[], None], ended: Callable[[], None]
@@ -165,46 +186,28 @@ class RecordingWriter:
         except Exception as exc:
             self._accepts = False
             self.error = exc
-            _log.error("the recording %s ended early, at %d bytes: %s", self.path, self.size, exc)
-            with contextlib.suppress(OSError):
-                os.ftruncate(self._file, self.size)
+            _log.error("%s ended early: %s", self.target, exc)
         finally:
             self._accepts = False
-            with contextlib.suppress(Exception):
-                channels.close()  # after an error it cannot end the file
-            with contextlib.suppress(OSError):
-                os.close(self._file)
+            self._close(channels)
             atexit.unregister(self._at_exit)
             ended()
 
-    def _open(self, metadata: dict[str, str]) -> MessageChannels:
-        try:
-            from aioduco.recording.channels import MessageChannels  # noqa: PLC0415 - an extra
-        except ModuleNotFoundError as exc:
-            raise MissingExtra("a recording", exc.name or "foxglove-sdk", "record") from exc
-        created, self._file = _created(self.path)
-        self.path = created
-        try:
-            channels = MessageChannels(self._buffer, metadata)
-            self._flush(channels)
-        except BaseException:
-            os.close(self._file)
-            raise
-        return channels
-
-    def _write_all(self, channels: MessageChannels) -> None:
+    def _write_all(self, channels: C) -> None:
         due = time.monotonic() + FLUSH_EVERY
         fresh = 0
         while True:
             now = time.monotonic()
             if now >= due:
                 if fresh:
-                    self._flush(channels)
+                    self._save(channels)
                     fresh = 0
                 due = max(due + FLUSH_EVERY, now)
             try:
-                item = self._queue.get(timeout=due - now if due > now else 0.0)
+                item = self._queue.get_nowait()
             except Empty:
+                # Not woken by each item: that would take as long as to write it.
+                self._finishing.wait(_PAUSE)
                 continue
             if item is None:
                 break
@@ -212,31 +215,128 @@ class RecordingWriter:
             getattr(channels, method)(*arguments)
             self.written += 1
             fresh += 1
+        self._end(channels)
+
+    def _at_exit(self) -> None:
+        """The interpreter ends, and this was not ended."""
+        if self._process == os.getpid():
+            self.finish()
+            self.join(_AT_EXIT)
+
+
+class RecordingWriter(MessageWriter["FileChannels"]):
+    """Writes one file.
+
+    Args:
+        path: where to write. A file that exists is kept: a number is added to the name.
+        figures: gives what the file says about the recording at its end.
+
+    Attributes:
+        path: where it is written.
+        size: bytes that were written.
+    """
+
+    def __init__(self, path: Path, figures: Callable[[], dict[str, str]]) -> None:
+        super().__init__("aioduco-recording")
+        self.path: Path = path
+        self.size: int = 0
+        self._figures = figures
+        self._buffer = ChunkBuffer()
+        self._file = -1
+
+    @property
+    def target(self) -> str:
+        """The file, and how much of it there is."""
+        return f"the recording {self.path}, of {self.size} bytes,"
+
+    def _open(self, metadata: dict[str, str]) -> FileChannels:
+        try:
+            from aioduco.recording.channels import FileChannels  # noqa: PLC0415 - an extra
+        except ModuleNotFoundError as exc:
+            raise MissingExtra("a recording", exc.name or "foxglove-sdk", "record") from exc
+        created, self._file = _created(self.path)
+        self.path = created
+        try:
+            channels = FileChannels(self._buffer, metadata)
+            self._save(channels)
+        except BaseException:
+            os.close(self._file)
+            raise
+        return channels
+
+    def _save(self, channels: FileChannels) -> None:
+        channels.flush()
+        self._write_out()
+
+    def _end(self, channels: FileChannels) -> None:
         channels.metadata("aioduco.end", self._figures())
         channels.close()
-        self._save()
+        self._write_out()
 
-    def _flush(self, channels: MessageChannels) -> None:
-        channels.flush()
-        self._save()
+    def _close(self, channels: FileChannels) -> None:
+        if self.error is not None:
+            with contextlib.suppress(OSError):
+                os.ftruncate(self._file, self.size)
+        with contextlib.suppress(Exception):
+            channels.close()  # after an error it cannot end the file
+        with contextlib.suppress(OSError):
+            os.close(self._file)
 
-    def _save(self) -> None:
+    def _write_out(self) -> None:
         data = memoryview(self._buffer.take())
         done = 0
         while done < len(data):
             done += os.write(self._file, data[done:])
         self.size += done
 
-    def _at_exit(self) -> None:
-        """The interpreter ends, and the recording was not stopped."""
-        if self._process == os.getpid():
-            self.finish()
-            self.join(_AT_EXIT)
+
+class PublicationWriter(MessageWriter["ServerChannels"]):
+    """Sends messages to the watchers of a WebSocket server.
+
+    Args:
+        host: address to listen on.
+        port: port to listen on; 0 for a free one.
+
+    Attributes:
+        host: the address.
+        port: the port; once it is open, the one that was free.
+    """
+
+    def __init__(self, host: str, port: int) -> None:
+        super().__init__("aioduco-publication")
+        self.host: str = host
+        self.port: int = port
+
+    @property
+    def target(self) -> str:
+        """Where it listens."""
+        return f"the publication on {self.host}:{self.port}"
+
+    def _open(self, metadata: dict[str, str]) -> ServerChannels:
+        try:
+            from aioduco.recording.channels import ServerChannels  # noqa: PLC0415 - an extra
+        except ModuleNotFoundError as exc:
+            raise MissingExtra("a publication", exc.name or "foxglove-sdk", "record") from exc
+        channels = ServerChannels(self.host, self.port, metadata)
+        self.port = channels.port
+        return channels
+
+    def _save(self, channels: ServerChannels) -> None:
+        """Each message is sent at once."""
+
+    def _end(self, channels: ServerChannels) -> None:
+        """Watchers that are there get what was sent."""
+
+    def _close(self, channels: ServerChannels) -> None:
+        # A watcher that reads nothing holds up the library's goodbye for a minute, and nobody else.
+        closing = threading.Thread(target=channels.close, name=f"{self._name}-end", daemon=True)
+        closing.start()
+        closing.join(_GOODBYE)
 
 
 def _created(path: Path) -> tuple[Path, int]:
     """Make a file that was not there; one that exists is kept."""
-    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | BINARY | CLOSE_ON_EXEC
     for number in range(_NAMES):
         tried = path if number == 0 else path.with_stem(f"{path.stem}-{number}")
         with contextlib.suppress(FileExistsError):

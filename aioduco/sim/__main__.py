@@ -7,10 +7,15 @@ and when a client shuts the controller down. People use `aioduco sim`.
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
+import socket
 import sys
+import threading
 from typing import Any
 
+from aioduco._linked_process import ValueChannel
 from aioduco.sim.spawned import serve
 
 
@@ -21,7 +26,18 @@ def main(argument: str = "{}") -> None:
         sys.stdout.write(f"{json.dumps(where)}\n")
         sys.stdout.flush()
 
-    serve(json.loads(argument), tell, sys.stdin.fileno())
+    # By a thread: a pipe cannot be waited for together with sockets on every system.
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        threading.Thread(target=_end_with_input, args=(theirs,), daemon=True).start()
+        serve(json.loads(argument), tell, ValueChannel(ours))
+
+
+def _end_with_input(end: socket.socket) -> None:
+    while os.read(sys.stdin.fileno(), 4096):
+        pass
+    with contextlib.suppress(OSError):  # it has ended by itself
+        end.shutdown(socket.SHUT_WR)
 
 
 if __name__ == "__main__":

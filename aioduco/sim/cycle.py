@@ -9,11 +9,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
 
+    from aioduco.models.pose import PoseLike
     from aioduco.sim.planner.path import JointSetPoint
 
     Vector = NDArray[np.float64]
@@ -90,6 +91,9 @@ class Plant(Protocol):
 
     def step(self, setpoint: JointSetPoint) -> None:
         """Go on by one cycle."""
+
+    def arrange(self, q: Vector, things: Mapping[str, PoseLike]) -> None:
+        """Stand at q [rad] at once, with things of the scene at their poses [m, rad]."""
 
     @property
     def wrench(self) -> Vector:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import TYPE_CHECKING, Any
 
 import anyio
@@ -15,6 +16,9 @@ if TYPE_CHECKING:
     import subprocess
     from types import TracebackType
     from typing import Self
+
+    import numpy as np
+    from numpy.typing import NDArray
 
 #: until the process has said where it listens, and until it has ended after being asked to [s]
 _START, _END = 60.0, 20.0
@@ -43,6 +47,7 @@ class SimulatorProcess:
     def __init__(self, options: dict[str, Any]) -> None:
         self._options = options
         self._linked: LinkedProcess | None = None
+        self._asking = threading.Lock()
         self.host: str = ""
         self.port: int = 0
         self.status_port: int | None = None
@@ -60,6 +65,22 @@ class SimulatorProcess:
             ValueError: It goes as fast as possible: how fast that is, nobody here knows.
         """
         return ScaledClock(float(self._options.get("speed", 1.0)))
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """Positions of everything that moves, as `Simulator.positions`: the joints first [rad, m].
+
+        Raises:
+            RuntimeError: it does not run.
+        """
+        if self._linked is None:
+            raise RuntimeError("this simulator is not running")
+        try:
+            with self._asking:
+                found: NDArray[np.float64] = self._linked.ask("positions")
+        except (EOFError, OSError) as error:
+            raise RuntimeError("the simulator's process has ended") from error
+        return found
 
     def start(self) -> Self:
         """Start the process and wait until it listens.

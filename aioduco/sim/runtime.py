@@ -17,6 +17,7 @@ import threading
 import time
 from typing import TYPE_CHECKING, NamedTuple
 
+from aioduco.errors import ParameterError
 from aioduco.models.enums import RobotState
 from aioduco.sim.clock import CycleSchedule, LoopStatistics, LoopTimes, checked_speed
 from aioduco.sim.cycle import DriveCommand, SensedState
@@ -25,12 +26,13 @@ from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.refusal import Pending, Refusal
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
 
     from aioduco.models.enums import TaskState
+    from aioduco.models.pose import PoseLike
     from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
     from aioduco.sim.controller.motion_settings import OptimizationSwitches, WeaveSelection
     from aioduco.sim.controller.state_machine import Controller, ControllerState
@@ -172,6 +174,11 @@ class SimulationRuntime:
         self._warm_at = 0.0
         self._count = 0
         self._quiet = 0
+        #: in step lock, the cycle up to which simulated time may go
+        self._limit: int | None = None
+        self._stands = threading.Event()
+        self._things: Mapping[str, PoseLike] | None = None
+        self._misplaced: Exception | None = None
         self._busy: bool = False
         self._braked: bool | None = None
         self._push: Sequence[float] = _NO_PUSH
@@ -349,6 +356,66 @@ class SimulationRuntime:
                 self._lasting.add(key)
         return let_go
 
+    def lock(self) -> None:
+        """Have simulated time stand from now on, and go on by `advance` alone.
+
+        While it is locked every cycle is computed, also those in which nothing happens.
+        """
+        with self._holding:
+            self._stands.clear()
+            self._limit = self._count
+            self._holding.notify_all()
+        self._wake.set()
+        self._await_stand()
+        self._limit = self._count  # the thread may have been within a cycle
+
+    def unlock(self) -> None:
+        """Have simulated time go on by itself."""
+        with self._holding:
+            self._limit = None
+            self._holding.notify_all()
+
+    def advance(self, cycles: int) -> None:
+        """Have so many cycles run, and return when they have.
+
+        Raises:
+            RuntimeError: simulated time is not locked.
+            Refusal: The simulation has ended or failed.
+        """
+        with self._holding:
+            self._limit = self._locked() + cycles
+            self._stands.clear()
+            self._holding.notify_all()
+        self._await_stand()
+
+    def arrange(self, things: Mapping[str, PoseLike]) -> None:
+        """Begin anew with the physics: the arm at its set-point, things at their poses [m, rad].
+
+        Raises:
+            RuntimeError: simulated time is not locked.
+            ParameterError: there is no such thing.
+            Refusal: The simulation has ended or failed.
+        """
+        with self._holding:
+            self._locked()
+            self._things, self._misplaced = things, None
+            self._stands.clear()
+            self._holding.notify_all()
+        self._await_stand()
+        if self._misplaced is not None:
+            raise self._misplaced
+
+    def _locked(self) -> int:
+        if self._limit is None:
+            raise RuntimeError("simulated time is not locked: nothing was done")
+        return self._limit
+
+    def _await_stand(self) -> None:
+        self._stands.wait()
+        if self._closing:
+            _ = self.snapshot  # says why, if it failed
+            raise Refusal("the simulation ended")
+
     def load(self, mass: float, centre: Sequence[float]) -> None:
         """Tell the drives about a load [kg, m], and mount it unless `carry` has mounted another."""
         self._load = (mass, tuple(centre))
@@ -375,6 +442,7 @@ class SimulationRuntime:
     def release(self) -> None:
         """Let go of every call that waits for a task, now and from now on."""
         self._closing = True
+        self._stands.set()
         with self._lock:
             waiters, self._waiters = self._waiters, {}
         for events in waiters.values():
@@ -409,11 +477,16 @@ class SimulationRuntime:
         while not self._closing:
             self._stand_still(idle=idle)
             now = time.perf_counter()
+            if idle and self._limit is not None:
+                idle = False
+                self._pace.begin(now)
             self._pace.change(self._speed, now, idle=idle)
             if idle:
                 if self._wake.wait(_STRIDE):
                     self._wake.clear()
                 self._stand_still(idle=idle)
+                if self._limit is not None:
+                    continue
                 cycles = min(self._pace.due(time.perf_counter()), self._allowed())
             else:
                 cycles = 1
@@ -424,19 +497,7 @@ class SimulationRuntime:
                 else:
                     late = -delay
                 begun = time.perf_counter()
-                if self._braked is not self._drive.brake:
-                    self._braked = self._drive.brake
-                    self._plant.brake(self._braked)
-                if self._pushed is not self._push:
-                    self._pushed = self._push
-                    self._plant.push(self._pushed)
-                if self._carried is not self._carry and self._carry is not None:
-                    self._carried = self._carry
-                    self._plant.carry(*self._carried)
-                if self._loaded is not self._load:
-                    self._loaded = self._load
-                    mount = self._plant.load if self._carried is None else self._plant.tell
-                    mount(*self._loaded)
+                self._change_plant()
                 self._plant.step(self._drive.setpoint)
             self._count += cycles
             self._pace.ran(cycles)
@@ -447,18 +508,36 @@ class SimulationRuntime:
                 idle = not idle
                 self._pace.begin(time.perf_counter(), idle=idle)
 
+    def _change_plant(self) -> None:
+        """Have the physics take over what was changed since the last cycle."""
+        if self._braked is not self._drive.brake:
+            self._braked = self._drive.brake
+            self._plant.brake(self._braked)
+        if self._pushed is not self._push:
+            self._pushed = self._push
+            self._plant.push(self._pushed)
+        if self._carried is not self._carry and self._carry is not None:
+            self._carried = self._carry
+            self._plant.carry(*self._carried)
+        if self._loaded is not self._load:
+            self._loaded = self._load
+            mount = self._plant.load if self._carried is None else self._plant.tell
+            mount(*self._loaded)
+
     def _allowed(self) -> int:
         """How many cycles may run until simulated time is to stand."""
         until = min(tuple(self._holds.values()), default=math.inf)
         left = (until - self._count * self.cycle) / self.cycle
-        return math.ceil(min(max(left, 0.0), _MANY))
+        held = math.ceil(min(max(left, 0.0), _MANY))
+        limit = self._limit
+        return held if limit is None else min(held, max(0, limit - self._count))
 
     def _stand_still(self, *, idle: bool) -> None:
         """Wait for as long as a client holds simulated time."""
-        if not self._holds or self._allowed():
+        if (not self._holds and self._limit is None) or self._allowed():
             return
         with self._holding:
-            while not self._holding.wait_for(lambda: self._closing or self._allowed() > 0, _HOLD):
+            while not self._holding.wait_for(self._may_go_on, _HOLD):
                 at = self._count * self.cycle
                 over = [
                     key
@@ -470,6 +549,18 @@ class SimulationRuntime:
                 if over:
                     _log.warning("simulated time was held for %g s, and goes on", _HOLD)
         self._pace.begin(time.perf_counter(), idle=idle)  # nothing is to be caught up with
+
+    def _may_go_on(self) -> bool:
+        """Whether simulated time goes on; meanwhile the scene is arranged, if that is asked for."""
+        if self._limit is not None and self._limit <= self._count:
+            if (things := self._things) is not None:
+                self._things = None
+                try:
+                    self._plant.arrange(self._drive.setpoint.q, things)
+                except ParameterError as exc:
+                    self._misplaced = exc
+            self._stands.set()
+        return self._closing or self._allowed() > 0
 
     def _tick(self) -> None:
         plant = self._plant
@@ -537,5 +628,6 @@ class SimulationRuntime:
         changing = changing or self._pushed is not self._push or any(self._pushed)
         changing = changing or self._loaded is not self._load
         changing = changing or self._carried is not self._carry or not self._plant.still
+        changing = changing or self._limit is not None
         self._quiet = 0 if changing else self._quiet + cycles
         return self._quiet * self.cycle >= _SETTLING

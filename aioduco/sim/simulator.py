@@ -12,9 +12,11 @@ import anyio.to_thread
 import numpy as np
 
 from aioduco.kinematics import arm as arm_of
+from aioduco.models.gripper_models import GripperModel, gripper_model
 from aioduco.models.pose import Joints, Pose
 from aioduco.sim.cabinet import Cabinet
 from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
+from aioduco.sim.cabinet.grippers import DhSlave, RobotiqSlave, ValveGripper
 from aioduco.sim.cabinet.values import SystemValues
 from aioduco.sim.clock import checked_speed
 from aioduco.sim.controller.monitoring import CollisionDetector
@@ -26,13 +28,13 @@ from aioduco.sim.forgiving import Forgiving
 from aioduco.sim.handlers import Handlers
 from aioduco.sim.handlers.base import HandlerContext
 from aioduco.sim.handlers.single_precision import SinglePrecisionHandlers
-from aioduco.sim.physics.world import World
+from aioduco.sim.physics.world import World, camera_of, pose_of
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.runtime import SimulatedClock, SimulationRuntime
 from aioduco.sim.scene import gravity, mjcf_of, mounting_of
 from aioduco.sim.server import Server
 from aioduco.sim.server.status_server import StatusServer, frame_of
-from aioduco.sim.view.camera import Camera, towards
+from aioduco.sim.view.camera import Camera, PictureMark, towards
 from aioduco.sim.view.render import PictureProcess
 
 if TYPE_CHECKING:
@@ -45,7 +47,7 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
     from aioduco.models.enums import OperationMode
-    from aioduco.models.pose import JointsLike
+    from aioduco.models.pose import JointsLike, PoseLike
     from aioduco.models.status_frame import StatusFrame
     from aioduco.sim.cabinet.script import Script
     from aioduco.sim.cabinet.signals import Signals
@@ -53,6 +55,7 @@ if TYPE_CHECKING:
     from aioduco.sim.clock import LoopStatistics
     from aioduco.sim.controller.state_machine import ControllerState
     from aioduco.sim.controller.tasks import ControllerTask
+    from aioduco.sim.physics.gripper import Hand
     from aioduco.sim.process import SimulatorProcess
     from aioduco.sim.runtime import Observer
     from aioduco.sim.scene import MountingLike, SceneLike
@@ -92,6 +95,9 @@ class Simulator:
         scene: what stands around the arm, in the world's frame: a sequence of
             `aioduco.sim.scene.Thing`s, the path of an MJCF file, or MJCF as text.
         tool: what the flange carries, likewise, in the flange's frame.
+        gripper: a gripper at the flange instead, which grips what is loose in the scene:
+            "robotiq_2f85", "robotiq_2f140", "robotiq_hand_e", "dh_ag95" and "dh_pge" at the tool's
+            RS-485 port, "parallel" and "vacuum" on general outputs of the cabinet.
         vibration_time: how much longer each motion to a stand takes while vibration control is
             on, which it is at first [s]: 0.2 to 0.4 on a real arm, none unless told.
         program_lag: how long the program state reads 1, stopping, after all motions have ended
@@ -117,6 +123,8 @@ class Simulator:
         ValueError: `external_axes` are none.
         SceneError: `mounting` is none, or `scene` or `tool` hold what is no thing.
         ValueError: One of the `programs` is none, or a time is negative.
+        ParameterError: There is no such gripper.
+        ValueError: There is a gripper and a tool.
     """
 
     def __init__(
@@ -132,6 +140,7 @@ class Simulator:
         joints: JointsLike | None = None,
         scene: SceneLike | None = None,
         tool: SceneLike | None = None,
+        gripper: str | None = None,
         mounting: MountingLike = "floor",
         pedestal: float = 0.0,
         external_axes: Mapping[str, Sequence[Sequence[float]]] | None = None,
@@ -166,7 +175,10 @@ class Simulator:
         self._scene = None if scene is None else mjcf_of(scene)
         self._tool = None if tool is None else mjcf_of(tool, free=False)
         self.cabinet: Cabinet = Cabinet(SystemValues(values))
-        self.cabinet.tooled = tool is not None
+        self.gripper: GripperModel | None = None if gripper is None else gripper_model(gripper)
+        if self.gripper is not None and tool is not None:
+            raise ValueError("a gripper is the tool: give one of the two")
+        self.cabinet.tooled = tool is not None or gripper is not None
         self.cabinet.project.add(programs or {})
         self.external_axes: SimulatedExternalAxes = SimulatedExternalAxes(external_axes)
         self._forgiving = Forgiving(strict=strict)
@@ -180,6 +192,7 @@ class Simulator:
         self._runtime: SimulationRuntime | None = None
         self._controller: Controller | None = None
         self._studio: PictureProcess | None = None
+        self._world: World | None = None
 
     def __repr__(self) -> str:
         state = f"on {self.host}:{self.port}" if self._server is not None else "not running"
@@ -206,6 +219,7 @@ class Simulator:
             tool=self._tool,
             mounting=self.mounting,
             pedestal=self._pedestal,
+            gripper=self.gripper,
         )
 
         def mover(q: NDArray[np.float64]) -> Mover:
@@ -231,6 +245,7 @@ class Simulator:
             on_network=self._network,
         )
         runtime.observer = self._observer
+        self._connect_gripper(world.hand, runtime)
         series, _, model = self.arm.name.upper().partition("_")
         context = HandlerContext(
             self.arm,
@@ -261,6 +276,7 @@ class Simulator:
             self._status = status
         self._server, self._runtime, self._controller = server, runtime, controller
         self._studio = PictureProcess(world.model)
+        self._world = world
         # An interpreter that ends under a running simulation would free what is being stepped.
         atexit.register(self.close)
         runtime.start()
@@ -574,12 +590,102 @@ class Simulator:
             raise ValueError(f"a load of {mass} kg at {centre} cannot be")
         self._running().carry(mass, centre)
 
+    # -- step by step ---------------------------------------------------------------------------
+
+    def lock_time(self) -> None:
+        """Have simulated time stand from now on, and go on by `advance` alone.
+
+        So what a program does between two steps takes no simulated time, and the same commands at
+        the same cycles have the same effect in every run. Calls are answered meanwhile; those that
+        wait for an end of something wait for `advance`.
+        """
+        self._running().lock()
+
+    def unlock_time(self) -> None:
+        """Have simulated time go on by itself again."""
+        self._running().unlock()
+
+    def advance(self, cycles: int) -> None:
+        """Have so many cycles run, as fast as possible, and return when they have.
+
+        Args:
+            cycles: at least 1; each takes as long as the argument `cycle` says, 1 ms unless told.
+
+        Raises:
+            ValueError: it is less than 1.
+            RuntimeError: simulated time is not locked.
+        """
+        if cycles < 1:
+            raise ValueError(f"cycles is {cycles}, but must be at least 1")
+        self._running().advance(cycles)
+
+    def arrange(self, things: Mapping[str, PoseLike]) -> None:
+        """Put things in their places, the rest as the scene has it, the arm at its set-point.
+
+        Nothing moves then: what follows depends on the joints and on `things` alone. For an arm
+        that stands, while simulated time is locked.
+
+        Args:
+            things: poses in the world [m, rad], by the names of things of the scene with a mass.
+
+        Raises:
+            ParameterError: there is no such thing.
+            RuntimeError: simulated time is not locked.
+        """
+        self._running().arrange(things)
+
     # -- how the arm is looked at ---------------------------------------------------------------
+
+    def thing(self, name: str) -> Pose:
+        """Where a thing of the scene is that may move on its own: its pose in the world [m, rad].
+
+        Raises:
+            ParameterError: there is no such thing.
+        """
+        return pose_of(self.positions[self.place(name)])
+
+    def place(self, name: str) -> slice:
+        """Where in `positions` that thing is: x, y, z [m], and a quaternion, w first.
+
+        Raises:
+            ParameterError: there is no such thing.
+        """
+        self._running()
+        assert self._world is not None
+        return self._world.place(name)
 
     @property
     def positions(self) -> NDArray[np.float64]:
         """Positions of everything that moves, for `render`: the joints, the tool, the scene."""
         return self._running().snapshot.positions.copy()
+
+    def instant(self) -> tuple[float, NDArray[np.float64]]:
+        """Simulated time [s], and the positions at that time, for `render`."""
+        snapshot = self._running().snapshot
+        return snapshot.time, snapshot.positions.copy()
+
+    def field_of_view(self, camera: str) -> float:
+        """Angle that a camera of the scene or the tool sees, from top to bottom [rad].
+
+        Raises:
+            ParameterError: there is no such camera.
+        """
+        return self._camera(camera)[0]
+
+    def camera_pose(self, camera: str) -> NDArray[np.float64]:
+        """Where a camera of the scene or the tool is now: its frame in the world. Shape (4, 4).
+
+        Its z axis is along its view, x to the right, y down.
+
+        Raises:
+            ParameterError: there is no such camera.
+        """
+        return self._camera(camera)[1]
+
+    def _camera(self, name: str) -> tuple[float, NDArray[np.float64]]:
+        positions = self.positions
+        assert self._studio is not None
+        return camera_of(self._studio.model, name, positions)
 
     def render(
         self,
@@ -588,6 +694,7 @@ class Simulator:
         height: int = 480,
         camera: Camera | str | None = None,
         positions: NDArray[np.float64] | None = None,
+        marks: Sequence[PictureMark] = (),
     ) -> NDArray[np.uint8]:
         """Draw a picture of the arm and what is around it, without a display.
 
@@ -600,6 +707,7 @@ class Simulator:
             camera: from where it is seen: a `Camera`, or the name of one in the scene; None for
                 one that sees the whole arm.
             positions: what is to be drawn, as `positions` gave it at another instant; None for now.
+            marks: balls that are drawn besides, such as one at a goal.
 
         Returns:
             Red, green, blue. Shape (height, width, 3).
@@ -611,7 +719,25 @@ class Simulator:
         shown = self.positions if positions is None else positions
         assert self._studio is not None
         seen = towards(self.arm, self.mounting) if camera is None else camera
-        return self._studio.picture(shown, width, height, seen)
+        return self._studio.picture(shown, width, height, seen, marks)
+
+    def render_depth(
+        self,
+        *,
+        width: int = 640,
+        height: int = 480,
+        camera: Camera | str | None = None,
+        positions: NDArray[np.float64] | None = None,
+    ) -> NDArray[np.float32]:
+        """Draw how far things are, as a depth camera sees them; arguments and errors as `render`.
+
+        Returns:
+            Distances along the camera's axis [m]. Shape (height, width).
+        """
+        shown = self.positions if positions is None else positions
+        assert self._studio is not None
+        seen = towards(self.arm, self.mounting) if camera is None else camera
+        return self._studio.depth(shown, width, height, seen)
 
     def window(self) -> Viewer:
         """Open MuJoCo's window on the arm, where there is a display.
@@ -634,6 +760,21 @@ class Simulator:
         self._running()
         assert self._studio is not None
         return Viewer(self._studio.model, lambda: self.positions, towards(self.arm, self.mounting))
+
+    def _connect_gripper(self, hand: Hand | None, runtime: SimulationRuntime) -> None:
+        """Put the gripper's electronics at its port, or at its signals."""
+        self._rules.devices.clear()
+        if hand is None:
+            return
+        maker, _, _ = hand.gripper.name.partition("_")
+        if maker == "robotiq":
+            self.cabinet.tool_serial.peer = RobotiqSlave(hand)
+        elif maker == "dh":
+            self.cabinet.tool_serial.peer = DhSlave(hand)
+        else:
+            self._rules.devices.append(ValveGripper(hand))
+        # What it holds hangs there by itself, whatever load the program tells of.
+        runtime.carry(0.0, (0.0, 0.0, 0.0))
 
     # -- inside --------------------------------------------------------------------------------
 

@@ -19,15 +19,20 @@ __all__ = ["main", "serve"]
 
 
 def serve(
-    options: Mapping[str, Any], tell: Callable[[dict[str, Any]], object], held_by: int
+    options: Mapping[str, Any],
+    tell: Callable[[dict[str, Any]], object],
+    held_by: ValueChannel,
+    answer: Callable[[Simulator], bool] | None = None,
 ) -> None:
     """Run a simulator until it is to end: also on SIGTERM, SIGINT, and when a client shuts it down.
 
     Args:
         options: arguments of `Simulator`.
         tell: is told where it listens, as JSON takes it.
-        held_by: descriptor whose end is the end of the simulator.
+        held_by: the channel whose end is the end of the simulator.
+        answer: reads what comes over it and answers; whether it goes on. None to read nothing.
     """
+    heard = answer or (lambda _: not held_by.ended())
     ours, others = socket.socketpair()
     ours.setblocking(False)
     others.setblocking(False)
@@ -43,7 +48,7 @@ def serve(
             selector.register(ours, selectors.EVENT_READ)
             while True:
                 ready = {key.fileobj for key, _ in selector.select()}
-                if ours in ready or not os.read(held_by, 4096):
+                if ours in ready or not heard(sim):
                     break
     ours.close()
     others.close()
@@ -52,6 +57,16 @@ def serve(
 def main(arguments: list[str]) -> int:
     """Serve the program that started this process by `Simulator.spawn`."""
     channel = ValueChannel.of(arguments)
+
+    def answer(sim: Simulator) -> bool:
+        """Say where everything is, whatever was asked."""
+        try:
+            channel.receive()
+            channel.send(sim.positions)
+        except (EOFError, OSError):
+            return False
+        return True
+
     with contextlib.suppress(EOFError, ConnectionError):  # the program has ended meanwhile
-        serve(channel.receive(), channel.send, channel.fileno())
+        serve(channel.receive(), channel.send, channel, answer)
     return 0

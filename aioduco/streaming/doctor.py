@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco._platform import processors
 from aioduco.models import ranges
 from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.options import Feeding, LaneOptions
@@ -136,7 +136,7 @@ async def examine(host: str, port: int = 7003, *, seconds: float = _SECONDS) -> 
     return Examination(
         plain=plain,
         urgent=allowed,
-        processors=len(os.sched_getaffinity(0)),
+        processors=processors(),
         governor=_governor(),
         rate=holdable(plain),
         urgent_rate=0.0 if allowed is None else holdable(allowed),

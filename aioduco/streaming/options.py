@@ -29,6 +29,7 @@ __all__ = [
     "FeedingOptions",
     "LaneOptions",
     "PacedOptions",
+    "ServoOptions",
     "Upsampling",
     "checked",
     "per_group",
@@ -43,6 +44,8 @@ _AHEAD = Integer(1, MOST_POINTS, "targets", source=_SOURCE)
 _TIME = Number(0.0, 3600.0, "s", source=_SOURCE)
 _PRIORITY = Integer(0, 99, source=_SOURCE)
 _LATEST_ONLY = Flag(source=_SOURCE)
+_CHUNKS = Flag(source=_SOURCE)
+_BLEND = Number(0.0, 10.0, "s", source=_SOURCE)
 _LIMIT = Number(0.0, open_low=True, source=_SOURCE)
 
 
@@ -86,6 +89,13 @@ class PacedOptions(FeedingOptions, total=False):
     rate: float
 
 
+class ServoOptions(PacedOptions, total=False):
+    """The same for streams of places, which also take chunks of actions."""
+
+    chunks: bool
+    blend: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Feeding(FeedingSettings):
     """How the program feeds a stream, and what becomes of it.
@@ -101,6 +111,9 @@ class Feeding(FeedingSettings):
         ahead: targets that `send` queues before it waits; None: those of 50 ms.
         max_step: largest step between two targets, per group [rad, m]; empty: not checked.
         reach: how far the first target may be from where the arm is, per group [rad, m].
+        chunks: the program sends chunks of actions by `send_chunk`, `source_rate` of them per
+            second.
+        blend: time in which a newer chunk takes over from an older one [s].
     """
 
     def __post_init__(self) -> None:
@@ -122,9 +135,20 @@ class Feeding(FeedingSettings):
             raise ParameterError(
                 "source_rate", None, "given when every target counts and is up-sampled"
             )
+        _BLEND("blend", self.blend)
+        if _CHUNKS("chunks", self.chunks):
+            self._check_chunks()
         _HOLD("hold", self.hold)
         if self.ahead is not None:
             _AHEAD("ahead", self.ahead)
+
+    def _check_chunks(self) -> None:
+        if self.latest:
+            raise ParameterError("latest", True, "left out: of chunks every action counts")
+        if self.source_rate is None:
+            raise ParameterError("source_rate", None, "given: it is the rate of the actions")
+        if self.upsample not in ("cubic", "ruckig"):
+            raise ParameterError("upsample", self.upsample, '"cubic" or "ruckig" for chunks')
 
 
 def per_group(name: str, value: float | Sequence[float], groups: int) -> tuple[float, ...]:

@@ -49,6 +49,11 @@ class StreamStatistics(NamedTuple):
         queued: set-points of the program that wait in the worker's ring.
         depth: points in the controller's queue when last looked at.
         memory: size of the worker's process at its end [bytes]; 0 before, and for a thread.
+        chunks: chunks of actions that the worker has taken.
+        chunks_late: of these, chunks that came when the time of some of their actions had passed.
+        chunks_dropped: of these, chunks that came when the time of all their actions had passed.
+        actions_late: actions that came when their time had passed.
+        exhausted: times at which the actions were at their end and no chunk was there.
         unmet: what was asked of the system and not allowed.
         lateness: how late ticks began, those that were skipped included [s].
         interval: time between two ticks [s].
@@ -72,6 +77,11 @@ class StreamStatistics(NamedTuple):
     queued: int
     depth: int
     memory: int
+    chunks: int
+    chunks_late: int
+    chunks_dropped: int
+    actions_late: int
+    exhausted: int
     unmet: tuple[str, ...]
     lateness: Percentiles
     interval: Percentiles
@@ -103,6 +113,11 @@ class StreamStatistics(NamedTuple):
             queued=block.ring.level,
             depth=words[StatusWord.DEPTH],
             memory=words[StatusWord.MEMORY] * 1024 if host.pid is not None else 0,
+            chunks=words[StatusWord.CHUNKS],
+            chunks_late=words[StatusWord.CHUNKS_LATE],
+            chunks_dropped=words[StatusWord.CHUNKS_DROPPED],
+            actions_late=words[StatusWord.ACTIONS_LATE],
+            exhausted=words[StatusWord.EXHAUSTED],
             unmet=tuple(str(flag.name).lower() for flag in Unmet(words[StatusWord.UNMET])),
             lateness=times["lateness"],
             interval=times["interval"],
@@ -118,9 +133,15 @@ class StreamStatistics(NamedTuple):
         return (
             f"<StreamStatistics {self.state.name}"
             f"{f' ({self.reason.name})' if self.reason else ''}: {self.sent} sent, "
-            f"{self.missed} missed, {self.starved} starved, late p50 {late.p50 * 1e6:.0f} µs, "
+            f"{self.missed} missed, {self.starved} starved, {self._chunks()}"
+            f"late p50 {late.p50 * 1e6:.0f} µs, "
             f"p99 {late.p99 * 1e6:.0f} µs, max {late.max * 1e6:.0f} µs>"
         )
+
+    def _chunks(self) -> str:
+        if not self.chunks:
+            return ""
+        return f"{self.chunks} chunks ({self.chunks_late} late, {self.chunks_dropped} dropped), "
 
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain values, for JSON."""
@@ -145,6 +166,11 @@ class StreamStatistics(NamedTuple):
             f"{self.sent} sent · {self.missed} missed · {self.starved} starved · "
             f"{self.limited} limited · {self.overwritten} overwritten · {self.drained} drained"
         )
+        if self.chunks:
+            counts += (
+                f" · {self.chunks} chunks, {self.chunks_late} late, "
+                f"{self.chunks_dropped} dropped, {self.exhausted} times none left"
+            )
         title = f"{self.state.name}{f' ({self.reason.name})' if self.reason else ''} · {counts}"
         times = [
             (f"{name.replace('_', ' ')}: {meaning}", getattr(self, name))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from aioduco.errors import ParameterError
 from aioduco.models import ranges
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from aioduco.models.rules import VectorLike
     from aioduco.streaming.directions import MotionFrame
     from aioduco.streaming.endpoint import StreamEndpoint
-    from aioduco.streaming.options import LaneOptions, PacedOptions
+    from aioduco.streaming.options import LaneOptions, PacedOptions, ServoOptions
 
 __all__ = ["OffsetStream", "Servo"]
 
@@ -93,6 +93,12 @@ class Servo(ManualNames):
         hold: time without a target after which the stream ends [s]; 0.5.
         ahead: targets queued before `send` waits; those of 50 ms.
 
+    Those of places (all but `tcp_offset`) also take chunks of actions, by `Stream.send_chunk`:
+
+        chunks: whether the program sends chunks, `source_rate` actions per second; no. They need
+            upsample="ruckig", which keeps the limit of jerk, or "cubic".
+        blend: time in which a newer chunk takes over from an older one [s]; 0.1.
+
     Args:
         endpoint: the controller.
     """
@@ -113,7 +119,7 @@ class Servo(ManualNames):
         reach: float = 0.1,
         gains: ServoGains | None = None,
         options: LaneOptions | None = None,
-        **feeding: Unpack[PacedOptions],
+        **feeding: Unpack[ServoOptions],
     ) -> Stream:
         """Follow joint positions (servoj, 关节伺服).
 
@@ -166,7 +172,7 @@ class Servo(ManualNames):
         reach: _Pair = (0.05, 0.1),
         gains: ServoGains | None = None,
         options: LaneOptions | None = None,
-        **feeding: Unpack[PacedOptions],
+        **feeding: Unpack[ServoOptions],
     ) -> Stream:
         """Follow poses of the tool in the work object (servoj_pose, 位姿伺服).
 
@@ -222,7 +228,7 @@ class Servo(ManualNames):
         reach: _Pair = (0.05, 0.1),
         gains: ServoGains | None = None,
         options: LaneOptions | None = None,
-        **feeding: Unpack[PacedOptions],
+        **feeding: Unpack[ServoOptions],
     ) -> Stream:
         """Follow poses with Cartesian interpolation in the controller (servol, 直线伺服).
 
@@ -339,9 +345,11 @@ def _calls(function: str, motion: list[Any], frames: list[str], gains: ServoGain
     return Calls(function=function, arguments=arguments)
 
 
-def _fed(feeding: PacedOptions, max_step: _Pair, reach: _Pair) -> Feeding:
+def _fed(feeding: ServoOptions | PacedOptions, max_step: _Pair, reach: _Pair) -> Feeding:
+    # either is the first with some keys left out, which type checkers do not see
+    given = cast("ServoOptions", feeding)
     return Feeding(
-        **feeding,
+        **given,
         max_step=per_group("max_step", max_step, 2),
         reach=per_group("reach", reach, 2),
     )

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco._platform import clock_step
 from aioduco._wire.handoff import OwnerLoop
 from aioduco._wire.resource_errors import resource_error
 from aioduco.errors import DucoError, LaneFailed, StreamClosed
@@ -178,6 +179,13 @@ class Session:
             raise
 
     async def _start(self) -> None:
+        if (step := clock_step()) > self._config.period:
+            raise LaneFailed(
+                f"no lane was started: the clock of this Python goes on in steps of "
+                f"{step * 1e3:.1f} ms, and the stream's period is "
+                f"{self._config.period * 1e3:g} ms. "
+                "On Windows, Python 3.13 has a finer one. Nothing was sent"
+            )
         try:
             host = WorkerHandle(self._config, run_in_thread)
             host.touch()

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import anyio.lowlevel
 
 from aioduco.errors import ParameterError, SetPointTooFar
+from aioduco.models.rules import Number
 from aioduco.streaming.options import checked
 from aioduco.streaming.sampling import sampled
 from aioduco.streaming.session import Session
+from aioduco.streaming.shared.action import MOST_ACTIONS, ActionTag
 from aioduco.streaming.shared.config import WorkerConfig
 from aioduco.streaming.ticks import Tick, Ticks
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterable, AsyncIterator, Callable, Iterable
+    from collections.abc import AsyncIterable, AsyncIterator, Callable, Iterable, Sequence
     from types import TracebackType
 
     from aioduco.models.rules import VectorLike
@@ -23,12 +25,37 @@ if TYPE_CHECKING:
     from aioduco.streaming.options import Feeding, LaneOptions
     from aioduco.streaming.report import StreamStatistics
     from aioduco.streaming.shared.config import Sent
+    from aioduco.streaming.shared.space import Space
     from aioduco.streaming.shared.state import Reason, StreamState
     from aioduco.streaming.worker_process import WorkerHandle
 
 __all__ = ["Stream", "Tick"]
 
 _AT_ONCE = 256  # set-points written between two looks at the event loop
+_FARTHEST = 60.0  # s from now: for a chunk further away another clock was read
+_AT = Number(0.0, unit="s", source="this package")
+
+
+class _Chunk(NamedTuple):
+    """A chunk as it was sent: what the next one is compared with."""
+
+    begin: float
+    interval: float
+    actions: Sequence[tuple[float, ...]]
+
+    @property
+    def end(self) -> float:
+        return self.begin + (len(self.actions) - 1) * self.interval
+
+    def at(self, space: Space, time: float) -> tuple[float, ...]:
+        """Where it leads to at a time."""
+        last = len(self.actions) - 1
+        place = min(max((time - self.begin) / self.interval, 0.0), float(last))
+        index = min(int(place), max(0, last - 1))
+        start = space.decode(self.actions[index])
+        end = space.decode(self.actions[min(index + 1, last)])
+        way = space.difference(start, end)
+        return space.encode(space.moved(start, tuple((place - index) * w for w in way)))
 
 
 class Stream:
@@ -71,6 +98,8 @@ class Stream:
         self._session = Session(endpoint, config)
         self._last: tuple[float, ...] | None = None
         self._begun = False
+        self._chunks = 0
+        self._sent_chunk: _Chunk | None = None
 
     # -- what it is ----------------------------------------------------------------------------
 
@@ -176,9 +205,76 @@ class Stream:
             SetPointTooFar: it is too far from the one before; nothing was sent.
             StreamError: the stream has ended; says why.
         """
+        if self._feeding.chunks:
+            await self.send_chunk([point])
+            return
         values = tuple(self._check("point", point))
         self._check_step(values)
         await self._feed((values,), self._feeding.queued)
+
+    async def send_chunk(self, actions: Any, at: float | None = None) -> None:
+        """Send a chunk of actions; from its time on it replaces what was sent before.
+
+        For streams opened with `chunks=True`. The actions are as far apart as `source_rate` says.
+        Where this chunk and what was sent before disagree, the worker blends from one to the
+        other within the stream's limits. Actions whose time has passed are left out, and counted:
+        `StreamStatistics.chunks_late`, `chunks_dropped` and `actions_late`. Behind the last action
+        the arm stands; after `hold` the stream ends.
+
+        Args:
+            actions: set-points in the stream's units, 1 to 1000 of them. Shape (n, 6).
+            at: when the first one is due, by `time.monotonic()`, up to 60 s from now [s]. For
+                actions of a policy that is the time of the observation. None: now.
+
+        Raises:
+            ParameterError: it is not allowed; nothing was sent, and the stream goes on.
+            SetPointTooFar: two neighbours are further from one another than `max_step`, or it is
+                further from what was sent before; nothing was sent.
+            StreamError: the stream has ended; says why.
+        """
+        host = self._session.alive()
+        now = time.monotonic()
+        chunk = self._chunk(actions, at, now)
+        begin = 0 if at is None else max(1, round(at * 1e9))
+        count, ring = len(chunk.actions), host.block.ring
+        # All of it or nothing: from here to the last action nothing is awaited.
+        while ring.level > self._feeding.capacity - count:
+            await host.until_level(self._feeding.capacity - count)
+            host = self._session.alive()
+        self._chunks += 1
+        self._sent_chunk, self._last = chunk, chunk.actions[-1]
+        stamp = time.monotonic_ns()
+        for index, values in enumerate(chunk.actions):
+            ring.put(values, stamp, ActionTag(self._chunks, begin, index, count).pack())
+        await self._begin(host)
+        await anyio.lowlevel.checkpoint()
+
+    def _chunk(self, actions: Any, at: float | None, now: float) -> _Chunk:
+        """A chunk, checked."""
+        interval = self._feeding.interval
+        if not self._feeding.chunks or interval is None:
+            raise ParameterError("actions", "a chunk", "sent to a stream opened with chunks=True")
+        if at is not None:
+            _AT("at", at)
+            if abs(at - now) > _FARTHEST:
+                raise ParameterError(
+                    "at", at, f"a time of time.monotonic(), {now:.3f} now, within {_FARTHEST:g} s"
+                )
+        if not 1 <= len(actions) <= MOST_ACTIONS:
+            raise ParameterError("actions", len(actions), f"1 to {MOST_ACTIONS} actions")
+        checked: list[tuple[float, ...]] = []
+        for index, action in enumerate(actions):
+            values = tuple(self._check(f"actions[{index}]", action))
+            if checked:
+                self._check_step(values, checked[-1], f"actions[{index}]")
+            checked.append(values)
+        begin = now if at is None else at
+        chunk = _Chunk(begin, interval, checked)
+        if self._sent_chunk is not None:
+            when = min(max(begin, now), chunk.end)
+            before = self._sent_chunk.at(self._space, when)
+            self._check_step(chunk.at(self._space, when), before, "actions")
+        return chunk
 
     async def follow(self, source: AsyncIterable[VectorLike]) -> None:
         """Send every set-point of an async iterator, to its end.
@@ -224,8 +320,10 @@ class Stream:
     async def _sampled(self, trajectory: Any, times: Any) -> list[tuple[float, ...]]:
         """The set-points of a trajectory, checked."""
         interval = self._feeding.interval
-        if self._feeding.latest or interval is None:
-            raise ParameterError("trajectory", "an array", "sent to a stream without `latest`")
+        if self._feeding.latest or self._feeding.chunks or interval is None:
+            raise ParameterError(
+                "trajectory", "an array", "sent to a stream without `latest` and `chunks`"
+            )
         found: list[tuple[float, ...]] = []
         before = self._last
         for point in sampled(self._space, trajectory, times, interval).tolist():
@@ -278,7 +376,9 @@ class Stream:
             self._session.alive()
             self._begun = True
 
-    def _check_step(self, values: tuple[float, ...], before: Any = None) -> None:
+    def _check_step(
+        self, values: tuple[float, ...], before: Any = None, name: str = "point"
+    ) -> None:
         """See that a set-point is not too far from the one before."""
         before = before or self._last
         limits = self._feeding.max_step
@@ -290,5 +390,5 @@ class Stream:
             length = sum(s * s for s in step[group]) ** 0.5
             if length > most:
                 raise SetPointTooFar(
-                    "point", values, f"within {most:g} of the one before, not {length:.4g} away"
+                    name, values, f"within {most:g} of the one before, not {length:.4g} away"
                 )

@@ -153,7 +153,7 @@ class WorkerHandle:
                 )
                 self._thread.start()
                 return
-            self._process = _start(self.block.descriptor, theirs.fileno())
+            self._process = _start(self.block.handle, theirs)
         except BaseException:
             ours.close()
             theirs.close()
@@ -295,14 +295,14 @@ class WorkerHandle:
             await event.wait()
 
 
-def _start(memory: int, link: int) -> Process:
+def _start(memory: int | str, link: socket.socket) -> Process:
     """Start a worker's process, by a plain start of the interpreter.
 
     No fork, so that it is small and the program may have threads; no `multiprocessing`, so that
     scripts need no main guard and notebooks work.
     """
     try:
-        return Process("aioduco.streaming.worker.main", (memory, link))
+        return Process("aioduco.streaming.worker.main", [link], memory=memory)
     except Unstartable as exc:
         raise LaneFailed(
             f"a stream cannot have a process of its own, and nothing was sent: {exc}, "

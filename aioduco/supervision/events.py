@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 from aioduco.errors import DucoError, RobotStateError
@@ -51,6 +51,18 @@ class Event:
     """
 
     at: float
+
+    def line(self) -> str:
+        """Say it in a line: its name in words, and what it tells."""
+        name = "".join(
+            f" {letter.lower()}" if letter.isupper() else letter for letter in type(self).__name__
+        )
+        said = []
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name != "at" and value not in ("", ()):
+                said.append(f"{field.name} {getattr(value, 'name', None) or value}")
+        return f"{name.strip()}{': ' if said else ''}{', '.join(said)}"
 
 
 @dataclass(frozen=True, slots=True)

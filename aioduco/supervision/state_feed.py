@@ -252,6 +252,8 @@ class StateFeed:
         self.rate = rate
         #: whether samples have forces, too: two more questions to the controller for each
         self.forces = False
+        #: recordings and publications that want forces as well, whatever the program wants
+        self.force_readers = 0
 
     def __repr__(self) -> str:
         figures = self.statistics()
@@ -407,7 +409,8 @@ class StateFeed:
         states = self._samples.states(await rpc.get_robot_state())
         status = self._samples.status(await rpc.getRobotStatus())
         io = self._samples.io(await rpc.getRobotIOStatus())
-        forces = await self._read_forces() if self.forces else None
+        wanted = self.forces or self.force_readers
+        forces = await self._read_forces() if wanted else None
         return Snapshot(self._count, states.received_at, states, status, io, forces)
 
     async def _read_forces(self) -> ForceStatus:

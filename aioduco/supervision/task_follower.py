@@ -40,6 +40,7 @@ from aioduco.models.enums import Outcome, TaskState
 from aioduco.reporting import BackgroundLogger
 from aioduco.supervision.task import Task, TaskControl
 from aioduco.supervision.task_state import STOOD, TaskLifecycle
+from aioduco.trace import tell
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -202,10 +203,10 @@ class TaskFollower:
                 task._settle((), now)
             return
         self._seen[task] = task.accepted_at
-        self._tell(task)
         self._schedule.add(task, task.accepted_at)
         wake, self._wake = self._wake, anyio.Event()
         wake.set()
+        tell(self.observers, task)
 
     async def error_list(self) -> tuple[str, ...]:
         """The controller's error list before a command is sent: what it has then is not its own.
@@ -365,7 +366,7 @@ class TaskFollower:
         if state is None:
             task.life.lose()
         elif task._observed(state, now):
-            self._tell(task)
+            tell(self.observers, task)
 
     async def _end(self, task: Task) -> None:
         self._schedule.remove(task)
@@ -395,11 +396,7 @@ class TaskFollower:
         was_done = task.done
         task._settle(errors, now)
         if not was_done:
-            self._tell(task)
-
-    def _tell(self, task: Task) -> None:
-        for observer in self.observers:
-            observer(task)
+            tell(self.observers, task)
 
     def _close(self) -> None:
         self._closed = True

@@ -13,13 +13,17 @@ The supervision is that of `aioduco`, in an event loop on a thread of its own.
 from __future__ import annotations
 
 from aioduco.sync._feeds import Events, Feed, Subscription
+from aioduco.sync._gripper import Gripper
+from aioduco.sync._playback import check_path_on, check_waypoints_on, play, run_waypoints
 from aioduco.sync._robot import Robot, connect
 from aioduco.sync._streams import OffsetStream, Stream, TrackStream
 from aioduco.sync._tasks import MotionCommand, MotionFunction, MotionPath, Task
+from aioduco.sync._teleoperation import teleoperate
 
 __all__ = [
     "Events",
     "Feed",
+    "Gripper",
     "MotionCommand",
     "MotionFunction",
     "MotionPath",
@@ -29,5 +33,10 @@ __all__ = [
     "Subscription",
     "Task",
     "TrackStream",
+    "check_path_on",
+    "check_waypoints_on",
     "connect",
+    "play",
+    "run_waypoints",
+    "teleoperate",
 ]

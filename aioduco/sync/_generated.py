@@ -56,7 +56,7 @@ if TYPE_CHECKING:
         Tolerances,
         TrajectoryResult,
     )
-    from aioduco.streaming.options import FeedingOptions, LaneOptions, PacedOptions
+    from aioduco.streaming.options import FeedingOptions, LaneOptions, PacedOptions, ServoOptions
     from aioduco.streaming.servo import Servo as AioServo
     from aioduco.streaming.speed import Speed as AioSpeed
     from aioduco.supervision import command as aio_command
@@ -1395,6 +1395,12 @@ class Servo(_Section):
         upsample: how targets are brought to `rate`: "none", "linear", "cubic" or "ruckig".
         hold: time without a target after which the stream ends [s]; 0.5.
         ahead: targets queued before `send` waits; those of 50 ms.
+
+    Those of places (all but `tcp_offset`) also take chunks of actions, by `Stream.send_chunk`:
+
+        chunks: whether the program sends chunks, `source_rate` actions per second; no. They need
+            upsample="ruckig", which keeps the limit of jerk, or "cubic".
+        blend: time in which a newer chunk takes over from an older one [s]; 0.1.
     """
 
     __slots__ = ()
@@ -1410,7 +1416,7 @@ class Servo(_Section):
         reach: float = 0.1,
         gains: ServoGains | None = None,
         options: LaneOptions | None = None,
-        **feeding: Unpack[PacedOptions]
+        **feeding: Unpack[ServoOptions]
     ) -> Stream:
         """Follow joint positions (servoj, 关节伺服).
 
@@ -1453,7 +1459,7 @@ class Servo(_Section):
         reach: tuple[float, float] = (0.05, 0.1),
         gains: ServoGains | None = None,
         options: LaneOptions | None = None,
-        **feeding: Unpack[PacedOptions]
+        **feeding: Unpack[ServoOptions]
     ) -> Stream:
         """Follow poses of the tool in the work object (servoj_pose, 位姿伺服).
 
@@ -1503,7 +1509,7 @@ class Servo(_Section):
         reach: tuple[float, float] = (0.05, 0.1),
         gains: ServoGains | None = None,
         options: LaneOptions | None = None,
-        **feeding: Unpack[PacedOptions]
+        **feeding: Unpack[ServoOptions]
     ) -> Stream:
         """Follow poses with Cartesian interpolation in the controller (servol, 直线伺服).
 

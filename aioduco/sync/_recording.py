@@ -1,4 +1,4 @@
-"""A recording for programs that wait."""
+"""A recording and a publication for programs that wait."""
 
 from __future__ import annotations
 
@@ -10,70 +10,62 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
 
-    from aioduco.recording import recorder
-    from aioduco.recording.recorder import RecordingStatistics
+    from aioduco.recording import publication, recorder
+    from aioduco.recording.publication import PublicationStatistics
+    from aioduco.recording.recorder import RecordingStatistics, RobotObserver
     from aioduco.sync._runner import Runner
 
-__all__ = ["Recording"]
+__all__ = ["Publication", "Recording"]
 
 
-class Recording:
-    """A recording of one robot: `Robot.record` makes it, `with` or `start` begins it."""
+class _Observer:
+    """What both are: begun and ended, with what went wrong."""
 
-    def __init__(self, runner: Runner, recording: recorder.Recording) -> None:
+    def __init__(self, runner: Runner, observer: RobotObserver) -> None:
         self._runner = runner
-        self._recording = recording
+        self._observer = observer
 
     def __repr__(self) -> str:
-        return repr(self._recording)
+        return repr(self._observer)
 
     @property
     def handler(self) -> logging.Handler:
-        """Records log lines; a program may add it to its own loggers."""
-        return self._recording.handler
-
-    @property
-    def path(self) -> Path:
-        """The file; if there was one of its name, a number was added to it."""
-        return self._recording.path
+        """Takes log lines; a program may add it to its own loggers."""
+        return self._observer.handler
 
     @property
     def running(self) -> bool:
-        """Whether it records."""
-        return self._recording.running
+        """Whether what is seen is taken."""
+        return self._observer.running
 
     @property
     def over(self) -> bool:
         """Whether it has ended."""
-        return self._recording.over
+        return self._observer.over
 
     @property
     def error(self) -> Exception | None:
         """Why it ended by itself, such as a full disk; None if it did not."""
-        return self._recording.error
-
-    def statistics(self) -> RecordingStatistics:
-        """Figures since its start."""
-        return self._recording.statistics()
+        return self._observer.error
 
     def start(self) -> Self:
-        """Open the file, and record from now on.
+        """Begin: what happens from now on is seen.
 
         Raises:
-            RobotStateError: the robot is not open, or the recording was started before.
-            RecordingError: the file cannot be written.
+            RobotStateError: the robot is not open, or this was started before.
+            RecordingError: the file cannot be written, or nothing can listen there.
             MissingExtra: the extra `record` is not installed.
         """
-        self._runner.call(self._recording.start(), undo=lambda _: self._recording.stop())
+        self._runner.call(self._observer.start(), undo=lambda _: self._observer.stop())
         return self
 
     def stop(self) -> None:
-        """End the recording: what was seen is written, and the file is closed.
+        """End: what was seen is written, and the file or the port is closed.
 
-        What fails is logged and not raised: `error` says whether the file is whole.
+        What fails is logged and not raised: `error` says it.
         """
         if self._runner.running:
-            self._runner.call(self._recording.stop())
+            self._runner.call(self._observer.stop())
 
     def __enter__(self) -> Self:
         return self.start()
@@ -85,3 +77,42 @@ class Recording:
         traceback: TracebackType | None,
     ) -> None:
         self.stop()
+
+
+class Recording(_Observer):
+    """A recording of one robot: `Robot.record` makes it, `with` or `start` begins it."""
+
+    def __init__(self, runner: Runner, recording: recorder.Recording) -> None:
+        super().__init__(runner, recording)
+        self._recording = recording
+
+    @property
+    def path(self) -> Path:
+        """The file; if there was one of its name, a number was added to it."""
+        return self._recording.path
+
+    def statistics(self) -> RecordingStatistics:
+        """Figures since its start."""
+        return self._recording.statistics()
+
+
+class Publication(_Observer):
+    """A robot published live: `Robot.publish` makes it, `with` or `start` begins it."""
+
+    def __init__(self, runner: Runner, made: publication.Publication) -> None:
+        super().__init__(runner, made)
+        self._publication = made
+
+    @property
+    def port(self) -> int:
+        """The port that it listens on; before the start, the one that was asked for."""
+        return self._publication.port
+
+    @property
+    def url(self) -> str:
+        """Where watchers connect to, such as `ws://127.0.0.1:8765`."""
+        return self._publication.url
+
+    def statistics(self) -> PublicationStatistics:
+        """Figures since its start."""
+        return self._publication.statistics()

@@ -9,7 +9,7 @@ from aioduco import robot as aio_robot
 from aioduco.models import ranges
 from aioduco.sync._feeds import Events, Feed
 from aioduco.sync._generated import Sections
-from aioduco.sync._recording import Recording
+from aioduco.sync._recording import Publication, Recording
 from aioduco.sync._runner import Runner
 from aioduco.sync._tasks import Task
 
@@ -273,6 +273,31 @@ class Robot(Sections):
         """
         made = self._runner.look(lambda: self._robot.record(path, forces=forces))
         return Recording(self._runner, made)
+
+    def publish(
+        self, port: int = 8765, *, host: str = "127.0.0.1", forces: bool = True
+    ) -> Publication:
+        """Publish the robot live on a WebSocket: `with robot.publish():`.
+
+        What `record` writes to a file is sent to every watcher that connects, on the same
+        channels: Foxglove and Lichtblick show it, and any program that speaks Foxglove's protocol
+        reads it. Watchers only watch. Nothing waits for them: one that is too slow loses messages.
+
+        Args:
+            port: port to listen on; 0 for a free one, which `Publication.port` tells.
+            host: address of this computer to listen on. Anything but loopback lets everybody in
+                that network watch: there is no password.
+            forces: whether samples have forces, too: two more questions to the controller for
+                each, see `Feed.forces`.
+
+        Returns:
+            The publication, not started yet. Closing the robot ends it.
+
+        Raises:
+            ParameterError: an argument is out of range.
+        """
+        made = self._runner.look(lambda: self._robot.publish(port, host=host, forces=forces))
+        return Publication(self._runner, made)
 
     @property
     def recording(self) -> Recording | None:

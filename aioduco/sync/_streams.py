@@ -164,6 +164,28 @@ class Stream:
         """
         self._runner.call(self._stream.send(point))
 
+    def send_chunk(self, actions: Any, at: float | None = None) -> None:
+        """Send a chunk of actions; from its time on it replaces what was sent before.
+
+        For streams opened with `chunks=True`. The actions are as far apart as `source_rate` says.
+        Where this chunk and what was sent before disagree, the worker blends from one to the
+        other within the stream's limits. Actions whose time has passed are left out, and counted:
+        `StreamStatistics.chunks_late`, `chunks_dropped` and `actions_late`. Behind the last action
+        the arm stands; after `hold` the stream ends.
+
+        Args:
+            actions: set-points in the stream's units, 1 to 1000 of them. Shape (n, 6).
+            at: when the first one is due, by `time.monotonic()`, up to 60 s from now [s]. For
+                actions of a policy that is the time of the observation. None: now.
+
+        Raises:
+            ParameterError: it is not allowed; nothing was sent, and the stream goes on.
+            SetPointTooFar: two neighbours are further from one another than `max_step`, or it is
+                further from what was sent before; nothing was sent.
+            StreamError: the stream has ended; says why.
+        """
+        self._runner.call(self._stream.send_chunk(actions, at))
+
     def follow(self, source: Iterable[VectorLike]) -> None:
         """Send every set-point of an iterator, to its end.
 

@@ -9,6 +9,7 @@ that every call kept to the manual.
 from __future__ import annotations
 
 from aioduco.testing.cancel import Cancelled, cancel_at, cancel_at_every_await
+from aioduco.testing.conformance import check_controller
 from aioduco.testing.faults import (
     ApplicationError,
     Chaos,
@@ -65,6 +66,7 @@ __all__ = [
     "WrongSeqid",
     "cancel_at",
     "cancel_at_every_await",
+    "check_controller",
     "eventually",
     "eventually_async",
     "no_leaks",

@@ -233,7 +233,8 @@ class FaultProxy:
 def _bound(port: int) -> socket.socket:
     sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+        shared = getattr(socket, "SO_REUSEPORT", socket.SO_REUSEADDR)
+        sock.setsockopt(socket.SOL_SOCKET, shared, 1)
         sock.bind((_HOST, port))
     except BaseException:
         sock.close()

@@ -71,6 +71,7 @@ def cut(proxy: FaultProxy) -> None:
     proxy.cut(Ending.RESET)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("pull", "guard"), [(freeze, None), (cut, "process")])
 async def test_for_good(
     sim: Simulator,
@@ -102,6 +103,7 @@ async def test_for_good(
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("pull", "guard"), [(freeze, "process"), (cut, None)])
 async def test_for_a_moment(
     sim: Simulator,
@@ -146,6 +148,7 @@ async def test_for_longer_than_the_heartbeat(
     await see_it_stand(sim, "the program")
 
 
+@pytest.mark.slow
 @BOTH
 async def test_the_error_comes_as_soon_as_the_controller_has_stopped_the_arm(
     sim: Simulator, proxy: FaultProxy, guard: GuardKind | None

@@ -129,6 +129,7 @@ async def cancelled_everywhere(
     assert runs * step > 20
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["scope", "task"])
 @pytest.mark.parametrize("again", [0, 3])
 async def test_the_arm_stands_after_a_cancellation_at_any_await(

@@ -142,6 +142,7 @@ def test_the_arm_stands_after_a_kill(sim: Simulator, seed: int, watch: Watch, nu
         eventually(lambda: sim.connections == 0)
 
 
+@pytest.mark.slow
 def test_without_a_heartbeat_the_arm_goes_on(sim: Simulator) -> None:
     """What the other tests see is the heartbeat's doing, or the guard's."""
     with running(sim, NOBODY) as child:
@@ -153,6 +154,7 @@ def test_without_a_heartbeat_the_arm_goes_on(sim: Simulator) -> None:
         assert sim.moving
 
 
+@pytest.mark.slow
 def test_the_arm_stands_after_a_kill_of_program_and_guard(sim: Simulator, seed: int) -> None:
     """The heartbeat ends with the guard; the program, frozen first, can do nothing."""
     with running(sim, Watch("process", HEARTBEAT)) as child:
@@ -164,6 +166,7 @@ def test_the_arm_stands_after_a_kill_of_program_and_guard(sim: Simulator, seed: 
         child.kill()
 
 
+@pytest.mark.slow
 def test_the_guards_death_stops_the_arm(sim: Simulator, seed: int) -> None:
     """By the program, which lives: long before the heartbeat is over."""
     with running(sim, GUARD) as child:
@@ -174,6 +177,7 @@ def test_the_guards_death_stops_the_arm(sim: Simulator, seed: int) -> None:
         assert child.wait() != 0
 
 
+@pytest.mark.slow
 @BOTH
 def test_the_arm_stands_while_the_program_is_frozen_and_after(
     sim: Simulator, seed: int, watch: Watch
@@ -190,6 +194,7 @@ def test_the_arm_stands_while_the_program_is_frozen_and_after(
         assert not sim.moving
 
 
+@pytest.mark.slow
 @BOTH
 def test_the_arm_stands_while_the_event_loop_hangs(sim: Simulator, watch: Watch) -> None:
     with running(sim, watch, "hang", STALL) as child:
@@ -212,6 +217,7 @@ def test_the_arm_stands_when_a_program_that_fails_has_ended(
         assert not sim.moving
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("end", "watch"),
     [("vanish", BEAT), ("vanish", GUARD), ("forget", NOBODY), ("forget", GUARD)],
@@ -239,6 +245,7 @@ def _later(sim: Simulator, due: float) -> bool:
     return sim.time >= due
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("gaps", "watch"),
     [
@@ -260,6 +267,7 @@ def test_the_arm_stands_when_an_interrupted_program_has_ended(
         assert not sim.moving
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("watch", [NOBODY, GUARD], ids=str)
 @pytest.mark.parametrize("gaps", [(0.1, 0.001, 0.003), (0.0, 0.0, 0.02, 0.002)], ids=str)
 def test_the_arm_stands_after_a_program_that_was_interrupted_thrice(

@@ -101,6 +101,7 @@ class Mover:
             assert np.abs(self._sim.joints.array - target).max() < 5e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", range(ROUNDS))
 async def test_the_arm_stands_whenever_the_program_has_given_up(
     sim: Simulator, part: int, faults: int, seed: int, totals: Counter[str]

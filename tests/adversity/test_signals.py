@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 import anyio
+import pytest
 from client.bench import HOME, Bench
 
 import aioduco
@@ -58,6 +59,7 @@ def interrupting(handler: Callable[[int, FrameType | None], None], every: float)
         signal.signal(signal.SIGALRM, before)
 
 
+@pytest.mark.slow
 async def test_a_stop_from_a_signal_handler_is_answered_wherever_it_interrupts(seed: int) -> None:
     async with (
         no_leaks(),

@@ -52,6 +52,7 @@ async def test_a_short_stall_lets_the_motion_go_on(sim: Simulator, guard: GuardK
         assert (figures.stalls, figures.losses) == (0, 0)
 
 
+@pytest.mark.slow
 @BOTH
 async def test_a_long_stall_stops_the_arm(sim: Simulator, guard: GuardKind | None) -> None:
     # The heartbeat alone would be too late: whoever sees the stall stops the arm.

@@ -59,7 +59,9 @@ async def test_a_replay_that_is_answered_with_an_id_is_followed(
     async with cancelled_once(desk.moving):
         await robot.motion.replay("track", 50, 0)
     assert not desk.moving()
-    assert desk.commands == ["replay", "replay", "stop"]
+    assert desk.commands[:3] == ["replay", "replay", "stop"]
+    # If it was cancelled before its answer came, the arm is stopped once more when it has come.
+    assert set(desk.commands[3:]) <= {"stop"}
 
 
 @pytest.mark.parametrize(
@@ -112,6 +114,7 @@ async def test_leaving_the_robot_stops_a_replay(desk: Desk) -> None:
     assert not desk.moving()
 
 
+@pytest.mark.slow
 async def test_a_replay_whose_answer_is_lost_is_stopped(desk: Desk) -> None:
     desk.motion_time = 30.0
     replays(desk)

@@ -50,6 +50,7 @@ def name(request: pytest.FixtureRequest) -> str:
     return value
 
 
+@pytest.mark.cases(2)
 async def test_it_is_over_when_the_arm_stands_after_its_time(
     robot: aioduco.Robot, desk: Desk, name: str
 ) -> None:
@@ -105,6 +106,7 @@ async def test_an_error_in_its_block_stops_the_arm(
     assert "stop" in desk.commands
 
 
+@pytest.mark.cases(6)
 async def test_cancelling_its_await_stops_the_arm(
     robot: aioduco.Robot, desk: Desk, name: str
 ) -> None:
@@ -252,6 +254,7 @@ def guiding(robot: aioduco.Robot) -> HeldMotion:
     return robot.motion.teach_mode()
 
 
+@pytest.mark.cases(1)
 async def test_hand_guiding_lasts_until_its_block_is_left(robot: aioduco.Robot, desk: Desk) -> None:
     async with guiding(robot) as task:
         with anyio.move_on_after(2 * task_state.STOOD) as scope:

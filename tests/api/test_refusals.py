@@ -103,6 +103,7 @@ def refused(case: Case, name: str) -> SearchStrategy[Any]:
     return values
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize(("case", "name"), PARAMETERS, ids=str)
 @settings(max_examples=examples(10))
 @given(data=st.data())

@@ -157,7 +157,7 @@ async def test_what_is_run_or_followed_is_checked_before_anything_is_sent(
     for ahead in (math.nan, "3", 0, -1, True, 1.5, None):
         motion = robot.motion.movej2(HOME, 1.0, 1.0)
         with pytest.raises(ParameterError, match="ahead"):
-            await robot.motion.run(motion, ahead=ahead)  # type: ignore[arg-type]  # on purpose
+            await robot.motion.run(motion, ahead=ahead)  # type: ignore[arg-type]  # the wrong type is the point
     path = aioduco.JointTrajectory([HOME, HOME], [0.0, 1.0])
     wrong: dict[str, tuple[Any, ...]] = {
         "trajectory": ("x", None, [HOME, HOME]),

@@ -150,6 +150,7 @@ async def test_what_is_no_motion_is_refused(robot: aioduco.Robot, bench: Bench) 
 # -- a path: motions that a program sends one by one ---------------------------------------------
 
 
+@pytest.mark.slow
 async def test_a_path_goes_on_while_the_arm_moves_and_blends(
     robot: aioduco.Robot, bench: Bench
 ) -> None:

@@ -36,6 +36,7 @@ class Still:
         return lambda: None
 
 
+@pytest.mark.slow
 async def test_motions_of_a_time_on_the_fastest_clock(
     duco_robot: aioduco.Robot, duco_simulator: Simulator
 ) -> None:
@@ -54,6 +55,7 @@ async def test_motions_of_a_time_on_the_fastest_clock(
     assert await duco_robot.motion.speedl(twist, a=1.0, time=0.5) is Outcome.FINISHED
 
 
+@pytest.mark.slow
 async def test_a_finished_motion_is_no_interrupted_one_on_the_wall_s_clock(
     duco_simulator: Simulator,
 ) -> None:
@@ -91,6 +93,7 @@ async def test_deadlines_and_durations_are_the_arm_s(bench: Bench) -> None:
         assert task.duration == 50.5
 
 
+@pytest.mark.slow
 async def test_a_finished_arm_does_not_move() -> None:
     """At the speed of the wall, with a heavy load: what swings out is no motion any more."""
     with Simulator(model="gcr5_910", speed=1.0) as sim:
@@ -122,6 +125,7 @@ def test_clocks() -> None:
         aioduco.connect("192.0.2.1", clock="noon")  # type: ignore[arg-type]  # what is tested
 
 
+@pytest.mark.slow
 async def test_a_simulator_of_another_process_tells_its_speed() -> None:
     with Simulator.spawn(speed=10.0) as sim:
         async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:

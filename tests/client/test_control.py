@@ -102,6 +102,7 @@ async def test_a_stop_is_repeated_over_fresh_connections(bench: Bench) -> None:
     assert not bench.moving()
 
 
+@pytest.mark.slow
 async def test_a_stop_that_cannot_be_confirmed_says_so(bench: Bench) -> None:
     bench.motion_time = 30.0
     robot = aioduco.connect(bench.host, bench.port, stop_timeout=0.3)

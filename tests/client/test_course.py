@@ -37,6 +37,7 @@ def test_the_part_is_never_more_than_all_or_less_than_nothing() -> None:
     assert COURSE.part(COURSE.target, START) == 1.0  # there was no way to go
 
 
+@pytest.mark.slow
 async def test_a_task_tells_how_far_it_is_and_when_it_ends() -> None:
     target = [0.5, 0.0, 1.57, 0.0, -1.57, 0.0]
     with Simulator(speed=1.0) as sim:

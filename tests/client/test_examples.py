@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib.util
+import json
 import re
 import subprocess
 import sys
@@ -28,6 +30,18 @@ SAYS = {
 }
 
 
+#: on a simulated arm of their own alone: with its gripper, a second one, or what goes wrong
+ALONE = {
+    "pick_and_place.py": ["part 2: placed", "3 of 3 placed"],
+    "gripper_robotiq.py": ["holds something: True", "fingers 40 mm apart"],
+    "two_arms.py": ["left: in the shared place, 3", "right: in the shared place, 3", "both are"],
+    "polish.py": ["4 lines, -1"],
+    "visual_servoing.py": ["beside the tool", "over it within 2 mm"],
+    "teach_and_replay.py": ["kept: ", "the way again: ", "the places again: 3 of 3"],
+    "behaviour_tree.py": ["to the parts: TaskFailed", "fetched 3 of 3"],
+}
+
+
 def run(*command: str) -> str:
     done = subprocess.run(
         [sys.executable, "-W", "error", PATIENT, *command],
@@ -41,6 +55,7 @@ def run(*command: str) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SAYS)
 def test_on_a_given_address(name: str) -> None:
     with Simulator(speed=2.0) as sim:
@@ -53,10 +68,49 @@ def test_without_an_address_on_a_simulated_arm() -> None:
     assert "back, within 0.0" in run(str(EXAMPLES / "01_connect_and_move.py"))
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ALONE)
+def test_with_more_than_an_arm(name: str) -> None:
+    if name == "behaviour_tree.py":
+        pytest.importorskip("py_trees", reason="needs pip install 'aioduco[examples]'")
+    said = run(str(EXAMPLES / name))
+    for words in ALONE[name]:
+        assert words in said
+
+
+@pytest.mark.slow
+def test_a_job_goes_on_after_a_fault_and_after_its_end(tmp_path: Path) -> None:
+    job = tmp_path / "job.json"
+    said = run(str(EXAMPLES / "resume_job.py"), str(job))
+    assert re.search(r"step (\d): TaskFailed\nstep \1: done\n", said)
+    assert "the job is done" in said
+    job.write_text('{"done": 4}', encoding="utf-8")
+    with Simulator(speed=2.0) as sim:
+        said = run(str(EXAMPLES / "resume_job.py"), str(job), sim.host, str(sim.port))
+    assert said == "step 5: done\nthe job is done\n"
+
+
+@pytest.mark.slow
+def test_a_log_of_lines_of_json() -> None:
+    lines = [json.loads(line) for line in run(str(EXAMPLES / "log_to_json.py")).splitlines()]
+    assert {"call", "motion"} <= {line["kind"] for line in lines}
+    assert [line["outcome"] for line in lines if line["kind"] == "motion"] == ["finished"]
+
+
+@pytest.mark.slow
 def test_pressing_on_a_table() -> None:
     said = run(str(EXAMPLES / "press_on_table.py"))
     about = r"-(19|20|21) N\n"
     assert re.fullmatch(f"pressing: {about}moved by 50 mm: {about}let go: 0 N\n", said)
+
+
+def test_each_is_in_the_table_of_the_page() -> None:
+    page = (EXAMPLES.parent / "docs" / "examples.md").read_text(encoding="utf-8")
+    for path in EXAMPLES.glob("*.py"):
+        assert f"{path.name}`" in page, path
+        lines = path.read_text(encoding="utf-8").splitlines()
+        assert len(lines) < 125, path
+        assert lines[0].startswith('"""'), path
 
 
 def test_each_is_short_and_opens_with_its_goal() -> None:
@@ -65,3 +119,37 @@ def test_each_is_short_and_opens_with_its_goal() -> None:
         assert len(lines) < 60, path
         assert lines[0].startswith('"""'), path
         assert path.name in SAYS
+
+
+_EXECUTED = """
+import sys
+import nbclient, nbformat
+
+book = nbformat.read(sys.argv[1], as_version=4)
+nbclient.NotebookClient(book, timeout=None, kernel_name="python3").execute()
+for cell in book.cells:
+    for output in cell.get("outputs", ()):
+        print(output.get("text", "") or output.get("data", {}).get("text/plain", ""))
+"""
+
+
+@pytest.mark.slow
+def test_the_notebook_runs_from_its_first_cell_to_its_last(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("nbclient", "ipykernel"):  # looked for, since importing them warns
+        if importlib.util.find_spec(name) is None:
+            pytest.skip("needs pip install 'aioduco[examples]'")
+    monkeypatch.delenv("AIODUCO_HOST", raising=False)
+    path = EXAMPLES / "notebook.ipynb"
+    cells = json.loads(path.read_text("utf-8"))["cells"]
+    assert not any(cell.get("outputs") for cell in cells), "it is kept without outputs"
+    assert sum(len(cell["source"]) for cell in cells) < 120
+    done = subprocess.run(
+        [sys.executable, "-c", _EXECUTED, str(path)],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=110,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "50 mm down" in done.stdout
+    assert "FINISHED finished" in done.stdout

@@ -44,6 +44,7 @@ def pressing(force: float) -> tuple[float, ...]:
     return (0.0, 0.0, -force, 0.0, 0.0, 0.0)
 
 
+@pytest.mark.slow
 async def test_every_function_of_force_control(arm: aioduco.Robot) -> None:
     force = arm.force
     begin = Pose.of(await arm.state.get_tcp_pose())
@@ -68,6 +69,7 @@ async def test_every_function_of_force_control(arm: aioduco.Robot) -> None:
     assert await arm.motion.movel(begin, v=0.1, a=0.5) is Outcome.FINISHED
 
 
+@pytest.mark.slow
 async def test_a_guard_is_an_error_of_the_motion_and_brought_up_again(
     arm: aioduco.Robot, sim: Simulator
 ) -> None:

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from aioduco.supervision.guard.guarded import GuardClient
     from client.bench import Bench
 
+pytestmark = pytest.mark.linux("the guard's process")
+
 
 @pytest.fixture
 async def robot(bench: Bench) -> AsyncIterator[aioduco.Robot]:

@@ -69,6 +69,7 @@ async def test_a_short_stall_of_the_loop_does_not_stop_the_beat(bench: Bench) ->
         assert state(robot) is HeartbeatState.BEATING
 
 
+@pytest.mark.slow
 async def test_a_hung_loop_stops_the_beat_until_rearmed(
     bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -157,6 +158,7 @@ FORGOTTEN = """
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", ["return", "raise SystemExit(3)", "1 / 0"])
 def test_a_program_that_ends_without_closing_beats_no_more(bench: Bench, end: str) -> None:
     """The heartbeat's thread must not keep a finished program, and its arm, alive."""

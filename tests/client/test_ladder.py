@@ -82,6 +82,7 @@ async def test_an_exception_inside(bench: Bench) -> None:
     await left_standing(bench)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["scope", "task"])
 @pytest.mark.parametrize("again", [0, 5])
 async def test_cancelled_at_every_await_from_opening_to_closing(
@@ -126,6 +127,7 @@ async def test_a_start_on_its_way_while_leaving_is_waited_for(bench: Bench) -> N
     await left_standing(bench)
 
 
+@pytest.mark.slow
 async def test_a_controller_that_hangs_does_not_hold_the_way_out_for_ever(bench: Bench) -> None:
     bench.motion_time = 30.0
     async with FaultProxy(bench.host, bench.port) as proxy:

@@ -46,6 +46,7 @@ async def fail(robot: aioduco.Robot) -> None:
     raise KeyError("no such part")
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("mode", [press, guide, fail])
 async def test_no_mode_is_on_when_the_robot_was_left(
     sim: Simulator, mode: Callable[[aioduco.Robot], Awaitable[None]]
@@ -83,6 +84,7 @@ async def test_force_control_goes_on_through_a_stop(sim: Simulator) -> None:
         )
 
 
+@pytest.mark.slow
 async def test_a_dry_run_is_supervised_as_a_run(sim: Simulator) -> None:
     # A busy machine holds up the loop: that is no matter of this test.
     async with aioduco.connect(sim.host, sim.port, heartbeat=60.0, loop_stall_limit=60.0) as robot:

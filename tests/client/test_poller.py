@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from client.bench import Bench
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "motion",
     [
@@ -122,6 +123,7 @@ async def test_a_task_that_is_lost_sight_of_ends_unknown_and_the_arm_is_stopped(
         assert "stop" in bench.commands
 
 
+@pytest.mark.slow
 async def test_a_controller_that_is_gone_leaves_no_await_behind(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -141,6 +143,7 @@ async def test_a_controller_that_is_gone_leaves_no_await_behind(
             await robot.aclose()
 
 
+@pytest.mark.slow
 async def test_a_controller_that_stops_answering_leaves_no_await_behind(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -92,7 +92,7 @@ async def outcome(sim: Simulator, robot: aioduco.Robot, case: Case) -> str:
     return ends[0] if ends else "goes on"
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("names", PARTS, ids=lambda names: f"{names[0]} to {names[-1]}")
 async def test_each_function_ends_alike(names: list[str]) -> None:
     ends: list[dict[str, str]] = []
@@ -118,6 +118,7 @@ async def test_what_ends_the_controller_ends_alike(name: str) -> None:
     assert ends[0] == ends[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TIMED)
 async def test_a_motion_of_a_time_turns_as_far(name: str) -> None:
     turned = []

@@ -51,7 +51,7 @@ def collisions(
     return found
 
 
-@pytest.mark.cases(3)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("model", models())
 def test_disabled_are_those_that_never_or_always_touch(model: str, thorough: bool) -> None:
     number = 100_000 if thorough else 1_000

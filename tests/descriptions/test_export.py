@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import re
+import subprocess
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
+from xml.etree import ElementTree as ET
 
 import pytest
+import yaml
 from typer.testing import CliRunner, Result
 
 from aioduco.cli.app import app
@@ -20,6 +24,8 @@ from aioduco.descriptions import (
     srdf,
     urdf,
 )
+from aioduco.integrations.ros.arm_node import NodeSettings
+from aioduco.integrations.ros.ros1.launch_package import launch_package
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,7 +41,7 @@ def of_scene() -> dict[str, str]:
     return {"gcr7_910.xml": mjcf("gcr7_910"), "scene.xml": mjcf_scene("gcr7_910", "gcr7_910.xml")}
 
 
-@pytest.mark.cases(4)
+@pytest.mark.cases(2)
 @pytest.mark.parametrize(
     ("kind", "expected"),
     [
@@ -56,6 +62,47 @@ def test_files_are_written(
     assert done.exit_code == 0, done.output
     assert {path.name: path.read_text("utf-8") for path in folder.iterdir()} == files
     assert done.stdout.split() == [str(folder / name) for name in files]
+
+
+def test_a_package_of_ros_1_starts_each_arm_of_its_urdf(tmp_path: Path) -> None:
+    models = ["--model", "gcr5_910", "--prefix", "left_", "--mounting", "0,0.4,0,0,0,0"]
+    models += ["--model", "gcr3_618", "--prefix", "right_", "--mounting", "wall"]
+    done = run("ros1", *models, "--name", "cell", "-o", str(tmp_path))
+    assert done.exit_code == 0, done.output
+    package = tmp_path / "cell_bringup"
+    assert ET.parse(package / "package.xml").findtext("name") == package.name
+    launch = ET.parse(package / "launch" / "arm.launch")
+    described = launch.find("param[@name='robot_description']")
+    assert described is not None
+    assert described.get("textfile") == "$(dirname)/../urdf/cell.urdf"
+    tree = ET.parse(package / "urdf" / "cell.urdf")
+    joints = {joint.get("name") for joint in tree.findall("joint")}
+    links = {link.get("name") for link in tree.findall("link")}
+    nodes = launch.findall("node[@type='driver']")
+    assert len(nodes) == 2
+    for node in nodes:
+        given = {each.get("name"): each.get("value", "") for each in node.findall("param")}
+        settings = NodeSettings(host="-", model=given["model"], prefix=given["prefix"])
+        assert set(settings.profile.joint_names) <= joints
+        assert settings.base_frame in links
+        assert set(given) <= {field.name for field in fields(NodeSettings)}
+    own = [node.get("type") for node in launch.findall(f"node[@pkg='{package.name}']")]
+    assert set(own) == {path.name for path in (package / "scripts").iterdir()}
+    assert all(path.stat().st_mode & 0o111 for path in (package / "scripts").iterdir())
+    shown = yaml.safe_load((package / "rviz" / "arm.rviz").read_text("utf-8"))
+    assert shown["Visualization Manager"]["Global Options"]["Fixed Frame"] in links
+
+
+def test_the_simulator_of_that_package_is_given_no_remappings(tmp_path: Path) -> None:
+    said = tmp_path / "said"
+    said.write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n')
+    said.chmod(0o755)
+    script = tmp_path / "simulator"
+    files = launch_package("gcr5_910", name="arm", command=str(said))
+    script.write_text(files["arm_bringup/scripts/simulator"])
+    asked = ["--model", "gcr5_910", "__name:=simulator", "__log:=/a b/c.log", "--port", "7003"]
+    found = subprocess.check_output(["sh", str(script), *asked], text=True).splitlines()
+    assert found == ["sim", "--model", "gcr5_910", "--port", "7003"]
 
 
 def test_options_are_those_of_the_description(tmp_path: Path) -> None:
@@ -83,6 +130,7 @@ def test_options_are_those_of_the_description(tmp_path: Path) -> None:
     assert "world" not in written
 
 
+@pytest.mark.cases(4)
 @pytest.mark.parametrize(
     ("options", "said"),
     [
@@ -95,7 +143,6 @@ def test_options_are_those_of_the_description(tmp_path: Path) -> None:
         (["--meshes", "."], "a folder with base_link"),
     ],
 )
-@pytest.mark.cases(7)
 def test_what_is_wrong_is_said(
     options: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -113,6 +160,7 @@ def test_a_folder_that_cannot_be_made_is_said(tmp_path: Path) -> None:
     assert "file" in done.stderr
 
 
+@pytest.mark.slow
 def test_examples_of_the_page_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     blocks = re.findall(r"^```python\n(.*?)^```", PAGE.read_text("utf-8"), re.MULTILINE | re.DOTALL)

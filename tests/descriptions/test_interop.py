@@ -18,10 +18,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     pinocchio: Any  # its bindings are compiled, without types
-    yourdfpy: Any  # without types
 else:
     pinocchio = pytest.importorskip("pinocchio", reason="needs pip install 'aioduco[interop]'")
-    yourdfpy = pytest.importorskip("yourdfpy", reason="needs pip install 'aioduco[interop]'")
 
 pytestmark = [pytest.mark.interop, pytest.mark.timeout(900)]
 
@@ -54,10 +52,12 @@ def test_pinocchio_agrees_on_frames_inertias_and_limits(
         assert np.allclose(loaded.upperVelocityLimit, known.velocity)
 
 
+@pytest.mark.cases(2)
 @pytest.mark.filterwarnings("ignore:`Scene.dump:DeprecationWarning")  # yourdfpy's own
 @pytest.mark.parametrize("model", models())
 def test_yourdfpy_agrees_on_frames(model: str, tmp_path: Path) -> None:
     (tmp_path / "arm.urdf").write_text(urdf(model), encoding="utf-8")
+    yourdfpy = pytest.importorskip("yourdfpy", reason="needs pip install 'aioduco[interop]'")
     loaded = yourdfpy.URDF.load(str(tmp_path / "arm.urdf"), build_collision_scene_graph=True)
     assert loaded.actuated_joint_names == [f"joint_{i}" for i in range(1, 7)]
     assert loaded.validate()

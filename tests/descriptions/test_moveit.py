@@ -71,6 +71,29 @@ def test_limits_are_those_of_the_arm_and_no_whole_numbers(model: str) -> None:
             assert type(value) is (bool if name.startswith("has_") else float), name
 
 
+@pytest.mark.parametrize("model", models())
+def test_limits_and_states_keep_those_of_the_urdf(model: str) -> None:
+    files = read(moveit(model))
+    limits = files["joint_limits.yaml"]["joint_limits"]
+    joints = {
+        joint.get("name"): {name: float(value) for name, value in found.attrib.items()}
+        for joint in files[f"{model}.urdf"].findall("joint")
+        if (found := joint.find("limit")) is not None
+    }
+    assert list(limits) == list(joints)
+    for name, limit in limits.items():
+        urdf = joints[name]
+        # The URDF's numbers have twelve digits.
+        for key, word in (("min_position", "lower"), ("max_position", "upper")):
+            assert limit[key] == pytest.approx(urdf[word], abs=1e-11)
+        assert limit["max_velocity"] == pytest.approx(urdf["velocity"], abs=1e-11)
+    states = files[f"{model}.srdf"].findall("group_state/joint")
+    assert {state.get("name") for state in states} == set(joints)
+    for state in states:
+        urdf = joints[state.get("name")]
+        assert urdf["lower"] <= float(state.get("value")) <= urdf["upper"]
+
+
 def test_two_arms_have_groups_and_controllers_of_their_own() -> None:
     files = read(moveit(LEFT, RIGHT, name="cell"))
     joints = [side + joint for side in ("left_", "right_") for joint in JOINTS]

@@ -65,6 +65,28 @@ def test_urdfdom_accepts_it(model: str, tmp_path: Path) -> None:
     assert "root Link: world" in said
 
 
+@pytest.mark.cases(2)
+@pytest.mark.parametrize("model", models())
+def test_urdfdom_draws_its_tree(model: str, tmp_path: Path) -> None:
+    if shutil.which("urdf_to_graphviz") is None:
+        pytest.skip("urdf_to_graphviz is not installed: apt install liburdfdom-tools")
+    (tmp_path / "arm.urdf").write_text(urdf(model), encoding="utf-8")
+    done = subprocess.run(
+        ["urdf_to_graphviz", "arm.urdf", "tree"],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    drawn = (tmp_path / "tree.gv").read_text()
+    tree = ET.fromstring(urdf(model))
+    for kind in ("link", "joint"):
+        for each in tree.findall(kind):
+            assert f'"{each.get("name")}"' in drawn
+
+
 @pytest.mark.parametrize(
     "arms",
     [

@@ -106,7 +106,7 @@ def wander(rng: np.random.Generator) -> np.ndarray:
     return targets
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_what_is_left_out_changes_no_decision(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """The same set-points, bit for bit, and the same crossing as if every zone were looked at."""

@@ -7,6 +7,7 @@ import pytest
 from .trials import KINDS, run
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("kind", KINDS)
 async def test_the_arm_stays_within_random_zones(kind: str, thorough: bool) -> None:
     """What was told to the controller and where the arm was is judged in the trials."""

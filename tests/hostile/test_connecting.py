@@ -140,7 +140,7 @@ async def test_a_guard_that_cannot_be_started_is_said_so(
 @pytest.mark.parametrize(
     ("lane", "what"),
     [
-        ("process", "os.memfd_create"),
+        pytest.param("process", "os.memfd_create", marks=pytest.mark.linux("memory files")),
         ("process", "aioduco.streaming.worker_process.socket.socketpair"),
         ("process", "aioduco._spawn.subprocess.Popen"),
         ("thread", "aioduco.streaming.worker_process.socket.socketpair"),
@@ -203,6 +203,7 @@ asyncio.run(main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), sys.argv[4]))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("spare", "guard"), [(0, ""), (3, ""), (6, ""), (6, "process")])
 def test_a_program_without_descriptors_is_told_so(bench: Bench, spare: int, guard: str) -> None:
     """Six lanes and the heartbeat take one descriptor each; the guard takes more."""

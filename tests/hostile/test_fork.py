@@ -95,6 +95,7 @@ def test_a_forked_child_that_ends_leaves_its_parents_robot_alone(
     assert "Traceback" not in ended.errors
 
 
+@pytest.mark.slow
 @LOOPS
 @GUARDS
 def test_a_program_leaves_its_robot_while_a_forked_child_lives_on(

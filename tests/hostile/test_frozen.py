@@ -9,33 +9,12 @@ from typing import TYPE_CHECKING
 import pytest
 from client.bench import HOME, Bench
 
+from .processes import GUARD, PICTURES, PLANNER, SIMULATOR, STREAM
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-GUARD = """
-    async with aioduco.connect({host!r}, {port}, guard="process") as robot:
-        await robot.motion.movej2({HOME}, v=1.0, a=1.0)
-"""
-STREAM = """
-    async with aioduco.connect({host!r}, {port}) as robot:
-        async with robot.servo.joints(v=1.0, a=5.0, rate=100) as stream:
-            await stream.send({HOME})
-"""
-PLANNER = """
-    from aioduco.planning import Planner, Scene
-    async with Planner(Scene()) as planner:
-        await planner.plan({HOME}, aioduco.Joints.of({HOME}))
-"""
-PICTURES = """
-    from aioduco.planning import Scene
-    assert Scene().picture({HOME}, width=20, height=20).shape == (20, 20, 3)
-"""
-SIMULATOR = """
-    from aioduco.sim.simulator import Simulator
-    async with Simulator.spawn() as sim:
-        assert sim.port
-"""
 PREFLIGHT = """
     from aioduco.preflight import preflight
     preflight(__file__, quiet=True)
@@ -138,7 +117,7 @@ def test_a_frozen_program_that_calls_freeze_support_has_guard_and_lanes(
     assert bench.received("movej2" if body is GUARD else "servoj")
 
 
-@pytest.mark.cases(3)
+@pytest.mark.slow
 @bodies(OTHERS)
 def test_it_has_planners_pictures_and_simulators_too(
     bench: Bench, tmp_path: Path, body: str
@@ -148,7 +127,7 @@ def test_it_has_planners_pictures_and_simulators_too(
     assert program.starts == 1
 
 
-@pytest.mark.cases(2)
+@pytest.mark.slow
 @bodies(PROGRAMS)
 @pytest.mark.parametrize("support", ["aioduco.freeze_support()", ""], ids=["told", "untold"])
 def test_it_tries_no_program_since_it_would_run_itself(
@@ -159,7 +138,7 @@ def test_it_tries_no_program_since_it_would_run_itself(
     assert program.said.startswith("PreflightError this is a frozen program")
 
 
-@pytest.mark.cases(2)
+@pytest.mark.slow
 @bodies(ROBOT, OTHERS)
 def test_a_frozen_program_without_it_is_refused_and_not_started_again(
     bench: Bench, tmp_path: Path, body: str
@@ -172,7 +151,7 @@ def test_a_frozen_program_without_it_is_refused_and_not_started_again(
     assert {GUARD: "without a guard", STREAM: 'lane="thread"'}.get(body, "") in program.said
 
 
-@pytest.mark.cases(2)
+@pytest.mark.slow
 @bodies(ROBOT, OTHERS, {"preflight": PREFLIGHT})
 def test_a_program_that_does_not_say_that_it_is_frozen_moves_nothing_when_started_by_mistake(
     bench: Bench, tmp_path: Path, body: str

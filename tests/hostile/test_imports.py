@@ -18,32 +18,11 @@ from aioduco.sim import process as sim_process
 from aioduco.sim.simulator import Simulator
 from aioduco.sim.view import render
 
+from .processes import GUARD, PICTURES, PLANNER, SIMULATOR, STREAM
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-GUARD = """
-    async with aioduco.connect({host!r}, {port}, guard="process") as robot:
-        await robot.motion.movej2({HOME}, v=1.0, a=1.0)
-"""
-STREAM = """
-    async with aioduco.connect({host!r}, {port}) as robot:
-        async with robot.servo.joints(v=1.0, a=5.0, rate=100) as stream:
-            await stream.send({HOME})
-"""
-PLANNER = """
-    from aioduco.planning import Planner, Scene
-    async with Planner(Scene()) as planner:
-        await planner.plan({HOME}, aioduco.Joints.of({HOME}))
-"""
-PICTURES = """
-    from aioduco.planning import Scene
-    assert Scene().picture({HOME}, width=20, height=20).shape == (20, 20, 3)
-"""
-SIMULATOR = """
-    from aioduco.sim.simulator import Simulator
-    async with Simulator.spawn() as sim:
-        assert sim.port
-"""
 PREFLIGHT = """
     from aioduco.preflight import preflight
     assert preflight({tried!r}, quiet=True).ok
@@ -77,7 +56,12 @@ def program(bench: Bench, kind: str, tried: Path, begin: str = "") -> str:
     body = KINDS[kind].format(host=bench.host, port=bench.port, HOME=HOME, tried=str(tried))
     (tried.parent / "its_helper.py").touch()
     tried.write_text(TRIED)
-    return f"{begin}\nimport anyio, aioduco\nasync def main():{body}anyio.run(main)\nprint('done')"
+    # a busy machine may hold up the event loop, of which the program's robot would log
+    quiet = "import logging; logging.getLogger('aioduco').setLevel(logging.ERROR)"
+    return (
+        f"{begin}\nimport anyio, aioduco\n{quiet}\n"
+        f"async def main():{body}anyio.run(main)\nprint('done')"
+    )
 
 
 def run(command: list[str], cwd: Path) -> str:
@@ -85,6 +69,7 @@ def run(command: list[str], cwd: Path) -> str:
     return done.stdout + done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "name"),
     [
@@ -111,6 +96,7 @@ def test_a_stray_file_in_the_current_folder_is_not_run(
     assert not ran.exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("isolated", [True, False], ids=["-I", "without"])
 def test_packages_that_only_the_program_knows_of_are_found(
@@ -126,7 +112,7 @@ def test_packages_that_only_the_program_knows_of_are_found(
     assert run([base, *flags, str(script)], tmp_path) == "done\n"
 
 
-@pytest.mark.cases(4)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("modules", "more", "some"),
     [

@@ -73,6 +73,7 @@ def _line(process: subprocess.Popen[str], given: str | None = None) -> str:
     return process.stdout.readline().strip()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_outage_ends_what_it_says_it_ends_and_no_more(cable: Network, kind: str) -> None:
     with (

@@ -42,6 +42,7 @@ def stops(bench: Bench) -> int:
     return len(bench.received("stop"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("deed", ["pass", MOVED], ids=["looked on", "moved before"])
 async def test_a_killed_program_that_moves_nothing_stops_nobodys_arm(
     bench: Bench, deed: str
@@ -65,6 +66,7 @@ def test_a_killed_program_that_moves_has_its_arm_stopped(bench: Bench) -> None:
         assert not bench.moving()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("guard", [None, "process"], ids=["alone", "guard"])
 @pytest.mark.parametrize("moves", [False, True], ids=["looks on", "moves"])
 async def test_a_hung_program_has_only_its_own_motion_stopped(
@@ -84,6 +86,7 @@ async def test_a_hung_program_has_only_its_own_motion_stopped(
     assert (stops(bench) >= 1) is moves
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("heartbeat", [BEAT, None])
 def test_a_guard_that_was_frozen_at_its_programs_death_stops_nobody_elses_motion(
     bench: Bench, heartbeat: float | None
@@ -105,6 +108,7 @@ def test_a_guard_that_was_frozen_at_its_programs_death_stops_nobody_elses_motion
     assert len(bench.received("rpc_heartbeat")) <= beats + 1
 
 
+@pytest.mark.slow
 async def test_a_frozen_guard_goes_on_when_it_wakes(bench: Bench) -> None:
     async with aioduco.connect(
         bench.host, bench.port, guard="process", heartbeat=BEAT, loop_stall_limit=20.0
@@ -137,6 +141,7 @@ async def test_without_a_guard_that_knows_of_it_nothing_is_moved(bench: Bench) -
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
 
+@pytest.mark.slow
 async def test_another_guard_knows_what_moves(bench: Bench) -> None:
     """A claim that is held while the guard is replaced is made to the new one, too."""
     code = (

@@ -32,6 +32,16 @@ def stops(bench: Bench) -> int:
     return len(bench.received("stop"))
 
 
+@pytest.fixture
+def hangups() -> Iterator[None]:
+    """Programs are told of a hang-up also where the tests themselves are not, as under nohup."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.usefixtures("hangups")
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 @pytest.mark.parametrize("first", ["guard", "program"])
 def test_a_signal_to_program_and_guard_leaves_a_standing_arm(
@@ -87,6 +97,7 @@ async def test_a_guard_that_is_told_to_end_stops_nobody_elses_arm(bench: Bench) 
         assert not task.done
 
 
+@pytest.mark.slow
 def test_who_reads_a_programs_output_to_its_end_does_not_wait_for_the_guard(bench: Bench) -> None:
     code = PROGRAM.format(host=bench.host, port=bench.port, deed="pass", heartbeat=60.0)
     child = subprocess.Popen(

@@ -76,6 +76,7 @@ async def test_a_motion_that_the_controller_does_not_know_is_refused_and_stops_n
         assert "stop" not in bench.commands
 
 
+@pytest.mark.slow
 async def test_nobody_is_told_before_a_motion_that_is_read_late_was_stopped(bench: Bench) -> None:
     """The controller has taken the command and reads it after the stop."""
     start = bench._answers["movej2"]
@@ -136,6 +137,7 @@ async def test_a_resume_whose_answer_is_lost_moves_nothing_later(bench: Bench) -
             await task
 
 
+@pytest.mark.slow
 async def test_a_wait_that_finds_no_answer_ends(bench: Bench) -> None:
     bench.hold("movej2", 4)
     async with aioduco.connect(

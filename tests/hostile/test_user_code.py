@@ -142,6 +142,7 @@ async def test_a_handler_that_raises_is_printed_as_logging_does(
     assert "ValueError: a mistake of the program" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 async def test_a_handler_that_blocks_holds_up_no_stop(bench: Bench) -> None:
     handler = Blocking()
     with installed(handler):
@@ -186,6 +187,7 @@ async def test_the_heartbeat_goes_on_when_its_report_raises(
     assert handler.seen.is_set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("guard", [None, "process"])
 async def test_a_hung_loop_has_its_arm_stopped_while_a_handler_blocks(
     bench: Bench, guard: GuardKind | None
@@ -202,6 +204,7 @@ async def test_a_hung_loop_has_its_arm_stopped_while_a_handler_blocks(
             assert not handler.let_go.is_set()
 
 
+@pytest.mark.slow
 async def test_the_guards_death_stops_the_arm_although_the_report_raises(bench: Bench) -> None:
     with installed(Raising(SystemExit)):
         async with aioduco.connect(
@@ -274,6 +277,7 @@ async def test_a_trace_hook_that_raises_breaks_no_call_and_no_stop(
     assert calls > 5
 
 
+@pytest.mark.slow
 async def test_a_trace_hook_that_blocks_holds_up_no_call_and_no_stop(bench: Bench) -> None:
     begun, release = threading.Event(), threading.Event()
 
@@ -332,6 +336,7 @@ def run(bench: Bench, **parts: Any) -> subprocess.Popen[str]:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", [RUN, BROKEN_LOOP])
 @pytest.mark.parametrize(
     "handler", ["raise ValueError(1)", "raise KeyboardInterrupt", "sys.exit(7)"]
@@ -346,9 +351,11 @@ def test_the_interpreters_end_stops_the_arm_whatever_the_handler_does(
     eventually(lambda: not bench.moving())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", [RUN, BROKEN_LOOP])
 def test_the_interpreters_end_stops_the_arm_while_a_handler_blocks(bench: Bench, end: str) -> None:
     """Nothing is done to the handler: `logging` itself waits for it at the end."""
+    # It blocks for longer than the test lasts, which is what is tested.
     with run(bench, handler="time.sleep(600)", run=end) as program:
         try:
             eventually(lambda: "stop" in bench.commands, 60.0)
@@ -357,6 +364,7 @@ def test_the_interpreters_end_stops_the_arm_while_a_handler_blocks(bench: Bench,
             program.kill()
 
 
+@pytest.mark.slow
 def test_the_interpreters_end_is_reported(bench: Bench) -> None:
     handler = "print('SAID', record.getMessage(), file=sys.stderr)"
     with run(bench, handler=handler) as program:
@@ -365,6 +373,7 @@ def test_the_interpreters_end_is_reported(bench: Bench) -> None:
     assert bench.commands[-1] == "stop"
 
 
+@pytest.mark.slow
 def test_an_excepthook_that_raises_stands_before_no_stop(bench: Bench) -> None:
     with run(bench, hook="raise ValueError(1)", run=BROKEN_LOOP) as program:
         program.communicate(timeout=60)
@@ -372,6 +381,7 @@ def test_an_excepthook_that_raises_stands_before_no_stop(bench: Bench) -> None:
     eventually(lambda: not bench.moving())
 
 
+@pytest.mark.slow
 def test_an_excepthook_that_blocks_stands_before_no_stop(bench: Bench) -> None:
     """As a debugger's does, which waits for a person."""
     with run(bench, hook="print('HOOK', file=sys.stderr, flush=True); sys.stdin.read()") as program:
@@ -420,6 +430,7 @@ def test_a_message_tells_when_and_where_it_was_made(caplog: pytest.LogCaptureFix
     assert before <= record.created <= time.time()
 
 
+@pytest.mark.slow
 def test_messages_keep_their_order_and_those_too_many_are_counted() -> None:
     handler = Blocking()
     seen: list[str] = []

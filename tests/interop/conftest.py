@@ -82,23 +82,24 @@ def sim() -> Iterator[Simulator]:
         yield running
 
 
-@pytest.fixture
-def connect(generated: Generated, sim: Simulator) -> Connect:
+@contextlib.contextmanager
+def connected(generated: Generated, host: str, port: int) -> Iterator[Any]:
     """Open a connection as the vendor's Python client does: unbuffered, Nagle's algorithm on."""
     thrift_socket = importlib.import_module("thrift.transport.TSocket")
     protocol = importlib.import_module("thrift.protocol.TBinaryProtocol")
+    transport = thrift_socket.TSocket(host, port)
+    transport.setTimeout(20_000)
+    transport.open()
+    try:
+        yield generated.client.Client(protocol.TBinaryProtocol(transport))
+    finally:
+        transport.close()
 
-    @contextlib.contextmanager
-    def opened() -> Iterator[Any]:
-        transport = thrift_socket.TSocket(sim.host, sim.port)
-        transport.setTimeout(20_000)
-        transport.open()
-        try:
-            yield generated.client.Client(protocol.TBinaryProtocol(transport))
-        finally:
-            transport.close()
 
-    return opened
+@pytest.fixture
+def connect(generated: Generated, sim: Simulator) -> Connect:
+    """Open a connection to the simulator as the vendor's Python client does."""
+    return lambda: connected(generated, sim.host, sim.port)
 
 
 @pytest.fixture

@@ -92,6 +92,7 @@ def answered(name: str, answer: Any, generated: Generated) -> Any:
     return reader.value(data)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [case for case in cases() if case.section], ids=str)
 async def test_a_function_of_a_section(case: Case, generated: Generated) -> None:
     """From our arguments to the official reader, from the official writer to our result."""

@@ -64,6 +64,7 @@ def movej2(*, block: bool, v: float = 2.0) -> Fields:
     ]
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize(
     "trailing",
     [

@@ -125,6 +125,7 @@ def test_stop_from_a_second_connection_ends_a_blocking_motion(connect: Connect) 
         assert far(other.getRobotStatus().jointActualPosition, TURNED) > 0.1
 
 
+@pytest.mark.slow
 def test_two_connections_are_served_at_once(connect: Connect) -> None:
     """A status read does not wait for another connection's blocking motion."""
     answers: list[int] = []

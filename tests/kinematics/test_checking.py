@@ -82,6 +82,7 @@ def test_what_is_no_list_of_points_is_refused() -> None:
         check([HOME], arm=ARM, near=HOME, most_turn=math.nan)
 
 
+@pytest.mark.slow
 def test_the_command_reads_a_file_and_says_so_by_its_exit_code(tmp_path: Path) -> None:
     file = tmp_path / "cell.toml"
     points = TaughtPoints({"home": HOME, "above": THERE.shifted(z=0.05)})

@@ -85,9 +85,9 @@ def run(file: str, host: str, port: int) -> dict[str, Any]:
     return results
 
 
+@pytest.mark.cases(7)
 @pytest.mark.parametrize("dialect", DIALECTS)
 @pytest.mark.parametrize("group", GIVEN)
-@pytest.mark.cases(9)
 def test_an_example_gives_what_it_should(group: str, dialect: str) -> None:
     port, tool_port = Listener(), Listener()
     cabinet = load("cabinet")
@@ -104,8 +104,8 @@ def test_an_example_gives_what_it_should(group: str, dialect: str) -> None:
         assert list(slaves[cabinet.DEVICE, 2].coils.values()) == [True] * 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dialect", DIALECTS)
-@pytest.mark.cases(3)
 def test_the_table_of_velocities_is_followed(dialect: str) -> None:
     cabinet = load("cabinet")
     with cabinet.simulated(math.inf) as sim:

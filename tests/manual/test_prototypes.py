@@ -164,6 +164,7 @@ def compared(name: str, robot: compat.DucoCobot, answer: Any) -> None:
         assert getattr(robot, name)(*by_position, **by_name) == pytest.approx(answer)
 
 
+@pytest.mark.cases(6)
 @pytest.mark.parametrize("name", AWAITED)
 async def test_awaited(sim: Simulator, arm: compat.DucoCobot, name: str) -> None:
     case = ours()[FUNCTIONS[name]["wire"]]
@@ -179,6 +180,7 @@ async def test_awaited(sim: Simulator, arm: compat.DucoCobot, name: str) -> None
             compared(name, arm, await made)
 
 
+@pytest.mark.cases(7)
 @pytest.mark.parametrize("name", AWAITED)
 def test_in_plain_scripts(sim: Simulator, arm: compat.DucoCobot, name: str) -> None:
     case = ours()[FUNCTIONS[name]["wire"]]

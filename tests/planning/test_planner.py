@@ -94,6 +94,7 @@ def test_limits_are_kept_for_any_of_them(scene: Scene, planner: Planner, seed: i
     assert plan.check(scene)
 
 
+@pytest.mark.slow
 def test_a_pose_is_reached_by_any_configuration(scene: Scene, planner: Planner) -> None:
     pose = Pose.from_matrix(scene.arm.fkine(RIGHT))
     plan = planner.plan_blocking(LEFT, pose)
@@ -114,6 +115,7 @@ def test_a_region_is_reached_within_its_bounds(scene: Scene, planner: Planner) -
     assert off[2, 2] == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_a_tool_that_is_kept_upright_never_tilts() -> None:
     scene = Scene("gcr5_910", [Box(at=(0.45, 0, 0.15), size=(0.3, 0.04, 0.3), name="low wall")])
     with Planner(scene, tool=(0.0, 0.0, 0.1, 0.0, 0.0, 0.0)) as planner:
@@ -189,6 +191,7 @@ def test_errors_name_bodies_and_place(planner: Planner) -> None:
         planner.plan_blocking(LEFT, [0.0] * 6)  # type: ignore[list-item] # what a user may give
 
 
+@pytest.mark.slow
 def test_where_there_is_no_way_none_is_found() -> None:
     """Two curtains from close beside the base: the shoulder, 14 cm off the axis, cannot pass."""
     curtains = [
@@ -203,6 +206,7 @@ def test_where_there_is_no_way_none_is_found() -> None:
         planner.plan_blocking(start, goal, timeout=0.3)
 
 
+@pytest.mark.slow
 async def test_planning_does_not_block_the_loop_and_can_be_cancelled(scene: Scene) -> None:
     async with Planner(scene) as planner:
         ticks = 0
@@ -228,6 +232,7 @@ async def test_planning_does_not_block_the_loop_and_can_be_cancelled(scene: Scen
         assert plan.check(scene)
 
 
+@pytest.mark.slow
 def test_a_scene_that_changes_counts_for_the_next_plan() -> None:
     scene = Scene("gcr5_910")
     with Planner(scene) as planner:
@@ -254,6 +259,7 @@ def test_waypoints_for_blends_stay_within_the_padding(scene: Scene, planner: Pla
         assert not any(scene.collides(Joints.of(q)) for q in one + shares * (two - one))
 
 
+@pytest.mark.slow
 def test_nothing_is_printed_and_importing_loads_nothing_of_the_extra() -> None:
     code = (
         "import sys\n"

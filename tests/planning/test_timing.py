@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+import importlib
 import logging
 
 import numpy as np
 import pytest
-import toppra
-import toppra.constraint
 from scipy.interpolate import BSpline
 
 from aioduco.kinematics import arm as arm_of
@@ -62,6 +61,9 @@ def test_a_straight_way_takes_the_time_of_the_closed_form(
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.cases(2)
 def test_without_a_limit_of_jerk_it_is_as_fast_as_toppra(seed: int) -> None:
+    # Loading it takes longer than all else in this file.
+    toppra = importlib.import_module("toppra")
+    importlib.import_module("toppra.constraint")
     logging.getLogger("toppra").setLevel(logging.ERROR)
     curve = wavy(seed)
     law = toppra.algorithm.TOPPRA(

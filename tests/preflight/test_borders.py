@@ -101,6 +101,7 @@ def there() -> Iterator[int]:
         thread.join()
 
 
+@pytest.mark.slow
 def test_each_way_out_is_refused_and_found_even_if_the_program_goes_on(tmp_path: Path) -> None:
     tried = tmp_path / "tried.py"
     text = BEGIN
@@ -126,6 +127,7 @@ def test_what_is_refused_and_not_caught_is_one_finding(tmp_path: Path) -> None:
     assert report.status == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("body", [OWN_SERVERS, OWN_PROCESSES], ids=["servers", "processes"])
 def test_what_is_its_own_or_of_this_package_works(tmp_path: Path, body: str) -> None:
     tried = tmp_path / "tried.py"
@@ -137,6 +139,7 @@ def test_what_is_its_own_or_of_this_package_works(tmp_path: Path, body: str) -> 
     assert report.status == 0
 
 
+@pytest.mark.slow
 def test_what_is_named_is_reached_and_a_bad_name_is_refused(tmp_path: Path, there: int) -> None:
     tried, told = tmp_path / "tried.py", tmp_path / "told"
     tried.write_text(
@@ -161,6 +164,7 @@ def test_what_is_named_is_reached_and_a_bad_name_is_refused(tmp_path: Path, ther
         assert f"{bad!r} is no address" in said
 
 
+@pytest.mark.slow
 def test_a_tried_program_ends_with_a_preflight_that_is_killed(tmp_path: Path) -> None:
     tried = tmp_path / "tried.py"
     tried.write_text("import threading\nprint('here', flush=True)\nthreading.Event().wait()\n")

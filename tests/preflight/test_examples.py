@@ -26,15 +26,16 @@ WITH_ADDRESS = {
     "manual/project_async.py": [THERE],
     "press_on_table.py": [THERE],
 }
+STARVED = ("StreamStarved", "StreamRefused")
 ON_ITS_OWN = [
     *("01_connect_and_move.py", "03_blended_motions.py", "07_plain_script.py"),
-    *("13_play_npy.py", "press_on_table.py"),
+    *("13_play_npy.py", "press_on_table.py", "polish.py", "pick_and_place.py", "log_to_json.py"),
     *(f"manual/{group}_{dialect}.py" for group in ("project", "realtime", "serial", "modbus")
       for dialect in ("async", "sync", "compat")),
 ]  # fmt: skip
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WITH_ADDRESS)
 def test_with_an_address_it_runs_in_the_cell_that_was_given(name: str) -> None:
     table = [Table(at=(0.5, 0.1445, 0.422))] if "table" in name else None
@@ -47,6 +48,10 @@ def test_with_an_address_it_runs_in_the_cell_that_was_given(name: str) -> None:
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("name", ON_ITS_OWN)
 def test_without_one_it_runs_on_the_simulator_that_it_starts(name: str) -> None:
-    report = preflight(EXAMPLES / name, (), PreflightSettings(timeout=110), quiet=True)
+    for _ in range(5):
+        report = preflight(EXAMPLES / name, (), PreflightSettings(timeout=110), quiet=True)
+        # On a machine that stands still for long enough, a stream is starved there as anywhere.
+        if not any(error in str(each) for each in report.findings for error in STARVED):
+            break
     assert report.ok, "\n".join(map(str, report.findings))
     assert report.status == 0

@@ -69,6 +69,7 @@ asyncio.run(main())
 """
 
 
+@pytest.mark.slow
 def test_a_program_that_waits_for_its_own_thread_does_not_hang(tmp_path: Path) -> None:
     """Its time passes as fast as this computer can simulate meanwhile."""
     path = tmp_path / "computes.py"

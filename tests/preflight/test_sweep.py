@@ -42,9 +42,7 @@ def test_a_start_stays_within_the_limits() -> None:
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-def test_a_killed_worker_costs_no_result_and_a_failing_seed_repeats_alone(thorough: bool) -> None:
-    if not thorough:
-        pytest.skip("starts a cluster and a dozen programs: --thorough")
+def test_a_killed_worker_costs_no_result_and_a_failing_seed_repeats_alone() -> None:
     settings = PreflightSettings(vary=("start", "latency"), seed=5, timeout=100)
     killed: list[int] = []
     with distributed.LocalCluster(

@@ -64,6 +64,7 @@ def cell(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_a_module_runs_as_python_runs_it(cell: Path) -> None:
     run = ("-m", "cell.run", "--", "part", "7")
     status, said, result = aioduco_preflight(cell, "--quiet", *run)
@@ -78,10 +79,8 @@ def test_a_module_runs_as_python_runs_it(cell: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-def test_a_cluster_elsewhere_runs_in_the_same_folder(cell: Path, thorough: bool) -> None:
+def test_a_cluster_elsewhere_runs_in_the_same_folder(cell: Path) -> None:
     """Its workers were started in another folder. Of these seeds one cuts a command here."""
-    if not thorough:
-        pytest.skip("starts a cluster: --thorough")
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0", host="127.0.0.1"
@@ -96,6 +95,7 @@ def test_a_cluster_elsewhere_runs_in_the_same_folder(cell: Path, thorough: bool)
     assert "1 of 3 variations failed" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("program", [CARELESS, CAREFUL], ids=["careless", "careful"])
 def test_a_cut_connection_is_found_where_the_program_does_not_expect_it(
     tmp_path: Path, program: str
@@ -111,6 +111,7 @@ def test_a_cut_connection_is_found_where_the_program_does_not_expect_it(
     assert all("OutcomeUnknown" in finding.text for finding in report.findings)
 
 
+@pytest.mark.slow
 def test_the_fixture_in_a_project_of_its_own(tmp_path: Path) -> None:
     (tmp_path / "program.py").write_text(CARELESS)
     (tmp_path / "test_outside.py").write_text(OUTSIDE)

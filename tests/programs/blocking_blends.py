@@ -22,7 +22,7 @@ def main(cobot_class: Any, ip: str, port: int) -> tuple[list[int], float]:
         if states[-1] not in (FINISHED, INTERRUPT):
             break
     while robot.robotmoving():
-        time.sleep(0.02)
+        time.sleep(0.02)  # as such programs wait
     reached = robot.get_tcp_pose()
     robot.close()
     return states, max(abs(a - b) for a, b in zip(reached, corners[-1], strict=False))

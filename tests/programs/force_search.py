@@ -25,7 +25,7 @@ def main(cobot_class: Any, ip: str, port: int) -> tuple[int, float]:
     search = robot.fc_move(False)
     state = 0
     while state < 3:
-        time.sleep(0.05)
+        time.sleep(0.05)  # as such programs wait
         state = robot.get_noneblock_taskstate(search)
     robot.fc_stop()
     after = robot.get_tcp_pose()

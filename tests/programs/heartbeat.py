@@ -18,7 +18,7 @@ def main(cobot_class: Any, ip: str, port: int) -> list[int]:
         watch.open()
         while running:
             watch.rpc_heartbeat()
-            time.sleep(1)
+            time.sleep(1)  # as such programs beat
         watch.close()
 
     robot = cobot_class(ip, port)

@@ -50,12 +50,14 @@ def simulator(**options: Any) -> pytest.MarkDecorator:
 
 # How late a beat may come decides how busy a machine may be: what the slack is by default is tested
 # with the heartbeat itself.
+@pytest.mark.slow
 @simulator(heartbeat_slack=20.0)
 def test_a_heartbeat_once_a_second(make: Make, sim: Simulator) -> None:
     assert heartbeat.main(make.cobot, sim.host, sim.port) == [FINISHED, FINISHED]
     assert set(sim.forgiven) <= {"late heartbeat"}
 
 
+@pytest.mark.slow
 def test_keys_jog_the_tool(make: Make, sim: Simulator) -> None:
     answers, moved = keyboard_jog.main(make.cobot, sim.host, sim.port, "wwwwrrrrrrrrrrd")
     assert min(answers) >= 1000
@@ -69,6 +71,7 @@ def test_servoj_at_250_hz(make: Make, sim: Simulator) -> None:
     assert goal[0] == pytest.approx(0.3)
 
 
+@pytest.mark.slow
 @simulator(speed=FAST)
 def test_a_search_along_one_axis_ends_where_it_is_told(make: Make, sim: Simulator) -> None:
     state, lifted = force_search.main(make.cobot, sim.host, sim.port)
@@ -76,6 +79,7 @@ def test_a_search_along_one_axis_ends_where_it_is_told(make: Make, sim: Simulato
     assert lifted == pytest.approx(0.05, abs=0.01)
 
 
+@pytest.mark.slow
 @simulator(speed=FAST)
 def test_rows_of_paint(make: Make, sim: Simulator) -> None:
     states, levels = painting.main(make.cobot, make.op, sim.host, sim.port)
@@ -83,6 +87,7 @@ def test_rows_of_paint(make: Make, sim: Simulator) -> None:
     assert levels == [True, False] * 3
 
 
+@pytest.mark.slow
 def test_blocking_calls_go_on_when_they_blend(make: Make, sim: Simulator) -> None:
     states, apart = blocking_blends.main(make.cobot, sim.host, sim.port)
     assert states == [INTERRUPT] * 3
@@ -104,6 +109,7 @@ def test_speeds_that_no_arm_reaches(make: Make, sim: Simulator) -> None:
     assert sim.forgiven
 
 
+@pytest.mark.slow
 @simulator(status_port=0)
 def test_frames_of_the_status_port(make: Make, sim: Simulator) -> None:
     assert sim.status_port is not None

@@ -17,6 +17,7 @@ import aioduco
 import aioduco.sync
 from aioduco.cli.app import app
 from aioduco.recording import read
+from aioduco.recording.container import DATA_END, MAGIC
 from aioduco.recording.figures import draw_page, panels
 from aioduco.sim import Simulator
 
@@ -48,6 +49,7 @@ def content(page: Path) -> dict[str, list[dict[str, list[dict[str, list[float]]]
     return values
 
 
+@pytest.mark.slow
 def test_a_page_has_the_recording_s_numbers_and_asks_for_nothing(
     whole: Path, tmp_path: Path
 ) -> None:
@@ -65,6 +67,7 @@ def test_a_page_has_the_recording_s_numbers_and_asks_for_nothing(
     assert "movej2" in [text for _, text in values["marks"]]
 
 
+@pytest.mark.slow
 def test_of_many_points_the_lowest_and_the_highest_are_drawn(whole: Path, tmp_path: Path) -> None:
     from aioduco.recording import figures  # noqa: PLC0415
 
@@ -76,6 +79,7 @@ def test_of_many_points_the_lowest_and_the_highest_are_drawn(whole: Path, tmp_pa
     assert (max(found["y"]), min(found["y"])) == (7.0, -3.0)  # type: ignore[type-var]  # no None
 
 
+@pytest.mark.slow
 def test_commands_draw_a_recording(whole: Path, tmp_path: Path) -> None:
     runner = CliRunner()
     for name in ("a.png", "a.html"):
@@ -84,7 +88,11 @@ def test_commands_draw_a_recording(whole: Path, tmp_path: Path) -> None:
         assert (tmp_path / name).stat().st_size > 10_000
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     cut = tmp_path / "cut.mcap"
-    cut.write_bytes(whole.read_bytes()[: whole.stat().st_size // 2])
+    data = whole.read_bytes()
+    at = len(MAGIC)
+    while data[at] != DATA_END:
+        at += 9 + int.from_bytes(data[at + 1 : at + 9], "little")
+    cut.write_bytes(data[: at + 1])
     done = runner.invoke(app, ["plot", str(cut)])
     assert "was cut off" in done.output
     (tmp_path / "no.mcap").write_text("nothing")
@@ -100,6 +108,7 @@ def test_an_empty_recording_is_not_drawn(whole: Path, tmp_path: Path) -> None:
         panels(read(head))
 
 
+@pytest.mark.slow
 def test_the_command_records_until_it_is_told_to_end(sim: Simulator, tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     done = CliRunner().invoke(

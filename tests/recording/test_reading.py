@@ -19,6 +19,7 @@ import aioduco.sync
 from aioduco.models.pose import Pose
 from aioduco.recording import RecordedRun, read
 from aioduco.recording.channels import ANGLE, LENGTH, QUATERNION, SPEED, plain
+from aioduco.recording.container import DATA_END
 from aioduco.sim import Simulator
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ def decoded(schema: Any, data: bytes) -> Any:
     return kind.FromString(data)
 
 
+@pytest.mark.slow
 def test_the_numbers_are_those_of_the_format_s_own_readers(whole: Path, run: RecordedRun) -> None:
     ours = {topic: list(run.messages(topic)) for topic in run.topics}
     counts = dict.fromkeys(run.topics, 0)
@@ -80,6 +82,8 @@ def test_the_numbers_are_those_of_the_format_s_own_readers(whole: Path, run: Rec
                     assert stamp.seconds * 10**9 + stamp.nanos == message.log_time
                 case "foxglove.FrameTransforms":
                     for one in theirs.transforms:
+                        stamp = one.timestamp
+                        assert stamp.seconds * 10**9 + stamp.nanos == message.log_time
                         part = mine.data[one.child_frame_id]
                         assert part["parent"] == one.parent_frame_id
                         place, turned = one.translation, one.rotation
@@ -97,6 +101,7 @@ def test_the_numbers_are_those_of_the_format_s_own_readers(whole: Path, run: Rec
     assert counts["/log"] >= 1
 
 
+@pytest.mark.slow
 def test_arrays_are_what_was_recorded_within_their_grids(run: RecordedRun) -> None:
     joints = run.arrays("/joint_states")
     assert joints["position"].shape == joints["velocity"].shape == (len(joints["time"]), 6)
@@ -112,6 +117,7 @@ def test_arrays_are_what_was_recorded_within_their_grids(run: RecordedRun) -> No
         run.arrays("/nothing")
 
 
+@pytest.mark.slow
 async def test_transforms_are_the_poses_of_the_arm(tmp_path: Path) -> None:
     with Simulator() as sim:
         async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
@@ -140,6 +146,7 @@ async def test_transforms_are_the_poses_of_the_arm(tmp_path: Path) -> None:
     assert (last("tcp") @ last("flange")).almost_equal(flange, **near)
 
 
+@pytest.mark.slow
 def test_a_file_that_is_cut_off_anywhere_is_read_up_to_there(
     whole: Path, tmp_path: Path, thorough: bool
 ) -> None:
@@ -199,6 +206,31 @@ def test_tables_have_the_same_numbers(run: RecordedRun, tmp_path: Path) -> None:
     assert table["time"].to_pylist() == arrays["time"].tolist()
     tasks = parquet.read_table(tmp_path / "tasks.parquet")
     assert tasks["outcome"].to_pylist()[-1] == "FINISHED"
+
+
+def test_an_index_is_added_and_nothing_else(whole: Path, run: RecordedRun, tmp_path: Path) -> None:
+    path = run.to_mcap(tmp_path / "indexed.mcap")
+    found = read(path)
+    assert found.complete
+    assert list(found.messages()) == list(run.messages())
+    assert found.metadata == run.metadata
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    assert summary.chunk_indexes
+    assert all(index.message_index_offsets for index in summary.chunk_indexes)
+    with pytest.raises(aioduco.RecordingError, match="exists"):
+        run.to_mcap(path)
+    data, at = whole.read_bytes(), 8
+    while data[at] != DATA_END:
+        at += 9 + int.from_bytes(data[at + 1 : at + 9], "little")
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(data[:at])
+    part = read(cut)
+    assert part.topics
+    assert not part.complete
+    mended = read(part.to_mcap(tmp_path / "mended.mcap"))
+    assert list(mended.messages()) == list(part.messages())
 
 
 def test_values_become_what_json_knows() -> None:

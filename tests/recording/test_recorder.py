@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import random
 import subprocess
 import sys
 import threading
@@ -16,27 +17,14 @@ from client.bench import HOME, Bench
 
 import aioduco
 import aioduco.sync
+from aioduco.errors import TaskStopped
 from aioduco.models.enums import TaskState
 from aioduco.recording import read, writer
 from aioduco.sim import Simulator
 from aioduco.testing import eventually, eventually_async
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
-
     from aioduco.recording import RecordedRun
-
-
-@pytest.fixture
-def bench() -> Iterator[Bench]:
-    with Bench() as bench:
-        yield bench
-
-
-@pytest.fixture
-async def robot(bench: Bench) -> AsyncIterator[aioduco.Robot]:
-    async with aioduco.connect(bench.host, bench.port) as robot:
-        yield robot
 
 
 def data(run: RecordedRun, topic: str) -> list[dict[str, Any]]:
@@ -179,7 +167,8 @@ async def test_a_stream_is_recorded_with_its_set_points_and_its_lateness(tmp_pat
     assert last["lateness"]["p99"] == figures.lateness.p99
     points = [each["point"] for each in data(run, "/stream_setpoints")]
     assert points
-    assert all(start[0] - 1e-6 <= point[0] <= start[0] + 2e-3 for point in points)
+    # Where the program was late, the stream went on a little, to come to rest within its limits.
+    assert all(abs(point[0] - start[0]) <= 0.01 for point in points)
     seen = run.arrays("/joint_setpoints")["position"]
     assert seen[-1][0] == pytest.approx(points[-1][0], abs=5e-4)
 
@@ -189,11 +178,11 @@ async def test_nothing_of_a_recording_stays_behind(robot: aioduco.Robot, tmp_pat
     handlers = list(logger.handlers)
     for _ in range(3):
         async with robot.record(tmp_path / "run.mcap"):
-            assert robot.feed.forces
+            await robot.wait_for(lambda sample: sample.read_forces is not None)
             assert recorders() == ["aioduco-recording"]
     assert recorders() == []
     assert logger.handlers == handlers
-    assert not robot.feed.forces
+    await robot.wait_for(lambda sample: sample.read_forces is None)
     supervisor = robot._supervisor
     assert not any(lane.observers for lane in supervisor.lanes)
     assert not supervisor.stop_coordinator.follower.observers
@@ -251,6 +240,7 @@ def test_in_programs_that_wait(bench: Bench, tmp_path: Path) -> None:
         assert data(read(path), "/tasks")[-1]["outcome"] == "FINISHED"
 
 
+@pytest.mark.slow
 async def test_a_disk_that_hangs_delays_no_call_and_what_is_dropped_is_counted(
     robot: aioduco.Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -285,19 +275,27 @@ import anyio
 
 async def main(port, path):
     async with aioduco.connect("127.0.0.1", port, state_rate=200, record=path) as robot:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+        figures = robot.recording.statistics
+        while robot.feed.statistics().samples < 20:
+            await anyio.sleep(0.001)
+        before = figures().size
+        while figures().size == before:  # a chunk with those states
+            await anyio.sleep(0.001)
+        full = figures().size + 5_000
+        resource.setrlimit(resource.RLIMIT_FSIZE, (full, full))
         while robot.recording.running:
             await robot.state.get_robot_state()
             await anyio.sleep(0.001)
         await robot.motion.movej2([0, 0, 1.5, 0, -1.5, 0], v=1.0, a=1.0)
         error = robot.recording.error
         assert isinstance(error, OSError), error
-        print(type(error).__name__, robot.recording.statistics().size)
+        print(type(error).__name__, figures().size, full)
 
 anyio.run(main, int(sys.argv[1]), sys.argv[2])
 """
 
 
+@pytest.mark.slow
 def test_a_full_disk_ends_the_recording_and_not_the_program(bench: Bench, tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     done = subprocess.run(
@@ -309,10 +307,10 @@ def test_a_full_disk_ends_the_recording_and_not_the_program(bench: Bench, tmp_pa
     )
     assert done.returncode == 0, done.stderr
     assert "ended early" in done.stderr
-    name, size = done.stdout.split()
+    name, size, full = done.stdout.split()
     assert name == "OSError"
     # It is cut off behind its last whole chunk.
-    assert path.stat().st_size == int(size) <= 20_000
+    assert path.stat().st_size == int(size) <= int(full)
     run = read(path)
     assert not run.complete
     assert run.topics["/joint_states"] > 10
@@ -334,8 +332,13 @@ anyio.run(main, int(sys.argv[1]), sys.argv[2])
 """
 
 
-@pytest.mark.parametrize("lines", [1, 40, 170, 200, 333])
-@pytest.mark.cases(2)
+#: samples after which its program is killed: the first one, then at random over some chunks;
+#: `benchmarks/recording.py` kills a hundred
+_MOMENTS = [1, *(random.Random(number).randint(2, 400) for number in range(14))]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lines", _MOMENTS)
 def test_what_was_written_before_a_kill_is_read(bench: Bench, tmp_path: Path, lines: int) -> None:
     """How much that is depends on the machine: `benchmarks/recording.py` measures it."""
     path = tmp_path / "run.mcap"
@@ -375,3 +378,19 @@ def test_an_interpreter_that_ends_with_a_recording_ends_it(bench: Bench, tmp_pat
     run = read(tmp_path / "run.mcap")
     assert run.complete
     assert data(run, "/commands")[0]["function"] == "get_standard_digital_out"
+
+
+async def test_what_an_observer_raises_stands_between_nothing(
+    bench: Bench, robot: aioduco.Robot, caplog: pytest.LogCaptureFixture
+) -> None:
+    def fails(_: object) -> None:
+        raise ZeroDivisionError
+
+    end = robot._supervisor.observe(fails, fails)
+    task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
+    await robot.stop()
+    with pytest.raises(TaskStopped):
+        await task
+    assert not bench.moving()
+    end()
+    await eventually_async(lambda: "an observer failed" in caplog.text)

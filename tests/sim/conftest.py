@@ -6,12 +6,13 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from cycle_time import set_cycle
 from thriftpy2.thrift import TApplicationException
 from thriftpy2.transport import TTransportException
 
 from aioduco._wire.rpc import Op, RpcClient
 from aioduco.errors import ConnectionLost, ControllerError
-from aioduco.sim.simulator import Simulator
+from aioduco.sim.simulator import CYCLE, Simulator
 
 from .cycles import Cycles
 from .raw import RawClient
@@ -23,6 +24,14 @@ if TYPE_CHECKING:
 
 #: what a function of 1.3.7 answers to an argument out of its range (manual 1.3.7)
 OUT_OF_RANGE = 0
+
+
+@pytest.fixture(scope="package", autouse=True)
+def real_cycle() -> Iterator[None]:
+    """The cycle that a user's simulator has."""
+    before = set_cycle(CYCLE)
+    yield
+    set_cycle(before)
 
 
 class Wire:

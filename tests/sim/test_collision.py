@@ -139,6 +139,7 @@ def cell() -> Iterator[Simulator]:
         yield sim
 
 
+@pytest.mark.slow
 async def test_an_arm_that_runs_into_a_box_stands_and_is_led_away(cell: Simulator) -> None:
     async with aioduco.connect(cell.host, cell.port) as robot:
         await robot.recover()
@@ -166,6 +167,7 @@ async def test_an_arm_that_runs_into_a_box_stands_and_is_led_away(cell: Simulato
         assert cell.joints == pytest.approx(READY, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_without_detection_it_pushes_until_the_position_deviates(
     cell: Simulator, connect: Callable[..., Program]
 ) -> None:
@@ -181,6 +183,7 @@ def test_without_detection_it_pushes_until_the_position_deviates(
     assert robot.to(*READY) == TaskState.FINISHED
 
 
+@pytest.mark.slow
 def test_a_more_sensitive_level_stops_it_with_less_force(
     connect: Callable[..., Program],
 ) -> None:
@@ -244,6 +247,7 @@ def test_a_collision_names_the_floor(sim: Simulator, robot: Program) -> None:
     )
 
 
+@pytest.mark.slow
 def test_an_arm_on_a_pedestal_reaches_below_its_base(connect: Callable[..., Program]) -> None:
     with Simulator(speed=math.inf, pedestal=0.5) as sim:
         robot = connect(sim)

@@ -45,6 +45,7 @@ def deviation(cycles: Cycles, sim: Simulator, start: Pose) -> float:
     return float(np.abs(tips[:, (0, 2)] - np.array(start.position)[[0, 2]]).max())
 
 
+@pytest.mark.slow
 def test_a_weave_is_over_the_paths_while_it_is_enabled(
     sim: Simulator, robot: Program, cycles: Cycles
 ) -> None:
@@ -74,6 +75,7 @@ def test_a_weave_is_over_the_paths_while_it_is_enabled(
     assert along() < 3e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("function", ["movec", "move_circle", "move_spiral", "spline", "tcp_move"])
 def test_it_is_over_every_path_and_no_joint_motion(
     sim: Simulator, robot: Program, cycles: Cycles, function: str
@@ -179,6 +181,7 @@ def test_dwells_that_are_left_out_are_none(robot: Program) -> None:
     assert configure(robot, time=[]) == TaskState.FINISHED
 
 
+@pytest.mark.slow
 async def test_the_sdks_weave_with_dwells_takes_as_long_as_it_says(sim: Simulator) -> None:
     async with aioduco.connect(sim.host, sim.port) as robot:
         await robot.bring_up()

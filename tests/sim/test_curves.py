@@ -57,6 +57,7 @@ def test_offsets_along_the_work_object(sim: Simulator, robot: Program) -> None:
     assert near(Pose.from_matrix(sim.arm.fkine(sim.joints)), start)
 
 
+@pytest.mark.slow
 def test_a_circle_ends_where_it_began(sim: Simulator, robot: Program) -> None:
     start = tip(robot, sim)
     p1, p2 = list(start.shifted(x=0.05, y=0.05)), list(start.shifted(x=0.1))
@@ -67,6 +68,7 @@ def test_a_circle_ends_where_it_began(sim: Simulator, robot: Program) -> None:
     assert robot.move_circle(p1, p2, 0.1, 1.0, 0.0, 0, [], "", "", *END) == 8
 
 
+@pytest.mark.slow
 def test_spirals(sim: Simulator, robot: Program) -> None:
     start = tip(robot, sim)
     centre = Pose(start.x - 0.05, start.y, start.z, 0.0, 0.0, 0.0)
@@ -82,6 +84,7 @@ def test_spirals(sim: Simulator, robot: Program) -> None:
     assert spiral(*by_end[:5], 2, *by_end[6:], *END) == TaskState.PARAMETER_MISMATCH
 
 
+@pytest.mark.slow
 def test_splines_go_through_their_poses(sim: Simulator, robot: Program) -> None:
     start = tip(robot, sim)
     goals = [start.shifted(x=0.05 * i, z=-0.04 * (i % 2)) for i in range(1, 4)]
@@ -136,6 +139,7 @@ def test_paths_end_in_the_branch_of_the_joints_given(
     assert move(list(own + 0.1)) == TaskState.FINISHED  # joints nearby, not those of the target
 
 
+@pytest.mark.slow
 def test_points_of_a_spline_trigger_as_they_are_passed(sim: Simulator, robot: Program) -> None:
     start = tip(robot, sim)
     goals = [start.shifted(x=0.05 * i, z=-0.04 * (i % 2)) for i in range(1, 4)]
@@ -183,6 +187,7 @@ def way_of(sim: Simulator, snapshot: SimulationSnapshot, start: Pose) -> float:
     return Pose.from_matrix(sim.arm.fkine(snapshot.q)).distance(start)[0]
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("op", "way"),
     [
@@ -201,6 +206,7 @@ def test_triggers_by_time_and_distance(
     assert way_of(sim, set_at[0], start) == pytest.approx(way, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_trigger_after_the_end(sim: Simulator, robot: Program) -> None:
     op = Op(time_or_dist_2=1, trig_time_2=-500, trig_io_2=101, trig_value_2=True)
     last: list[float] = []  # time at which the set-points moved
@@ -249,6 +255,7 @@ def test_an_event_goes_before_an_output(sim: Simulator, robot: Program) -> None:
     assert not robot.get_standard_digital_out(4)
 
 
+@pytest.mark.slow
 def test_an_event_may_change_the_cell(sim: Simulator, robot: Program) -> None:
     sim.signals.events["sensor"] = lambda: sim.set_digital_input(2, True)
     op = Op(time_or_dist_1=1, trig_time_1=10, trig_event_1="sensor")
@@ -276,6 +283,7 @@ def test_triggers_that_make_no_sense(robot: Program) -> None:
     assert line(robot, nan) == TaskState.PARAMETER_MISMATCH
 
 
+@pytest.mark.slow
 def test_a_trigger_by_distance_is_without_effect_on_a_joint_motion(robot: Program) -> None:
     op = Op(time_or_dist_1=2, trig_dist_1=0.01, trig_io_1=9, trig_value_1=True)
     assert robot.movej2([0.5, *READY[1:]], 1.0, 2.0, 0.0, True, op, False) == TaskState.FINISHED

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+import pytest
+
 from aioduco.sim import Simulator, simulator
 from aioduco.sim.physics.world import World
 
 from .conftest import Program, Wire
 
 if TYPE_CHECKING:
-    import pytest
-
     from aioduco.sim.planner.path import JointSetPoint
 
 FINISHED = 4
@@ -73,6 +73,7 @@ def still(sim: Simulator) -> None:
     sim.wait_until(lambda: sim.time >= end)
 
 
+@pytest.mark.slow
 def test_a_program_moves_the_arm_the_same_way_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
     first, errors = traced(monkeypatch, "gcr5_910")
     again, errors_again = traced(monkeypatch, "gcr5_910")

@@ -79,6 +79,7 @@ async def test_schemes_are_switched_on_and_off(robot: aioduco.Robot, cell: Simul
     await axes.enable_eaxis_scheme("rail")
 
 
+@pytest.mark.slow
 async def test_axes_alone(robot: aioduco.Robot, cell: Simulator) -> None:
     before, begin = cell.joints, cell.time
     await robot.external_axes.move_eaxis("rail", [1.0, 0.0, 0.0], 0.5)
@@ -87,6 +88,7 @@ async def test_axes_alone(robot: aioduco.Robot, cell: Simulator) -> None:
     assert max(abs(a - b) for a, b in zip(cell.joints, before, strict=True)) < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "function",
     ["movej2_eaxis", "movej2_pose_eaxis", "movel_eaxis", "movec_eaxis", "move_circle_eaxis"],
@@ -126,6 +128,7 @@ async def test_arm_and_axes_arrive_together(
     assert flange.almost_equal(there, position=1e-3, rotation=3e-3)
 
 
+@pytest.mark.slow
 async def test_a_stop_and_a_pause_reach_the_axes(robot: aioduco.Robot, cell: Simulator) -> None:
     far = Pose.from_matrix(cell.arm.fkine(READY)).shifted(y=0.1)
     motion = await robot.external_axes.movel_eaxis(far, v=0.5, a=2.0, **AXES).start()
@@ -163,6 +166,7 @@ async def test_an_emergency_stop_leaves_the_axes_where_they_are(
     assert await where(robot) == pytest.approx(at)
 
 
+@pytest.mark.slow
 async def test_a_jog_goes_on_to_the_end_of_the_way_or_until_it_is_ended(
     robot: aioduco.Robot, cell: Simulator
 ) -> None:
@@ -178,6 +182,7 @@ async def test_a_jog_goes_on_to_the_end_of_the_way_or_until_it_is_ended(
         await cell.wait_until_async(lambda: seen(cell, "table") == math.pi, 60.0)
 
 
+@pytest.mark.slow
 async def test_triggers_by_distance_are_without_effect(robot: aioduco.Robot) -> None:
     far = Pose.of(await robot.state.get_tcp_pose()).shifted(y=0.05)
     op = Op.at_start(output(3), distance=0.01) | Op.near_end(output(4), time=0.1)
@@ -186,6 +191,7 @@ async def test_triggers_by_distance_are_without_effect(robot: aioduco.Robot) -> 
     assert await robot.io.get_standard_digital_out(4)
 
 
+@pytest.mark.slow
 async def test_what_axes_cannot_do_is_refused(robot: aioduco.Robot, cell: Simulator) -> None:
     axes = robot.external_axes
     far = axes.move_eaxis("rail", [3.1, 0.0, 0.0], 0.5)
@@ -196,6 +202,7 @@ async def test_what_axes_cannot_do_is_refused(robot: aioduco.Robot, cell: Simula
     assert await where(robot) == 1.0
 
 
+@pytest.mark.slow
 async def test_axes_and_schemes_are_set_up_over_the_wire(
     robot: aioduco.Robot, cell: Simulator
 ) -> None:

@@ -44,7 +44,7 @@ INDEX = tables("| section | functions | where |")
 def test_each_row_has_a_source_and_a_test(row: list[str]) -> None:
     behaviour, source, test = row
     assert behaviour
-    assert re.match(r"manual|wire|seen|public programs|assumption|own decision|IEC", source)
+    assert re.match(r"manual|maker|wire|seen|public programs|assumption|own decision|IEC", source)
     found = re.fullmatch(r"`([\w./]+\.py)::(\w+)`", test)
     assert found is not None
     module = (HERE / found[1]).read_text(encoding="utf-8")

@@ -128,6 +128,7 @@ def test_forces_are_given_at_the_tip_and_along_the_axes() -> None:
 # -- the law ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_speed_is_the_force_by_the_damping_up_to_the_cap() -> None:
     slow = Arm(law())
     slow.run(wrench(0, 0, 10.0), 500)
@@ -161,6 +162,7 @@ def test_only_directions_that_are_on_give_way() -> None:
     assert end[:3, :3] == pytest.approx(start[:3, :3], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_torque_turns_the_tool_about_its_tip() -> None:
     tip = Pose(0.0, 0.0, 0.15, 0.0, 0.0, 0.0).matrix
     turning = Arm(law(ALL, ForceAxes(tip, np.eye(4))))

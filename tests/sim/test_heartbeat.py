@@ -68,6 +68,7 @@ def test_a_slack_below_zero_is_refused() -> None:
         Simulator(heartbeat_slack=-1.0)
 
 
+@pytest.mark.slow
 def test_a_program_that_beats_once_a_second_keeps_its_arm_moving() -> None:
     """As the vendor's own demo does: rpc_heartbeat(); sleep(1), so each beat is a little late."""
     with Simulator(speed=math.inf, heartbeat_slack=30.0) as sim, RawClient(sim.port) as robot:

@@ -41,6 +41,7 @@ def test_the_same_seed_makes_the_same_frames() -> None:
     assert frames != [other.odd(n) + other.broken(n) for n in range(50)]
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(0)
 def test_a_server_that_is_sent_anything_goes_on(
     pytestconfig: pytest.Config, totals: Counter[str]
@@ -85,6 +86,7 @@ def test_a_server_that_is_sent_anything_goes_on(
         Path(where).write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_frame_that_claims_gigabytes_takes_no_memory() -> None:
     """Sizes are refused before anything is kept for them; so is a body that only goes on."""
     head = b"\x80\x01\x00\x01\x00\x00\x00\x04stop\x00\x00\x00\x01"
@@ -119,6 +121,7 @@ def pour(client: RawClient) -> None:
         client.sock.sendall(b"\x02" * (1 << 14))
 
 
+@pytest.mark.slow
 def test_idle_and_slow_connections_do_not_delay_a_stop() -> None:
     """A byte of a message a second is what a slow client sends; here each gets its next at once."""
     with Simulator.spawn() as sim, RawClient(sim.port) as client:

@@ -27,6 +27,7 @@ def settle(sim: Simulator) -> None:
     sim.wait_until(lambda: sim.time >= end)
 
 
+@pytest.mark.slow
 def test_a_load_is_carried_and_its_weight_is_not_felt(sim: Simulator, robot: Program) -> None:
     settle(sim)
     before = robot.get_actual_joints_torque()
@@ -58,6 +59,7 @@ def test_a_push_is_felt_at_the_tip(sim: Simulator, robot: Program) -> None:
     assert "no tool 'saw'" in robot.get_last_error()[-1]
 
 
+@pytest.mark.slow
 def test_a_tool_is_carried_as_heavy_as_it_is_told_to_be(sim: Simulator, robot: Program) -> None:
     settle(sim)
     before = robot.get_actual_joints_torque()
@@ -81,6 +83,7 @@ def test_a_tool_is_carried_as_heavy_as_it_is_told_to_be(sim: Simulator, robot: P
     assert robot.get_tcp_force() == pytest.approx(NOTHING, abs=0.05)
 
 
+@pytest.mark.slow
 def test_a_tool_that_is_there_is_not_carried_twice(connect: Callable[..., Program]) -> None:
     with Simulator(speed=math.inf, tool=[Rod(length=0.1, mass=1.0)]) as sim:
         robot = connect(sim)
@@ -97,6 +100,7 @@ def test_a_tool_that_is_there_is_not_carried_twice(connect: Callable[..., Progra
         assert robot.get_tcp_force()[:3] == pytest.approx(NOTHING[:3], abs=0.2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("told", "drifts"), [(2.0, False), (1.0, True)])
 def test_a_wrong_load_drifts_where_the_arm_gives_way(
     sim: Simulator, robot: Program, told: float, drifts: bool

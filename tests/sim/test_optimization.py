@@ -24,6 +24,7 @@ def duration(sim: Simulator, robot: Program, angle: float, v: float = 0.5) -> fl
     return sim.time - begin
 
 
+@pytest.mark.slow
 def test_speed_optimization_is_for_automatic_mode(sim: Simulator, robot: Program) -> None:
     # At 0.5 rad/s and 2 rad/s² it takes 2.25 s; a busy machine only makes it longer.
     assert duration(sim, robot, 1.0) > 2.2
@@ -36,6 +37,7 @@ def test_speed_optimization_is_for_automatic_mode(sim: Simulator, robot: Program
     assert duration(sim, robot, 0.0) > 2.2
 
 
+@pytest.mark.slow
 def test_acceleration_optimization_shortens_a_motion(sim: Simulator, robot: Program) -> None:
     # At 2 rad/s² it takes 2.45 s, whatever the speed.
     assert duration(sim, robot, 3.0, 3.9) > 2.4
@@ -45,6 +47,7 @@ def test_acceleration_optimization_shortens_a_motion(sim: Simulator, robot: Prog
     assert duration(sim, robot, 3.0, 3.9) > 2.4
 
 
+@pytest.mark.slow
 def test_vibration_control_takes_time_if_the_simulator_is_told(
     connect: Callable[..., Program],
 ) -> None:

@@ -20,6 +20,7 @@ HERE, ELSEWHERE = 16, 4
 FINISHED = 4
 
 
+@pytest.mark.slow
 def test_twenty_simulators_at_once_share_no_port_and_no_arm() -> None:
     """Most are in this process, as in one test run; some in their own, as where runs meet."""
     together = threading.Barrier(HERE + ELSEWHERE)

@@ -94,6 +94,7 @@ class Cell:
         return np.array(self.forces[begun:])
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("stiffness", [5_000.0, 100_000.0, None])
 def test_pressing_settles_at_the_target(stiffness: float | None) -> None:
     cell = Cell(table(0.005, stiffness))
@@ -104,6 +105,7 @@ def test_pressing_settles_at_the_target(stiffness: float | None) -> None:
     assert np.abs(pressed[1500:, :2]).max() < 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["gcr3_618", "gcr30_1100"])
 def test_small_and_large_arms_press(name: str) -> None:
     model = arm(name)
@@ -111,6 +113,7 @@ def test_small_and_large_arms_press(name: str) -> None:
     assert cell.run(1.5)[1000:, 2] == pytest.approx(-20.0, abs=1.0)
 
 
+@pytest.mark.slow
 def test_sliding_along_the_table_keeps_the_pressure() -> None:
     cell = Cell(table(0.003, below=0.1), probe=0.1)
     cell.run(1.5)
@@ -217,6 +220,7 @@ def until(program: Program, force: float, within: float, timeout: int = 20_000) 
     done(program, program.fc_wait_logic([0, 0, 1]))
 
 
+@pytest.mark.slow
 def test_press_release_and_press_again(simulator: Simulator, robot: Program) -> None:
     config(robot, 20.0)
     done(robot, robot.fc_start())
@@ -241,6 +245,7 @@ def test_press_release_and_press_again(simulator: Simulator, robot: Program) -> 
     done(robot, robot.fc_stop())
 
 
+@pytest.mark.slow
 def test_a_guard_trips_and_is_recovered_from(simulator: Simulator, robot: Program) -> None:
     config(robot, 60.0)
     limits = [500.0, 500.0, 40.0, 50.0, 50.0, 50.0]
@@ -295,6 +300,7 @@ def test_fc_stop_during_a_motion_is_a_fault(simulator: Simulator, robot: Program
     assert not robot.fc_mode_is_active()
 
 
+@pytest.mark.slow
 def test_a_motion_ends_where_a_position_is_reached(simulator: Simulator, robot: Program) -> None:
     config(robot, 20.0)
     here = robot.get_tcp_pose()
@@ -311,6 +317,7 @@ def test_a_motion_ends_where_a_position_is_reached(simulator: Simulator, robot: 
     assert robot.line(here) == TaskState.FINISHED
 
 
+@pytest.mark.slow
 def test_a_motion_ends_at_a_speed_or_in_time(simulator: Simulator, robot: Program) -> None:
     config(robot, 20.0)
     done(robot, robot.fc_start())
@@ -325,6 +332,7 @@ def test_a_motion_ends_at_a_speed_or_in_time(simulator: Simulator, robot: Progra
     done(robot, robot.fc_stop())
 
 
+@pytest.mark.slow
 def test_motions_give_way_too(simulator: Simulator, robot: Program) -> None:
     """A line that ends below the table presses on it, instead of breaking something."""
     config(robot, 20.0)
@@ -354,6 +362,7 @@ def lift(sim: Simulator, robot: Program, seconds: float) -> float:
     return robot.get_tcp_pose()[2] - before
 
 
+@pytest.mark.slow
 def test_a_paused_arm_gives_way_to_nothing(simulator: Simulator, robot: Program) -> None:
     free(robot)
     id_ = robot.fc_move(False)
@@ -367,6 +376,7 @@ def test_a_paused_arm_gives_way_to_nothing(simulator: Simulator, robot: Program)
     done(robot, robot.fc_stop())
 
 
+@pytest.mark.slow
 def test_velocities_give_way_and_hand_guiding_is_left_alone(
     simulator: Simulator, robot: Program
 ) -> None:

@@ -44,6 +44,15 @@ def test_a_spawned_simulator_is_served_and_ends_with_its_block(
     assert sim.process.returncode == 0
 
 
+def test_a_spawned_simulator_tells_where_everything_is() -> None:
+    process = Simulator.spawn(gripper="parallel", joints=[0.1, 0.0, 1.5, 0.0, -1.5, 0.0])
+    with pytest.raises(RuntimeError, match="not running"):
+        _ = process.positions
+    with process:
+        assert process.positions.shape == (8,)
+        assert process.positions[0] == pytest.approx(0.1, abs=1e-3)
+
+
 async def test_the_same_in_async_code(connect: Callable[..., Program]) -> None:
     async with Simulator.spawn() as sim:
         assert connect(sim).get_robot_state() == [4, 0, 4, 1]
@@ -55,6 +64,7 @@ def test_a_process_that_cannot_start_says_why() -> None:
         pass
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_signals_end_it_cleanly(number: signal.Signals) -> None:
     with run() as process:
@@ -64,6 +74,7 @@ def test_signals_end_it_cleanly(number: signal.Signals) -> None:
         assert (process.returncode, errors) == (0, b"")
 
 
+@pytest.mark.slow
 def test_it_ends_with_the_process_that_started_it_even_if_that_is_killed() -> None:
     program = (
         "import sys, time; from aioduco.sim.simulator import Simulator\n"
@@ -80,6 +91,7 @@ def test_it_ends_with_the_process_that_started_it_even_if_that_is_killed() -> No
     assert (len(gone), alive) == (1, [])
 
 
+@pytest.mark.slow
 def test_a_shutdown_ends_the_process(connect: Callable[..., Program]) -> None:
     with Simulator.spawn(speed=50.0) as sim:
         connect(sim).shutdown(False)

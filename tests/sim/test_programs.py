@@ -136,6 +136,7 @@ def test_triggers_are_mappings(cell: Simulator, program: Program) -> None:
     assert cell.get_digital_output(8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["far", "wait"])
 def test_pause_and_resume_act_on_it(cell: Simulator, program: Program, name: str) -> None:
     program.to(*READY)

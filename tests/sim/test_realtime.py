@@ -137,6 +137,7 @@ def test_the_manuals_example_runs(sim: Simulator, slow: Program) -> None:
     assert moved[1] / moved[2] == pytest.approx(ROWS[-1][1] / ROWS[-1][2], rel=0.05)
 
 
+@pytest.mark.slow
 def test_the_manuals_example_starved(sim: Simulator, slow: Program) -> None:
     """Nobody feeds the queue any more, for longer than the 0.04 s of the example."""
     begin_the_manuals_example(slow)

@@ -66,6 +66,7 @@ def test_points_by_position(cell: Simulator, program: Program) -> None:
     assert ways == pytest.approx(math.radians(5.0), abs=2e-3)
 
 
+@pytest.mark.slow
 def test_points_by_time(cell: Simulator, program: Program) -> None:
     before = cell.time
     record(program, BY_TIME, 0.0, 0.1)
@@ -92,6 +93,7 @@ def test_poses_are_the_tools_in_the_work_object(cell: Simulator, program: Progra
     program.set_wobj("none", [0.0] * 6)
 
 
+@pytest.mark.slow
 def test_a_full_track_ends_its_recording_and_pauses_what_runs(
     cell: Simulator, program: Program
 ) -> None:
@@ -156,6 +158,7 @@ def test_a_restart_ends_the_recording() -> None:
 # -- replay --------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", [0, 1])
 def test_a_replay_goes_to_the_start_and_through_the_points(
     cell: Simulator, program: Program, aside: Callable[..., Future[Any]], mode: int
@@ -175,6 +178,7 @@ def test_a_replay_goes_to_the_start_and_through_the_points(
     assert cell.joints.almost_equal(track.joints[-1], 2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", [0, 1])
 def test_its_speed_is_a_share(cell: Simulator, program: Program, mode: int) -> None:
     record(program, BY_POSITION, 1.0)
@@ -195,6 +199,7 @@ def test_its_speed_is_a_share(cell: Simulator, program: Program, mode: int) -> N
     assert peaks == pytest.approx([0.05 * whole, 0.1 * whole], rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_replay_in_a_work_object_moves_with_it(cell: Simulator, program: Program) -> None:
     program.set_wobj("table", [0.0] * 6)
     program.start_record_track("t", BY_POSITION, "", "table", 1.0)
@@ -208,6 +213,7 @@ def test_a_replay_in_a_work_object_moves_with_it(cell: Simulator, program: Progr
     program.set_wobj("none", [0.0] * 6)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("mode", [0, 1])
 def test_pause_and_stop_act_on_a_replay(
     cell: Simulator, program: Program, aside: Callable[..., Future[Any]], mode: int
@@ -268,6 +274,7 @@ def test_some_directions_give_way(cell: Simulator, program: Program) -> None:
     assert np.abs(moved[:2]).max() < 0.3 * moved[2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frame", [2, 3])
 def test_directions_of_tool_and_work_object(cell: Simulator, program: Program, frame: int) -> None:
     program.set_wobj("turned", [0.0, 0.0, 0.0, math.pi, 0.0, 0.0])
@@ -279,6 +286,7 @@ def test_directions_of_tool_and_work_object(cell: Simulator, program: Program, f
     program.set_wobj("none", [0.0] * 6)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     "args",
     [

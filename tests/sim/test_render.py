@@ -40,6 +40,7 @@ def share(picture: NDArray[np.uint8], colour: str) -> float:
     return float(mask.mean())
 
 
+@pytest.mark.slow
 def test_a_picture_shows_arm_and_scene(sim: Simulator) -> None:
     picture = sim.render(width=320, height=240)
     assert picture.shape == (240, 320, 3)
@@ -75,6 +76,7 @@ def test_a_size_that_cannot_be_drawn(sim: Simulator, size: tuple[int, int]) -> N
         sim.render(width=size[0], height=size[1])
 
 
+@pytest.mark.slow
 def test_the_simulation_goes_on_while_a_picture_is_drawn() -> None:
     with Simulator() as sim:
         sim.push([1.0, 0.0, 0.0, 0.0, 0.0, 0.0])  # so that it does not sleep
@@ -91,6 +93,7 @@ def test_without_opengl_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch)
                 sim.render()
 
 
+@pytest.mark.slow
 def test_a_process_that_is_killed_is_said_and_replaced(sim: Simulator) -> None:
     sim.render(width=10, height=10)
     assert sim._studio is not None

@@ -83,6 +83,7 @@ def test_things_fall_and_lie_still() -> None:
     assert np.abs(world.q - HOME).max() < 1e-5
 
 
+@pytest.mark.slow
 def test_the_physics_go_on_until_what_falls_lies() -> None:
     box = Box(at=(0.6, 0.3, 3.0), mass=1.0, size=(0.1, 0.1, 0.1))
     with Simulator(speed=math.inf, scene=[box]) as sim:

@@ -243,6 +243,7 @@ def test_a_port_is_never_shared(server: Server, echo: Echo) -> None:
 
 def test_closing_ends_every_thread_and_every_socket(echo: Echo) -> None:
     process = psutil.Process()
+    # What a test before this one left may end meanwhile.
     threads, descriptors = set(threading.enumerate()), process.num_fds()
     server = Server(echo)
     server.start()
@@ -250,11 +251,11 @@ def test_closing_ends_every_thread_and_every_socket(echo: Echo) -> None:
     for client in clients:
         client.call("get_robot_state")
     server.close()
-    assert set(threading.enumerate()) == threads
+    assert set(threading.enumerate()) <= threads
     assert all(client.ended() for client in clients)
     for client in clients:
         client.close()
-    assert process.num_fds() == descriptors
+    assert process.num_fds() <= descriptors
     assert "closed" in repr(server)
     server.close()
 

@@ -49,6 +49,7 @@ def test_the_latest_target_counts(sim: Simulator, robot: Program) -> None:
     assert sim.joints.almost_equal(Joints.of(turned(-0.2)), 1e-3)
 
 
+@pytest.mark.slow
 def test_another_type_waits_until_the_running_one_has_ended(sim: Simulator, robot: Program) -> None:
     start = Pose.of(robot.get_tcp_pose())
     first = servoj(robot, turned(0.5), 0.02)  # slow, so that the others come in time
@@ -63,6 +64,7 @@ def test_another_type_waits_until_the_running_one_has_ended(sim: Simulator, robo
     assert Pose.of(robot.get_tcp_pose()).almost_equal(goal, position=1e-3, rotation=2e-3)
 
 
+@pytest.mark.slow
 def test_motions_wait_for_it_and_it_waits_for_them(sim: Simulator, robot: Program) -> None:
     moved = robot.to(*turned(0.2), block=False)
     servo = servoj(robot, turned(0.4))
@@ -107,6 +109,7 @@ def test_a_stop_works_at_once(sim: Simulator, robot: Program) -> None:
     assert robot.get_robot_state() == [6, 0, 5, 1]
 
 
+@pytest.mark.slow
 def test_pause_and_resume(sim: Simulator, robot: Program) -> None:
     id_ = servoj(robot, turned(0.3), 0.05)
     sim.wait_until(lambda: sim.joints[0] > 0.01, 20.0)
@@ -117,6 +120,7 @@ def test_pause_and_resume(sim: Simulator, robot: Program) -> None:
     assert ended(sim, robot, id_) == TaskState.FINISHED
 
 
+@pytest.mark.slow
 def test_too_large_a_step_at_too_large_an_acceleration_is_a_position_deviation(
     sim: Simulator, robot: Program
 ) -> None:
@@ -150,6 +154,7 @@ def test_wrong_parameters(strict: Program, joints: Any, numbers: Any, state: Tas
     assert strict.servoj(joints, v, a, True, *gains) == state
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("numbers", "taken"),
     [
@@ -185,6 +190,7 @@ def test_gains_that_are_left_out_are_the_vendors(sim: Simulator, robot: Program)
     assert sim.joints.almost_equal(Joints.of(turned(0.2)), 1e-3)
 
 
+@pytest.mark.slow
 def test_the_global_speed_does_not_scale_it(sim: Simulator, robot: Program) -> None:
     begin = sim.time
     assert ended(sim, robot, servoj(robot, turned(0.5))) == TaskState.FINISHED

@@ -58,6 +58,7 @@ def test_a_line_ends_at_its_pose_and_an_unreachable_one_moves_nothing(
     assert sim.joints.almost_equal(there, 1e-4)
 
 
+@pytest.mark.slow
 def test_an_arc_passes_its_point(connect: Callable[..., Program]) -> None:
     # Not as fast as possible: the thread that looks on shall get to see the arm often.
     with Simulator(speed=10.0) as sim:
@@ -95,6 +96,7 @@ def test_an_offset_in_the_tools_frame_is_added_to_the_end_of_the_motion_before(
     assert Pose.of(robot.get_tcp_pose()).almost_equal(expected, position=1e-3, rotation=2e-3)
 
 
+@pytest.mark.slow
 def test_a_pose_is_reached_near_the_joints_given(sim: Simulator, robot: Program) -> None:
     goal = Pose.from_matrix(sim.arm.fkine(Joints.of(READY))).shifted(x=0.05)
     branches = sim.arm.ikine_all(goal)
@@ -104,6 +106,7 @@ def test_a_pose_is_reached_near_the_joints_given(sim: Simulator, robot: Program)
     assert sim.joints.almost_equal(near, 1e-3)
 
 
+@pytest.mark.slow
 def test_percent_speeds_of_the_older_functions(sim: Simulator, robot: Program) -> None:
     begin = sim.time
     assert robot.movej([0.5, *READY[1:]], 50.0, 50.0, 0.0, True, Op(), False) == 4
@@ -117,6 +120,7 @@ def test_percent_speeds_of_the_older_functions(sim: Simulator, robot: Program) -
     assert robot.movej_pose(goal, 10.0, 50.0, 0.0, [], "", "", True, Op(), False) == 4
 
 
+@pytest.mark.slow
 def test_the_controller_chooses_an_acceleration_when_told_to(
     sim: Simulator, robot: Program
 ) -> None:
@@ -155,6 +159,7 @@ def test_blending_ends_the_first_motion_as_interrupted(sim: Simulator, robot: Pr
     assert robot.get_noneblock_taskstate(first) == TaskState.INTERRUPT
 
 
+@pytest.mark.slow
 def test_calls_that_block_blend_as_those_that_do_not(connect: Callable[..., Program]) -> None:
     """The second motion comes in time as long as the machine answers within two seconds."""
     took: list[float] = []
@@ -239,6 +244,7 @@ def test_a_popup_pauses_all_tasks(sim: Simulator, robot: Program) -> None:
     assert robot.abort(True) == TaskState.FINISHED
 
 
+@pytest.mark.slow
 def test_global_speed_scales_time(sim: Simulator, robot: Program) -> None:
     def duration(goal: float) -> float:
         begin = sim.time

@@ -320,6 +320,7 @@ def test_a_motion_op_without_a_trigger_is_none(robot: Program) -> None:
     assert robot.movej2(READY, 1.0, 1.0, 0.0, True, Op(trig_io_1=3), False) == TaskState.FINISHED
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("model", models())
 def test_every_model_comes_up_and_moves(model: str, connect: Callable[..., Program]) -> None:
     goal = Joints.of([0.3, *READY[1:]])

@@ -126,6 +126,7 @@ def test_temperatures_follow_the_load_slowly() -> None:
     assert warmth.boards == pytest.approx([AMBIENT] * 6, abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_loaded_arm_becomes_warm(cell: Simulator, program: Program) -> None:
     before = program.getRobotStatus()
     program.movej2([0.0, 1.2, 1.0, 0.0, -1.5, 0.0], 1.0, 2.0, 0.0, True, Op(), False)

@@ -208,6 +208,7 @@ def test_a_port_that_is_taken_is_said_and_leaves_nothing_behind(sim: Simulator) 
     taken.close()
 
 
+@pytest.mark.slow
 def test_a_simulator_in_its_own_process_says_where() -> None:
     with Simulator.spawn(status_port=0) as sim:
         assert public(received(sim.status_port)[0])["robotStatus"] == (4,)

@@ -47,7 +47,8 @@ class Tables(RuleBasedStateMachine):
     def end(self, id_: int, state: TaskState, again: TaskState) -> None:
         self.table.set(id_, state, "why")
         self.model[id_] = state
-        self.news.append(id_)
+        if id_ not in self.news:
+            self.news.append(id_)
         with pytest.raises(KeyError):
             self.table.set(id_, again)
 
@@ -91,3 +92,12 @@ def test_ids_begin_again_after_the_last_that_fits_the_wire() -> None:
     table = TaskTable()
     table._next = 2**31 - 1
     assert [table.new("stop") for _ in range(2)] == [2**31 - 1, FIRST_ID]
+
+
+def test_one_that_is_passed_on_and_ends_at_once_is_told_once() -> None:
+    table = TaskTable()
+    id_ = table.new("movel")
+    table.pass_on(id_)
+    table.set(id_, TaskState.STOPPED)
+    assert table.take_answered() == [id_]
+    assert table.take_answered() == []

@@ -34,6 +34,7 @@ def test_a_pool_of_joints_is_followed_until_it_is_dry(sim: Simulator, robot: Pro
     assert sim.joints.almost_equal(Joints.of(points[-1]), 1e-3)
 
 
+@pytest.mark.slow
 def test_a_pool_of_poses_is_followed_in_the_work_object(sim: Simulator, robot: Program) -> None:
     assert robot.set_wobj("bench", [0.1, 0.0, 0.0, 0.0, 0.0, 0.5]) == TaskState.FINISHED
     start = Pose.of(robot.get_tcp_pose_coord("", "bench"))

@@ -94,6 +94,7 @@ def test_a_switch_at_the_cabinet_decides_the_mode(sim: Simulator, robot: Program
     assert robot.get_robot_state() == [6, 0, 5, 1]
 
 
+@pytest.mark.slow
 def test_a_dry_run_leaves_the_arm_where_it_is(sim: Simulator, robot: Program) -> None:
     robot.to(0.4, *READY[1:])
     there = sim.joints.array
@@ -152,6 +153,7 @@ def test_nothing_pushes_at_a_simulated_arm(sim: Simulator, robot: Program) -> No
     assert robot.get_robot_state() == [6, 0, 5, 1]
 
 
+@pytest.mark.slow
 def test_a_controller_that_starts_again_has_the_real_arm(sim: Simulator, robot: Program) -> None:
     robot.simulation(True, True)
     robot.to(0.3, *READY[1:])

@@ -58,6 +58,7 @@ def test_a_second_velocity_takes_over(sim: Simulator, robot: Program) -> None:
     assert robot.get_noneblock_taskstate(second) == TaskState.STOPPED
 
 
+@pytest.mark.slow
 def test_the_tool_moves_along_its_own_axes(sim: Simulator, robot: Program) -> None:
     start = Pose.of(robot.get_tcp_pose())
     assert robot.speedl([0.0, 0.0, 0.1, 0.0, 0.0, 0.0], 1.0, 1000, True) == TaskState.FINISHED
@@ -70,6 +71,7 @@ def test_the_tool_moves_along_its_own_axes(sim: Simulator, robot: Program) -> No
     assert Pose.of(robot.get_tcp_pose()).almost_equal(turned, position=1e-3, rotation=3e-3)
 
 
+@pytest.mark.slow
 def test_the_end_of_the_reach_ends_it(sim: Simulator, robot: Program) -> None:
     assert robot.speedl([0.0, 0.0, -0.3, 0.0, 0.0, 0.0], 1.0, -1, True) == TaskState.ERROR
     assert robot.get_last_error()
@@ -129,6 +131,7 @@ def test_a_jog_by_a_step(sim: Simulator, robot: Program) -> None:
     assert sim.joints[0] == pytest.approx(0.1, abs=1e-3)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("frame", [0, 1, 2, 3])
 def test_a_cartesian_jog_follows_the_axes_of_its_frame(
     sim: Simulator, robot: Program, frame: int
@@ -168,6 +171,7 @@ def test_a_jog_along_the_world_of_an_arm_at_a_wall(connect: Callable[..., Progra
     assert abs(base[2]) < 1e-3  # away from the wall
 
 
+@pytest.mark.slow
 def test_the_teaching_speed_scales_jogs(sim: Simulator, robot: Program) -> None:
     assert robot.set_teach_speed(40) == TaskState.FINISHED
     robot.move_jog(jog(vel=50.0), False)  # of 0.5 rad/s for a joint
@@ -222,6 +226,7 @@ def test_wrong_jogs(robot: Program, wrong: dict[str, Any]) -> None:
 # -- hand guiding --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_hand_guiding_holds_the_arm_and_lets_it_be_pushed(sim: Simulator, robot: Program) -> None:
     assert robot.teach_mode(True) == TaskState.FINISHED
     assert robot.to(*READY) == TaskState.ILLEGAL

@@ -116,6 +116,7 @@ def test_lines_and_arcs_stay_within_a_millimetre(model: str) -> None:
     assert np.abs(np.linalg.norm(spokes, axis=1) - 0.1 * size).max() < 1e-3
 
 
+@pytest.mark.slow
 def test_work_of_the_drives_is_the_gain_of_energy(any_arm: Arm) -> None:
     world, mover = World(any_arm, q=HOME), Mover(any_arm, HOME)
     goal = HOME + np.array([1.0, -0.5, 0.6, 0.5, 1.0, 1.0])

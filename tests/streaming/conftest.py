@@ -5,7 +5,9 @@ from __future__ import annotations
 import socket
 import threading
 import time
+from contextlib import suppress
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -18,6 +20,19 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 HERE = [0.0, -0.1, 0.2, 0.3, 0.4, 0.5]
+
+
+def runs(pid: int) -> bool:
+    """Whether a process runs: there, and no zombie."""
+    with suppress(FileNotFoundError, ProcessLookupError):
+        return "Z" not in Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    return False
+
+
+def shared_files(*pids: int) -> set[Path]:
+    """The files of shared memory that processes have mapped, those without a name left out."""
+    lines = (line for pid in pids for line in Path(f"/proc/{pid}/maps").read_text().splitlines())
+    return {Path(line.split(maxsplit=5)[5]) for line in lines if "/dev/shm/" in line}
 
 
 @dataclass

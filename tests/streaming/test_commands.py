@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
 from typer.testing import CliRunner
 
 from aioduco.cli.app import app
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from .conftest import Controller
 
 
+@pytest.mark.slow
 def test_doctor_measures_and_plot_draws_it(controller: Controller, tmp_path: Path) -> None:
     figures = tmp_path / "figures.json"
     port = str(controller.server.port)

@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-from pathlib import Path
 
 import anyio
 import numpy as np
@@ -18,7 +17,7 @@ from aioduco.streaming.servo import Servo
 from aioduco.streaming.session import Session
 from aioduco.testing import eventually, eventually_async, no_leaks
 
-from .conftest import HERE, Controller
+from .conftest import HERE, Controller, runs, shared_files
 
 RATE = 500
 ACCELERATION = 5.0
@@ -50,13 +49,6 @@ anyio.run(main, *sys.argv[1:])
 """
 
 
-def alive(pid: int) -> bool:
-    try:
-        return "Z" not in Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    except FileNotFoundError:
-        return False
-
-
 def start(controller: Controller) -> tuple[subprocess.Popen[str], int]:
     """A program in the middle of a stream, and its lane's process."""
     server = controller.server
@@ -69,7 +61,7 @@ def start(controller: Controller) -> tuple[subprocess.Popen[str], int]:
     )
     assert program.stdout is not None
     lane = int(program.stdout.readline())
-    assert alive(lane)
+    assert runs(lane)
     return program, lane
 
 
@@ -83,26 +75,28 @@ def decelerated(controller: Controller) -> bool:
     return bool(steps[-1] == 0 and len(slowing[slowing > 80]) >= 35)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
 def test_a_program_killed_in_mid_stream(controller: Controller, how: signal.Signals) -> None:
-    shared = set(os.listdir("/dev/shm"))  # noqa: PTH208 - names only
     program, lane = start(controller)
+    shared = shared_files(program.pid, lane)
     program.send_signal(how)
     program.wait(10)
-    eventually(lambda: not alive(lane), what="the lane's process is gone")
+    eventually(lambda: not runs(lane), what="the lane's process is gone")
     eventually(lambda: controller.server.connections == 0)
     assert decelerated(controller)
     assert controller.names()[-1] == "stop"
-    assert set(os.listdir("/dev/shm")) <= shared  # noqa: PTH208
+    assert not any(file.exists() for file in shared)
     assert program.stdout is not None
     program.stdout.close()
 
 
+@pytest.mark.slow
 def test_a_program_that_hangs_starves_its_stream(controller: Controller) -> None:
     program, lane = start(controller)
     program.send_signal(signal.SIGSTOP)
     try:
-        eventually(lambda: not alive(lane), what="the lane's process is gone")
+        eventually(lambda: not runs(lane), what="the lane's process is gone")
         assert decelerated(controller)
         assert controller.names()[-1] == "stop"
     finally:
@@ -112,12 +106,13 @@ def test_a_program_that_hangs_starves_its_stream(controller: Controller) -> None
         program.stdout.close()
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_the_program_and_its_stream_in_order(controller: Controller) -> None:
     program, lane = start(controller)
     # A terminal sends it to every process of the group; the lane is in none of them.
     os.killpg(program.pid, signal.SIGINT)
     program.wait(10)
-    eventually(lambda: not alive(lane), what="the lane's process is gone")
+    eventually(lambda: not runs(lane), what="the lane's process is gone")
     assert decelerated(controller)
     assert "stop" not in controller.names()
     assert program.stdout is not None
@@ -144,6 +139,7 @@ async def test_a_lane_killed_in_mid_stream_is_an_error_and_the_robot_is_stopped(
     assert controller.stops == ["stop"]
 
 
+@pytest.mark.slow
 async def test_a_lane_that_stands_still_is_ended_and_the_robot_is_stopped(
     controller: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -181,6 +177,7 @@ async def test_a_lane_told_to_end_by_the_system_decelerates(controller: Controll
     assert controller.names()[-1] == "stop"
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("upsample", ["none", "ruckig"])
 async def test_a_lane_process_is_small(controller: Controller, upsample: str) -> None:
     opened = controller.servo.joints(
@@ -195,6 +192,7 @@ async def test_a_lane_process_is_small(controller: Controller, upsample: str) ->
     assert 0 < stream.statistics().memory <= 60e6
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("lane", ["process", "thread"])
 async def test_one_stream_after_the_other_leaves_nothing(controller: Controller, lane: str) -> None:
     options = LaneOptions(lane=lane)  # type: ignore[arg-type]

@@ -68,6 +68,7 @@ def moved(start: Pose, end: Pose) -> tuple[np.ndarray, np.ndarray]:
     return end.matrix[:3, 3] - start.matrix[:3, 3], np.array(turn)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frame", FRAMES)
 async def test_one_velocity_leads_along_the_axes_of_its_frame(
     robot: aioduco.Robot, sim: Simulator, frame: Any
@@ -85,6 +86,7 @@ async def test_one_velocity_leads_along_the_axes_of_its_frame(
     np.testing.assert_allclose(turn / np.linalg.norm(turn), up, atol=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frame", FRAMES)
 async def test_one_offset_leads_along_the_axes_of_its_frame(
     robot: aioduco.Robot, frame: Any
@@ -104,14 +106,18 @@ async def test_one_offset_leads_along_the_axes_of_its_frame(
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frame", FRAMES)
 async def test_a_stream_of_velocities_keeps_its_direction_while_the_tool_turns(
     robot: aioduco.Robot, sim: Simulator, frame: Any
 ) -> None:
     start = await tip(robot)
     there = await axes(robot, frame)
-    # The simulated controller changes turning speeds by `a`, too.
-    stream = robot.speed.linear(a=5.0, turn_a=5.0, frame=frame, dead_man=2.0, options=THREAD)
+    # The simulated controller changes turning speeds by `a`, too. A busy machine may hold the
+    # program up between two speeds.
+    stream = robot.speed.linear(
+        a=5.0, turn_a=5.0, frame=frame, dead_man=2.0, hold=2.0, options=THREAD
+    )
     twist = [0.0, 0.0, 0.1, 0.8, 0.0, 0.0]
     async with stream:
         while np.linalg.norm(moved(start, simulated(sim))[1]) < 0.3:
@@ -130,6 +136,7 @@ async def test_a_stream_of_velocities_keeps_its_direction_while_the_tool_turns(
     assert np.linalg.norm(turn[1:]) < 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frame", FRAMES)
 @pytest.mark.parametrize("tool", ["", "default"])
 async def test_a_stream_of_offsets_adds_up_in_its_frame(
@@ -157,6 +164,7 @@ async def test_a_stream_of_offsets_adds_up_in_its_frame(
         np.testing.assert_allclose(there.T @ way, wanted.matrix[:3, 3], atol=2e-3)
 
 
+@pytest.mark.slow
 async def test_a_motion_that_is_turned_waits_in_a_run_for_those_before_it(
     robot: aioduco.Robot,
 ) -> None:
@@ -172,6 +180,7 @@ async def test_a_motion_that_is_turned_waits_in_a_run_for_those_before_it(
     np.testing.assert_allclose(moved(start, await tip(robot))[0], [0.0, 0.0, 0.03], atol=2e-3)
 
 
+@pytest.mark.slow
 async def test_what_cannot_be_turned_is_not_sent(robot: aioduco.Robot) -> None:
     start = await tip(robot)
     for wrong in (

@@ -6,8 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-from contextlib import suppress
-from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import anyio
@@ -45,6 +43,7 @@ from aioduco.testing import (
     no_leaks,
 )
 
+from .conftest import runs, shared_files
 from .robot_motions import KINDS, START
 
 if TYPE_CHECKING:
@@ -114,19 +113,23 @@ FAULTS: list[tuple[Fault, type[StreamError]]] = [
 ]
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("fault", "error"), FAULTS, ids=lambda f: str(f)[:24])
 async def test_a_fault_on_the_wire_in_mid_stream(
     robot: aioduco.Robot, sim: Simulator, proxy: FaultProxy, fault: Fault, error: type[StreamError]
 ) -> None:
     proxy.on("servoj", fault, skip=100)
+    # An answer may be late on a busy machine: not so late that it counts as lost.
+    options = PATIENT if error is StreamRefused else THREAD
     async with no_leaks():
         with pytest.raises(error) as caught:
-            await run(robot, "servoj", THREAD)
+            await run(robot, "servoj", options)
     assert caught.value.statistics is not None
     await see_it_stand(sim)
     assert proxy.calls("stop")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "fault"),
     [
@@ -147,6 +150,7 @@ async def test_a_lost_connection_of_each_kind(
     await see_it_stand(sim)
 
 
+@pytest.mark.slow
 async def test_no_network_at_all(robot: aioduco.Robot, sim: Simulator, proxy: FaultProxy) -> None:
     """Nobody can stop the arm then, but the heartbeat's end does."""
     error: list[DucoError] = []
@@ -169,6 +173,7 @@ async def test_no_network_at_all(robot: aioduco.Robot, sim: Simulator, proxy: Fa
     assert "it is not known that the arm stands" in str(error[0])
 
 
+@pytest.mark.slow
 async def test_without_a_heartbeat_a_stream_ends(sim: Simulator, proxy: FaultProxy) -> None:
     """The controller stops the arm then, and the next set-point would set it moving again."""
     opened = aioduco.connect(proxy.host, proxy.port, heartbeat=0.4, loop_stall_limit=0.3)
@@ -187,11 +192,12 @@ async def test_without_a_heartbeat_a_stream_ends(sim: Simulator, proxy: FaultPro
 # -- deaths ------------------------------------------------------------------------------------
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("kind", ["servoj", "speedj", "joint_position", "track joints"])
 async def test_a_lane_that_is_killed(robot: aioduco.Robot, sim: Simulator, kind: str) -> None:
     async def program() -> None:
         speeds = KINDS[kind].feed is KINDS["speedj"].feed
-        async with KINDS[kind].open(robot, PROCESS) as stream:
+        async with KINDS[kind].open(robot, LaneOptions(timeout=5.0)) as stream:
             for n in range(2000):
                 await stream.send([0.1, 0, 0, 0, 0, 0] if speeds else [2e-4 * n, *START[1:]])
                 if speeds:
@@ -226,9 +232,9 @@ anyio.run(main, *sys.argv[1:])
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("guard", ["", "process"], ids=["alone", "guarded"])
 def test_a_program_that_is_killed(sim: Simulator, guard: str) -> None:
-    shared = set(os.listdir("/dev/shm"))  # noqa: PTH208 - names only
     with no_leaks():
         program = subprocess.Popen(
             [sys.executable, "-c", PROGRAM, sim.host, str(sim.port), guard],
@@ -237,20 +243,14 @@ def test_a_program_that_is_killed(sim: Simulator, guard: str) -> None:
         )
         assert program.stdout is not None
         lane = int(program.stdout.readline())
+        shared = shared_files(program.pid, lane)
         program.kill()
         program.communicate()
-        eventually(lambda: not _runs(lane), timeout=10)
+        eventually(lambda: not runs(lane), timeout=10)
         eventually(lambda: not sim.connections)
         assert not sim.view.moving
         eventually(lambda: not sim.tasks)
-    assert set(os.listdir("/dev/shm")) <= shared  # noqa: PTH208
-
-
-def _runs(pid: int) -> bool:
-    with suppress(FileNotFoundError, ProcessLookupError):
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-        return state != "Z"
-    return False
+    assert not any(file.exists() for file in shared)
 
 
 # -- cancellation ------------------------------------------------------------------------------
@@ -261,6 +261,7 @@ def losses(robot: aioduco.Robot) -> int:
     return robot.heartbeat.losses
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["scope", "task"])
 @lanes
 async def test_cancelled_at_any_await(

@@ -60,6 +60,7 @@ UNUSED = {
 #: of this package, all that a worker may load beside what is below `worker` and `shared`
 USED = {
     "aioduco",
+    "aioduco._platform",
     "aioduco._version",
     "aioduco._wire",
     "aioduco.errors",

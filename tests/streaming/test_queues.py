@@ -59,6 +59,7 @@ def positions(queue: Cycles) -> Any:
     return np.array([point.joint_pos_cmd for point in queue.points])
 
 
+@pytest.mark.cases(1)
 @lanes
 async def test_an_array_goes_through_the_queue_from_rest_to_rest(
     controller: Controller, queue: Cycles, options: LaneOptions
@@ -92,6 +93,7 @@ async def test_an_array_goes_through_the_queue_from_rest_to_rest(
     assert controller.server.received("start_realtime_mode")[0].args == (0, 100.0, 0.02)
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize(
     ("frame", "read", "back"),
     [("base", "get_wobj", True), ("tool", "get_tcp_pose_coord", False), ("wobj", "", True)],
@@ -301,6 +303,7 @@ class PoolDrive:
         self.running, self.ended = False, state
 
 
+@pytest.mark.slow
 @lanes
 async def test_the_pool_stays_between_its_marks_and_every_point_arrives(
     controller: Controller, options: LaneOptions
@@ -348,8 +351,8 @@ async def test_a_pool_that_ran_dry_is_started_again(controller: Controller) -> N
         for n in range(20, 40):
             await stream.send(near(1e-4 * n))
         await eventually_async(lambda: len(pool.points) == 40)
-    assert pool.starts == 2
-    assert stream.statistics().drained >= 1
+    # more often, where this program was too slow to feed it
+    assert stream.statistics().drained >= pool.starts - 1 >= 1
 
 
 @pytest.mark.parametrize(

@@ -126,6 +126,7 @@ def run_producer(
     return ring, producer
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("capacity", [1, 2, 7, 64])
 def test_a_hammering_producer_loses_nothing_and_tears_nothing(capacity: int) -> None:
     count = 30_000 if capacity > 2 else 3_000
@@ -145,6 +146,7 @@ def test_a_hammering_producer_loses_nothing_and_tears_nothing(capacity: int) -> 
     assert ring.take() is None
 
 
+@pytest.mark.slow
 def test_a_hammering_producer_of_latest_never_goes_back_and_tears_nothing() -> None:
     count = 100_000
     ring, producer = run_producer(4, count, latest=True)

@@ -70,6 +70,7 @@ async def place(robot: aioduco.Robot, space: str) -> np.ndarray:
     return np.array(found)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("kind", KINDS)
 async def test_each_leads_the_arm_to_where_its_set_points_lead(
     robot: aioduco.Robot, sim: Simulator, kind: str
@@ -132,9 +133,13 @@ async def ended_by(
         assert opened.state is StreamState.FOLLOWING
         if isinstance(ending := end(), Awaitable):
             await ending
-        assert opened.quiet
+            assert opened.quiet
+        else:
+            # It waits for the worker's silence for a time only, for it may be in a signal handler.
+            eventually(lambda: opened.quiet)
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize(
     ("kind", "options"), [*((kind, PROCESS) for kind in FOLLOWED), ("servoj", THREAD)]
 )
@@ -219,6 +224,7 @@ async def test_a_stop_does_not_wait_for_a_lane_that_hangs(
     assert not sim.view.moving
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["servoj", "joint_position"])
 async def test_an_emergency_stop_ends_it(robot: aioduco.Robot, sim: Simulator, kind: str) -> None:
     async def program() -> None:
@@ -260,7 +266,9 @@ async def test_a_program_that_hangs_while_an_array_is_played_stops_the_arm(
 
     with pytest.raises(BaseExceptionGroup) as caught:
         await program()
-    assert caught.group_contains(StreamStarved, match="event loop did not run")
+    # by the stream's worker, or by the robot's watchdog that has the same limit and stops the arm,
+    # of which the stream is told by the program or by the controller
+    assert caught.group_contains((StreamStarved, StreamStopped, StreamRefused))
 
 
 # -- one at a time -----------------------------------------------------------------------------
@@ -303,17 +311,19 @@ async def test_a_loop_that_is_held_up_starves_the_stream_and_the_arm_stands(
         async with robot.servo.joints(v=1.0, a=8.0, hold=0.1) as stream:
             for n in range(60):
                 await stream.send([START[0] + 2e-5 * n * n, *START[1:]])
-            assert sim.view.moving
-            sim.wait_until(lambda: not sim.view.moving)  # it blocks the event loop
+            eventually(lambda: stream.reason, 60.0)  # it blocks the event loop
+            assert np.abs(sim.joints.array - START.array).max() > 1e-3
             await stream.send(START)
 
     with pytest.raises(StreamStarved):
         await program()
+    assert not sim.view.moving
 
 
 # -- trajectories ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("through", ["auto", "servoj"])
 async def test_a_trajectory_through_the_queue_or_servoj(
     robot: aioduco.Robot, sim: Simulator, through: str
@@ -339,6 +349,7 @@ async def test_a_trajectory_through_the_queue_or_servoj(
     assert (result.statistics.queue.samples > 0) == (queue == "realtime")
 
 
+@pytest.mark.slow
 async def test_a_controller_without_a_queue_is_led_by_servoj(sim: Simulator) -> None:
     with FaultProxy(sim.host, sim.port) as proxy:
         proxy.on("get_realtime_data_queue_size", ApplicationError(code=1), times=None)
@@ -352,6 +363,7 @@ async def test_a_controller_without_a_queue_is_led_by_servoj(sim: Simulator) -> 
         assert not proxy.calls("realtime_data_enqueue")
 
 
+@pytest.mark.slow
 async def test_a_cancelled_trajectory_leaves_a_standing_arm(
     robot: aioduco.Robot, sim: Simulator
 ) -> None:

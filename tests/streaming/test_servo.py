@@ -6,7 +6,9 @@ import itertools
 import math
 import socket
 import threading
-from typing import TYPE_CHECKING
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import anyio
 import numpy as np
@@ -314,6 +316,7 @@ async def test_the_lane_sees_when_the_controller_does_not_follow_any_more(
     assert bool(controller.server.received("stop")) == stops
 
 
+@pytest.mark.slow
 async def test_a_controller_that_answers_no_more_ends_the_stream_and_is_told_to_stop(
     controller: Controller,
 ) -> None:
@@ -399,6 +402,7 @@ async def test_poses_turn_the_shorter_way_and_carry_tool_and_work_object(
     assert np.abs(np.diff(poses[:, 0])).max() < 1e-3
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("latest", [False, True])
 async def test_each_offset_is_carried_out_once_within_the_limits(
     controller: Controller, latest: bool
@@ -441,3 +445,50 @@ async def test_commanded_is_what_the_lane_sent_last(controller: Controller) -> N
         await stream.send(near(0.0))
         await stream.send(near(1e-4))
         await eventually_async(lambda: stream.commanded == tuple(near(1e-4)))
+
+
+@lanes
+async def test_chunks_are_sent_counted_and_refused_when_they_are_wrong(
+    controller: Controller, options: LaneOptions
+) -> None:
+    options = replace(options, timeout=30.0)
+    async with no_leaks():
+        async with controller.servo.joints(
+            v=1.0, a=5.0, source_rate=30, upsample="cubic", chunks=True, hold=5.0, options=options
+        ) as stream:
+            await stream.send_chunk([near(0.001 * k) for k in range(12)])
+            now = time.monotonic()
+            with pytest.raises(SetPointTooFar, match="actions"):
+                await stream.send_chunk([near(0.5)] * 3)
+            with pytest.raises(SetPointTooFar, match=r"actions\[1\]"):
+                await stream.send_chunk([near(0.0), near(0.3)])
+            with pytest.raises(ParameterError, match="monotonic"):
+                await stream.send_chunk([near(0.0)], at=now + 1e6)
+            with pytest.raises(ParameterError, match="1 to 1000"):
+                await stream.send_chunk([])
+            with pytest.raises(ParameterError, match="chunks"):
+                await stream.play([near(0.0)] * 3)
+            await stream.send_chunk([near(0.0)] * 5, at=now - 30)
+            await stream.send_chunk([near(0.005)] * 4, at=time.monotonic())
+            await eventually_async(lambda: stream.taken == 21)
+        found = stream.statistics()
+    assert controller.points()[-1] == pytest.approx(near(0.005))
+    assert (found.chunks, found.chunks_dropped) == (3, 1)
+    assert found.chunks_late >= 1
+    assert found.actions_late >= 5
+    assert "3 chunks" in repr(found)
+
+
+async def test_a_stream_says_what_chunks_need(controller: Controller) -> None:
+    servo = controller.servo
+    refused: dict[str, Any] = {
+        "latest": {"latest": True, "source_rate": 30, "upsample": "cubic"},
+        "source_rate": {"upsample": "cubic"},
+        "upsample": {"source_rate": 30},
+    }
+    for name, wrong in refused.items():
+        with pytest.raises(ParameterError, match=name):
+            servo.joints(v=1.0, a=5.0, chunks=True, **wrong)
+    async with servo.joints(v=1.0, a=5.0, options=THREAD) as stream:
+        with pytest.raises(ParameterError, match="chunks=True"):
+            await stream.send_chunk([near(0.0)])

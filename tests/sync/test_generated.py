@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import aioduco
 import aioduco.sync
 from aioduco.streaming.servo import OffsetStream as AioOffsetStream
@@ -36,6 +38,7 @@ def sections(robot: object) -> list[str]:
     ]
 
 
+@pytest.mark.slow
 def test_it_is_up_to_date() -> None:
     done = subprocess.run(
         [sys.executable, "idl/generate_sync.py", "--check"],
@@ -48,6 +51,7 @@ def test_it_is_up_to_date() -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_the_check_finds_a_difference(tmp_path: Path) -> None:
     text = (ROOT / "aioduco/sync/_generated.py").read_text(encoding="utf-8")
     target = tmp_path / "_generated.py"

@@ -45,6 +45,7 @@ def test_it_is_stopped_when_the_program_hangs(robot: Robot, desk: Desk) -> None:
     assert not desk.moving()
 
 
+@pytest.mark.slow
 def test_another_threads_calls_do_not_hold_it(robot: Robot, desk: Desk) -> None:
     over = threading.Event()
 
@@ -78,6 +79,7 @@ def test_a_wait_holds_it(robot: Robot, desk: Desk) -> None:
     task.end()
 
 
+@pytest.mark.slow
 def test_what_ends_by_itself_goes_on(robot: Robot, desk: Desk) -> None:
     """To a target, for a time, or led by a person: no call for more than the limit."""
     desk.motion_time = 0.5
@@ -102,6 +104,7 @@ def test_a_limit_for_every_motion(desk: Desk) -> None:
         assert task.cancel() is Outcome.STOPPED
 
 
+@pytest.mark.slow
 def test_no_limit(desk: Desk) -> None:
     with aioduco.sync.connect(desk.host, desk.port, hold_limit=None, heartbeat=1.0) as robot:
         robot.motion.speedl.start(DOWN, a=1.0, time=None)

@@ -103,6 +103,7 @@ def test_a_read_is_given_up_and_nothing_is_stopped(
     assert desk.commands == []
 
 
+@pytest.mark.slow
 def test_a_stop_that_failed_is_its_cause(desk: Desk, interrupts: Interrupts) -> None:
     desk.motion_time = 30.0
     desk.answer("stop", -1)

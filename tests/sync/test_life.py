@@ -116,6 +116,7 @@ def test_one_left_open_is_closed_with_a_warning(desk: Desk) -> None:
     assert not desk.moving()
 
 
+@pytest.mark.slow
 def test_a_program_that_ends_without_closing(desk: Desk) -> None:
     desk.motion_time = 30.0
     program = (

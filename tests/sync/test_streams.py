@@ -131,7 +131,7 @@ KINDS: dict[str, tuple[Callable[[Robot], Stream], Callable[[Robot, Stream], None
 }
 
 
-@pytest.mark.cases(8)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_each_leads_the_arm_and_leaves_it_standing(robot: Robot, sim: Simulator, kind: str) -> None:
     opened, feed = KINDS[kind]
@@ -227,6 +227,7 @@ def test_a_program_that_sends_nothing_more_leaves_a_standing_arm(robot: Robot) -
     assert not robot.state.robotmoving()
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("way", ["stop", "stop_now", "pause"])
 def test_a_stop_from_another_thread_ends_it(robot: Robot, way: str) -> None:
     stream = robot.servo.joints(v=1.0, a=8.0, **PATIENT)
@@ -268,6 +269,7 @@ def test_ticks_that_were_missed_are_left_out(robot: Robot) -> None:
         assert late.time - begun.time >= 5 * period
 
 
+@pytest.mark.slow
 def test_a_joint_trajectory(robot: Robot, sim: Simulator) -> None:
     times = np.linspace(0.0, 0.5, 20)
     positions = np.tile(list(START), (20, 1))

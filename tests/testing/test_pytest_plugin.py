@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
+from aioduco import sync
 from aioduco.errors import OutcomeUnknown
 from aioduco.models.enums import Outcome, RobotState
+from aioduco.recording import read
+from aioduco.sim import Simulator
 from aioduco.testing import Cut, FaultProxy, Place
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from aioduco import Robot
-    from aioduco.sim import Simulator
     from aioduco.sync import Robot as SyncRobot
 
 HOME = [0.2, 0.1, 1.4, 0.0, -1.5, 0.0]
 
 
+@pytest.mark.slow
 async def test_a_robot_that_is_ready(duco_robot: Robot, duco_simulator: Simulator) -> None:
     assert duco_simulator.view.robot is RobotState.ENABLE
     assert await duco_robot.motion.movej2(HOME, v=1.0, a=2.0) is Outcome.FINISHED
@@ -35,6 +40,7 @@ async def test_a_robot_behind_a_proxy(duco_robot: Robot, duco_proxy: FaultProxy)
     assert len(duco_proxy.calls("movej2")) == 1
 
 
+@pytest.mark.slow
 def test_a_robot_for_programs_that_wait(
     duco_sync_robot: SyncRobot, duco_proxy: FaultProxy, duco_simulator: Simulator
 ) -> None:
@@ -76,6 +82,7 @@ async def test_the_fixture_is_found(duco_robot):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "mark"),
     [
@@ -99,19 +106,91 @@ def test_outside_of_this_project(tmp_path: Path, options: list[str], mark: str) 
     assert "2 passed" in done.stdout
 
 
-def test_the_quick_start_as_it_is_printed(tmp_path: Path) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "quickstart.md").read_text(encoding="utf-8")
-    (block,) = [
-        one.partition("```")[0] for one in page.split("```python\n") if "duco_simulator" in one
-    ]
-    (tmp_path / "test_arm.py").write_text(block)
+PROGRAM = """
+import pytest
+
+from aioduco.errors import OutcomeUnknown
+from aioduco.testing import Cut, Place
+
+HOME = [0.2, 0.1, 1.4, 0.0, -1.5, 0.0]
+
+
+@pytest.mark.duco_model("gcr20_1100")
+@pytest.mark.duco_speed(7.0)
+def test_model(duco_simulator):
+    assert (duco_simulator.arm.name, duco_simulator.speed) == ("gcr20_1100", 7.0)
+
+
+@pytest.mark.duco_fault("movej2", Cut(Place.BEFORE_REPLY))
+def test_fault(duco_sync_robot):
+    with pytest.raises(OutcomeUnknown):
+        duco_sync_robot.motion.movej2(HOME, v=1.0, a=2.0)
+
+
+async def test_good(duco_robot):
+    await duco_robot.motion.movej2(HOME, v=1.0, a=2.0)
+
+
+async def test_bad(duco_robot):
+    await duco_robot.motion.movej2(HOME, v=1.0, a=2.0)
+    assert (await duco_robot.settings.get_global_speed()) == 55
+
+
+@pytest.mark.duco_model("gcr20_1100")
+def test_another_arm(duco_sync_robot):
+    duco_sync_robot.motion.movej2(HOME, v=1.0, a=2.0)
+"""
+
+
+def run_program(folder: Path, *options: str) -> tuple[int, str]:
+    (folder / "test_program.py").write_text(PROGRAM)
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_arm.py"],
+        [
+            *(sys.executable, "-m", "pytest", "-rs", "-p", "no:cacheprovider"),
+            *("-o", "asyncio_mode=auto", *SCOPE, *options, str(folder)),
+        ],
         check=False,
-        cwd=tmp_path,
+        cwd=folder,
         capture_output=True,
         text=True,
         timeout=100,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "2 passed" in done.stdout
+    return done.returncode, done.stdout + done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("options", [(), ("-n", "2")], ids=["alone", "spread"])
+def test_a_failed_test_leaves_what_is_known_of_its_arm(
+    tmp_path: Path, options: tuple[str, ...]
+) -> None:
+    left = tmp_path / "left"
+    status, said = run_program(tmp_path, "--duco-artefacts", str(left), *options)
+    assert (status, "1 failed, 4 passed" in said) == (1, True), said
+    (folder,) = left.iterdir()
+    assert f"{folder}: run.mcap, events.txt, states.json, run.html" in said
+    assert read(folder / "run.mcap").complete
+    lines = (folder / "events.txt").read_text("utf-8").splitlines()
+    assert any('"function": "movej2"' in line for line in lines)
+    states = json.loads((folder / "states.json").read_text("utf-8"))
+    assert states["/joint_states"]["position"] == pytest.approx(HOME, abs=1e-2)
+    assert (folder / "arm.png").exists() or "no picture" in said
+
+
+@pytest.mark.slow
+def test_on_an_arm_tests_are_slow_and_those_that_would_fault_it_are_skipped(
+    tmp_path: Path,
+) -> None:
+    """The arm is another simulated one, behind an address."""
+    with Simulator(speed=20) as sim:
+        address = f"{sim.host}:{sim.port}"
+        options = ("--duco-host", address, "--duco-host-speed", "55", "--duco-model", "gcr5_910")
+        status, said = run_program(tmp_path, *options)
+        assert (status, "2 passed, 3 skipped" in said) == (0, True), said
+        assert f"the arm at {address} will move, at 55 % of its speed" in said
+        for reason in ("needs the simulated arm", "faults on the wire", "needs a gcr20_1100"):
+            assert reason in said
+        with sync.connect(sim.host, sim.port) as robot:
+            assert robot.settings.get_global_speed() == 100
+    status, said = run_program(tmp_path, "--duco-host", address, "-n", "2")
+    assert status == 4
+    assert "without -n" in said

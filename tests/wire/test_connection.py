@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from aioduco._wire import codec, idl, rpc
+from aioduco._wire import codec, deadline_socket, idl, rpc
 from aioduco._wire.connection import Connection, ConnectionStatistics
 from aioduco._wire.deadline_socket import DeadlineSocket
 from aioduco._wire.framing import MAX_REPLY
@@ -269,6 +269,7 @@ def test_a_drip_feeding_controller_does_not_stretch_the_deadline() -> None:
         server.wait_finished(1)
 
 
+@pytest.mark.slow
 def test_a_controller_that_takes_no_bytes_ends_a_long_command() -> None:
     ended = threading.Event()
 
@@ -311,24 +312,36 @@ def test_a_call_without_time_left_is_not_sent() -> None:
         assert server.names == ["pause"]
 
 
-def test_the_systems_limit_follows_the_deadline() -> None:
+def limits() -> list[float]:
+    """The system's limit on a read after calls with different times; 0.0 for none."""
     with connected() as (connection, _):
         stream = connection._stream
         assert stream is not None
-
-        def limit() -> float:
-            raw = stream._socket.getsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, 16)
-            seconds, micro = struct.unpack("@ll", raw)
-            return float(seconds + micro / 1e6)
-
         seen = []
         for timeout in (None, 2.0, 2.0, 0.5, 30.0, None, 1.0):
             connection.call("stop", (True,), PATIENCE if timeout is None else timeout)
             connection.call("stop", (True,), timeout)
-            seen.append(limit())
-        for timeout, was in zip((2.0, 2.0, 0.5, 30.0), seen[1:5], strict=True):
-            assert timeout * 0.5 < was < timeout + 0.1
-        assert seen[0] == seen[5] == 0.0
+            raw = stream._socket.getsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, 16)
+            seconds, micro = struct.unpack("@ll", raw)
+            seen.append(float(seconds + micro / 1e6))
+    return seen
+
+
+@pytest.mark.linux("SO_RCVTIMEO and SO_SNDTIMEO, with which a socket stays usable")
+def test_the_systems_limit_follows_the_deadline() -> None:
+    seen: list[float] = []
+    thread = threading.Thread(target=lambda: seen.extend(limits()), name="caller")
+    thread.start()
+    thread.join()
+    for timeout, was in zip((2.0, 2.0, 0.5, 30.0), seen[1:5], strict=True):
+        assert timeout * 0.5 < was < timeout + 0.1
+    assert seen[0] == seen[5] == 0.0
+
+
+@pytest.mark.linux("SO_RCVTIMEO and SO_SNDTIMEO, with which a socket stays usable")
+def test_the_main_thread_can_take_a_signal_now_and_then() -> None:
+    """One that comes just before a wait begins does not end the wait."""
+    assert all(0.0 < limit < 2 * deadline_socket.WAKE_EVERY for limit in limits())
 
 
 # What leaves a connection usable, and what does not
@@ -528,3 +541,27 @@ def test_a_connection_left_open_warns() -> None:
         with pytest.warns(ResourceWarning, match=r"unclosed <Connection .* IDLE"):
             held.clear()
         server.wait_finished(1)
+
+
+def test_a_long_wait_of_the_main_thread_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(deadline_socket, "WAKE_EVERY", 0.01)
+    limit_to = DeadlineSocket._limit_to
+    looks: list[float | None] = []
+    enough = threading.Event()
+
+    def counted(stream: DeadlineSocket, deadline: float | None) -> None:
+        looks.append(deadline)
+        if len(looks) > 8:
+            enough.set()
+        limit_to(stream, deadline)
+
+    def slow(peer: Peer) -> None:
+        call = peer.receive()
+        assert call is not None
+        assert enough.wait(PATIENCE)
+        peer.answer(call)
+        honest(peer)
+
+    with connected(slow) as (connection, _):
+        monkeypatch.setattr(DeadlineSocket, "_limit_to", counted)
+        assert connection.rpc.get_robot_version() == "3.8"

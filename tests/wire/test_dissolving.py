@@ -22,6 +22,8 @@ from aioduco.testing import DropReply, FaultProxy, RecordingServer
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+pytestmark = pytest.mark.linux("a connection that is dissolved before it is closed")
+
 #: more than a peer takes that does not read
 LARGE = bytes(8_000_000)
 

@@ -216,6 +216,7 @@ async def test_no_await_outlives_its_deadline_when_a_thread_hangs(
         assert lane.statistics().stuck == 0
 
 
+@pytest.mark.slow
 async def test_threads_that_hang_are_limited_and_do_not_hold_up_the_end(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -1,7 +1,8 @@
-"""A stop is on its way before the thread that owns its connection gets to run."""
+"""A call is on its way before the thread that owns its connection gets to run."""
 
 from __future__ import annotations
 
+import socket
 import threading
 import time
 from contextlib import contextmanager
@@ -109,16 +110,27 @@ async def test_a_stop_from_a_thread_does_not_wait_for_the_lanes_thread() -> None
         await eventually_async(lambda: not thread.is_alive())
 
 
-async def test_a_command_waits_for_the_lanes_thread() -> None:
-    """Nobody has looked yet whether its connection is one that a command may be sent on."""
+async def test_an_awaited_command_does_not_wait_for_the_lanes_thread() -> None:
     async with opened() as (lane, server), anyio.create_task_group() as tasks:
         with unheard(lane):
             tasks.start_soon(lane.rpc.pause, True)
-            (worker,) = lane._pool.workers
-            await eventually_async(lambda: not worker._inbox.empty())
-            assert worker.connection is not None
-            assert worker.connection.state is ConnectionState.IDLE
-        await eventually_async(lambda: server.names == ["pause"])
+            await eventually_async(lambda: server.names == ["pause"])
+
+
+async def test_a_command_on_a_closed_connection_is_left_to_the_lanes_thread() -> None:
+    """It was not sent, so it is sent once, on another connection."""
+
+    def closing(peer: Peer) -> None:
+        peer.sock.shutdown(socket.SHUT_RDWR)
+
+    async with opened(closing, honest) as (lane, server):
+        (worker,) = lane._pool.workers
+        assert worker.connection is not None
+        stream = worker.connection._stream
+        assert stream is not None
+        await eventually_async(lambda: not stream.silent)
+        assert await lane.rpc.pause(True) == 0
+        assert (server.names, server.connections) == (["pause"], 2)
 
 
 async def test_a_stop_that_was_sent_is_not_called_unsent() -> None:

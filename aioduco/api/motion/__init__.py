@@ -39,7 +39,7 @@ _AHEAD = Integer(1, 1000, "motions", source="this package")
 
 
 class PlannedMotion(Protocol):
-    """What can be executed: a `Plan` of `aioduco.planning`, which this package does not need."""
+    """What can be executed: a `Plan` of `aioduco.planning`, a `RecordedPath` of a recording."""
 
     async def run_on(
         self, motion: Any, read_joints: Any, **options: Any

@@ -15,7 +15,7 @@ import aioduco
 from aioduco.cli import extras
 from aioduco.cli.demo import session, view
 from aioduco.cli.demo.report import Report
-from aioduco.cli.demo.script import Choreography
+from aioduco.cli.demo.script import GRIPPER_NAME, Choreography, scene
 from aioduco.errors import DucoError
 from aioduco.kinematics import forward
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.cli.demo.session import Found
+    from aioduco.cli.demo.stage import Look
     from aioduco.controller_clock import Clock
     from aioduco.kinematics import Arm
 
@@ -75,9 +76,15 @@ def demo(
     else:
         from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this case alone
 
-        with Simulator.spawn(model=model, speed=speed, joints=LEFT) as sim:
+        cell = {"scene": scene(arm, plan), "gripper": GRIPPER_NAME}
+        with Simulator.spawn(model=model, speed=speed, joints=LEFT, **cell) as sim:
+
+            def look() -> tuple[float, float, float]:
+                x, y, z = sim.positions[-7:-4].tolist()  # the box comes last, with its quaternion
+                return x, y, z
+
             report = Report(model, f"{sim.host}:{sim.port}", simulated=True, speed=speed)
-            ended_by = _perform(sim.host, sim.port, plan, report, console, sim.clock)
+            ended_by = _perform(sim.host, sim.port, plan, report, console, sim.clock, look)
 
     console.print(view.summary(report))
     if report.error:
@@ -122,12 +129,13 @@ def _perform(
     report: Report,
     console: Console,
     clock: Clock | None = None,
+    look: Look | None = None,
 ) -> signal.Signals | None:
     shown = view.view_for(console)
     shown.open(report)
     try:
         robot = aioduco.connect(host, port, state_rate=session.SAMPLES, clock=clock)
-        return anyio.run(session.perform, robot, plan, report, shown)
+        return anyio.run(session.perform, robot, plan, report, shown, look)
     finally:
         shown.close()
 

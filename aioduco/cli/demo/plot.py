@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from aioduco.cli.demo.script import PART
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
@@ -69,6 +71,8 @@ def _draw_space(axes: Any, report: Report, skeleton: Skeleton | None) -> None:
             points.append(arm)
             axes.plot(*arm.T, color=(0.2, 0.25, 0.3, weight), lw=3, marker="o", ms=4)
     axes.plot(*tcp.T, color=_COLOURS[1], lw=1.5)
+    if report.part:
+        _draw_part(axes, np.asarray(report.part))
     every = np.concatenate([*points, np.zeros((1, 3))])
     low, high = every.min(axis=0), every.max(axis=0)
     middle, half = (low + high) / 2, (high - low).max() / 2
@@ -78,6 +82,16 @@ def _draw_space(axes: Any, report: Report, skeleton: Skeleton | None) -> None:
     axes.tick_params(labelsize=7)
     axes.set_box_aspect((1, 1, 1))
     axes.view_init(elev=20, azim=-60)
+
+
+def _draw_part(axes: Any, places: NDArray[np.float64]) -> None:
+    """The box where it lay, was carried, and lies, with the way between."""
+    axes.plot(*places.T, color=_COLOURS[3], lw=1.0, ls=":")
+    for place, weight in zip(places, np.linspace(0.35, 1.0, len(places)), strict=True):
+        low = place - 0.5 * PART
+        axes.bar3d(*low, PART, PART, PART, color=_COLOURS[3], alpha=weight, shade=True)
+    for place, text in zip(places, ("picked up", "carried", "put down"), strict=False):
+        axes.text(*(place - (0.0, 0.0, 1.6 * PART)), text, fontsize=7, color=_COLOURS[3])
 
 
 def _draw_joints(axes: Any, report: Report) -> None:

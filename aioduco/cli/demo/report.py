@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from aioduco.models.enums import Outcome
 
 SCHEMA = 1
+#: how often the box is looked at; less than it is lifted and carried by any arm [m]
+_LOOKS, _MOVED = 3, 0.05
 
 
 @dataclass(slots=True)
@@ -117,6 +119,7 @@ class Report:
         speed: how many times faster than the wall clock the simulated controller ran.
         motions: the motions in the order in which they were made.
         track: the samples that were taken.
+        part: where the simulated box lay, was carried, and lies at the end [m], in the base frame.
         error: what ended the demonstration before its end, if anything did.
     """
 
@@ -126,12 +129,22 @@ class Report:
     speed: float = 1.0
     motions: list[MotionRecord] = field(default_factory=list)
     track: StatusRecording = field(default_factory=StatusRecording)
+    part: list[tuple[float, float, float]] = field(default_factory=list)
     error: str = ""
 
     @property
     def ok(self) -> bool:
-        """Whether it went through, and each motion ended as it should."""
-        return not self.error and bool(self.motions) and all(m.ok for m in self.motions)
+        """Whether it went through, each motion ended as it should, and the box was carried."""
+        carried = self.carried is not False
+        return not self.error and bool(self.motions) and all(m.ok for m in self.motions) and carried
+
+    @property
+    def carried(self) -> bool | None:
+        """Whether the box was lifted, and put down on the other side; None if there is none."""
+        if len(self.part) < _LOOKS:
+            return None
+        (_, y, z), (_, _, lifted), (_, there, down) = self.part
+        return lifted - z > _MOVED and there - y > _MOVED and abs(down - z) < 0.1 * _MOVED
 
     @property
     def greatest_error(self) -> float | None:
@@ -150,7 +163,9 @@ class Report:
             "speed": self.speed,
             "error": self.error,
             "samples": len(self.track),
+            "part": [list(place) for place in self.part],
+            "carried": self.carried,
             "greatest_tracking_error": self.greatest_error,
             "motions": [motion.as_json() for motion in self.motions],
-            "units": {"begin, end, duration": "s", "tracking_error": "rad"},
+            "units": {"begin, end, duration": "s", "tracking_error": "rad", "part": "m"},
         }

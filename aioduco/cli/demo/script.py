@@ -12,18 +12,31 @@ from typing import TYPE_CHECKING
 
 import anyio
 
+from aioduco.cli.demo.stage import PATIENCE
+from aioduco.grippers import DigitalGripper, gripper_model
 from aioduco.models.enums import Outcome
 from aioduco.models.pose import Joints
+from aioduco.sim.scene import Box, Table
 
 if TYPE_CHECKING:
     from aioduco.cli.demo.stage import Stage
+    from aioduco.kinematics import Arm
     from aioduco.models.pose import Pose
     from aioduco.robot import Robot
+    from aioduco.sim.scene import Thing
     from aioduco.supervision.command import MotionCommand
 
-__all__ = ["Choreography", "pick_and_place"]
+__all__ = ["GRIPPER_NAME", "PART", "Choreography", "pick_and_place", "scene"]
 
-GRIPPER = 1  # general digital output of the cabinet that would close a gripper
+GRIPPER = 1  # general digital output of the cabinet that closes a gripper
+GRIPPER_NAME = "parallel"  # the simulated one
+PART = 0.04  # length of the edges of the box that is picked up [m]
+#: inputs of the simulated gripper: it holds something, it is open
+_HOLDS, _OPENED = 1, 2
+#: seconds in which its sensors answer even on a busy computer
+_BUSY = 10.0
+#: by how much the box is put down above the table [m]
+_ABOVE = 0.001
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +94,29 @@ class Choreography:
         )
 
 
+def scene(arm: Arm, plan: Choreography) -> list[Thing]:
+    """What a simulated arm picks up, and the table that it lies on."""
+    flange = arm.fkine(plan.start)
+    x, y, z = (float(value) for value in flange[:3, 3])
+    middle = z - plan.depth - gripper_model(GRIPPER_NAME).length
+    turn = math.atan2(flange[1, 1], flange[0, 1])
+    size = (0.3 * arm.reach, 2.0 * plan.width + 0.2)
+    box = Box(
+        at=(x, y - plan.width, middle, 0.0, 0.0, turn),
+        size=(PART, PART, PART),
+        mass=0.2,
+        colour=(0.85, 0.3, 0.2),
+        name="part",
+    )
+    return [Table(at=(x, y, middle - 0.5 * PART), size=size), box]
+
+
+def _gripped(*, holding: bool | None) -> str:
+    if holding is None:
+        return "the gripper closes"
+    return "the gripper holds the box" if holding else "the gripper closes on nothing"
+
+
 async def pick_and_place(robot: Robot, stage: Stage, plan: Choreography) -> None:
     """Pick something up, put it down, pause and go on, stop in mid motion, and go back.
 
@@ -89,7 +125,17 @@ async def pick_and_place(robot: Robot, stage: Stage, plan: Choreography) -> None
         stage: what the motions run on.
         plan: where to and how fast.
     """
+    if stage.simulated:
+        gripper = DigitalGripper(
+            robot, GRIPPER, holds=_HOLDS, opened=_OPENED, travel_time=_BUSY, timeout=PATIENCE
+        )
+    else:
+        gripper = DigitalGripper(robot, GRIPPER, timeout=PATIENCE)
+    async with gripper:
+        await _perform(robot, stage, plan, gripper)
 
+
+async def _perform(robot: Robot, stage: Stage, plan: Choreography, gripper: DigitalGripper) -> None:
     def joint(to: Joints) -> MotionCommand:
         return robot.motion.movej2(to, v=plan.joint_speed, a=plan.joint_acceleration)
 
@@ -101,21 +147,28 @@ async def pick_and_place(robot: Robot, stage: Stage, plan: Choreography) -> None
     over_pick = replace(start, y=start.y - plan.width)
     over_place = replace(start, y=start.y + plan.width)
     pick = replace(over_pick, z=start.z - plan.depth)
-    place = replace(over_place, z=start.z - plan.depth)
+    place = replace(over_place, z=start.z - plan.depth + _ABOVE)
 
     await stage.move("over the pick", line(over_pick))
     await stage.move("down to pick", line(pick))
-    await robot.io.set_standard_digital_out(GRIPPER, value=True)
-    stage.note(f"digital output {GRIPPER} on: the gripper closes")
+    await stage.see("it lies")
+    closed = await gripper.close()
+    stage.note(f"digital output {GRIPPER} on: {_gripped(holding=closed.holding)}")
 
-    lift = await stage.start("lift, and blend", line(over_pick, plan.blend), expect=Outcome.BLENDED)
-    across = await stage.start("across", line(over_place))
-    await stage.finish(lift)
-    await stage.finish(across)
+    # Should the part be lost on its way, the arm is stopped.
+    async with gripper.carrying():
+        lift = await stage.start(
+            "lift, and blend", line(over_pick, plan.blend), expect=Outcome.BLENDED
+        )
+        across = await stage.start("across", line(over_place))
+        await stage.finish(lift)
+        await stage.finish(across)
+    await stage.see("it is carried")
     await stage.move("down to place", line(place))
-    await robot.io.set_standard_digital_out(GRIPPER, value=False)
+    await gripper.open()
     stage.note(f"digital output {GRIPPER} off: the gripper opens")
     await stage.move("up again", line(over_place))
+    await stage.see("it was put down")
 
     turn = await stage.start("turn aside, with a pause", joint(plan.aside))
     await stage.moved(0.2)

@@ -11,6 +11,7 @@ import anyio
 import aioduco
 from aioduco.cli.demo.script import pick_and_place
 from aioduco.cli.demo.stage import Stage
+from aioduco.cli.signals import heard
 from aioduco.errors import ControllerError, DucoError
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
     from aioduco.cli.demo.report import Report
     from aioduco.cli.demo.script import Choreography
+    from aioduco.cli.demo.stage import Look
     from aioduco.cli.demo.view import View
     from aioduco.models.state import RobotStates, RobotStatus
     from aioduco.robot import Robot
@@ -60,7 +62,7 @@ async def look(host: str, port: int) -> Found:
 
 
 async def perform(
-    robot: Robot, plan: Choreography, report: Report, view: View
+    robot: Robot, plan: Choreography, report: Report, view: View, look: Look | None = None
 ) -> signal.Signals | None:
     """Connect, bring the arm up, and go through the choreography.
 
@@ -69,6 +71,7 @@ async def perform(
         plan: where to and how fast.
         report: where the result is written, an error included.
         view: shows the progress while it runs.
+        look: gives the place of the simulated box [m]; None if there is none.
 
     Returns:
         The signal that ended it, with the arm stopped; None if none did.
@@ -80,7 +83,7 @@ async def perform(
         await listening.start(_end_on_signal, work, told, view)
         with work:
             try:
-                await _perform(robot, plan, report, view)
+                await _perform(robot, plan, report, view, look)
             except* DucoError as group:
                 report.error = "; ".join(str(error) for error in _leaves(group))
         listening.cancel_scope.cancel()
@@ -89,8 +92,10 @@ async def perform(
     return told[0] if told else None
 
 
-async def _perform(robot: Robot, plan: Choreography, report: Report, view: View) -> None:
-    stage = Stage(robot, report, view)
+async def _perform(
+    robot: Robot, plan: Choreography, report: Report, view: View, look: Look | None
+) -> None:
+    stage = Stage(robot, report, view, look)
     try:
         async with robot:
             await robot.bring_up()
@@ -109,7 +114,7 @@ async def _end_on_signal(
     *,
     task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED,
 ) -> None:
-    with anyio.open_signal_receiver(signal.SIGINT, signal.SIGTERM) as signals:
+    with heard(signal.SIGINT, signal.SIGTERM) as signals:
         task_status.started()
         async for number in signals:
             told.append(number)

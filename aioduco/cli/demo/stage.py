@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
+import anyio
+import anyio.to_thread
 import numpy as np
 
 from aioduco.cli.demo.report import MotionRecord, Report
@@ -12,12 +14,16 @@ from aioduco.errors import RobotStateError, TaskError
 from aioduco.models.enums import Outcome
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from aioduco.cli.demo.view import View
     from aioduco.models.state import RobotStatus
     from aioduco.robot import Robot
     from aioduco.supervision.command import MotionCommand
     from aioduco.supervision.state_feed import Snapshot
     from aioduco.supervision.task import Task
+
+    Look = Callable[[], tuple[float, float, float]]
 
 __all__ = ["Running", "Stage"]
 
@@ -39,9 +45,11 @@ class Stage:
         robot: the robot, connected.
         report: where the result is written.
         view: shows the progress while it runs.
+        look: gives the place of the simulated box [m]; None if there is none. It may block.
     """
 
-    def __init__(self, robot: Robot, report: Report, view: View) -> None:
+    def __init__(self, robot: Robot, report: Report, view: View, look: Look | None = None) -> None:
+        self._look = look
         self._robot = robot
         self._report = report
         self._view = view
@@ -53,6 +61,23 @@ class Stage:
         with self._robot.feed.subscribe() as samples:
             async for sample in samples:
                 self._take(sample.status)
+
+    @property
+    def simulated(self) -> bool:
+        """Whether there is a simulated box, and a gripper with sensors for it."""
+        return self._look is not None
+
+    async def see(self, where: str) -> None:
+        """Keep where the box is.
+
+        Args:
+            where: what that is, such as "it is carried".
+        """
+        if self._look is not None:
+            place = await anyio.to_thread.run_sync(self._look)
+            self._report.part.append(place)
+            told = ", ".join(f"{1e3 * value:.0f}" for value in place)
+            self.note(f"the box: {where} at {told} mm")
 
     def note(self, text: str) -> None:
         """Tell of something that is no motion."""

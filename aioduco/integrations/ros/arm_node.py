@@ -15,6 +15,7 @@ from aioduco import connect
 from aioduco.errors import DucoError, ParameterError
 from aioduco.integrations.ros.arm_readings import diagnosis, joint_reading, placed_frames
 from aioduco.integrations.ros.arm_services import ArmServices
+from aioduco.integrations.ros.joint_commands import JointCommands
 from aioduco.integrations.ros.trajectory_goals import ArmProfile, GoalRules
 from aioduco.integrations.ros.trajectory_server import Through, TrajectoryServer
 
@@ -50,7 +51,12 @@ class NodeSettings:
             for one call each, "auto" for the queue if it has one.
         feedback_rate: feedback of a goal a second, up to 50 [Hz].
         heartbeat: seconds after which the controller stops the arm of a driver that died.
-        guard: "process" for a process that stops it at once; empty for none.
+        guard: "process" for a process that stops it at once; empty for none. With it, a goal that
+            its client or the middleware left is ended by a stop, too.
+        command_rate: joint commands a second that are expected [Hz].
+        command_timeout: time without one after which the arm is free for other motions [s].
+        hold_commands: whether joint commands have the arm all the time, as ros2_control wants it:
+            nothing else moves it then.
         rules: what goals must keep to.
     """
 
@@ -69,13 +75,21 @@ class NodeSettings:
     feedback_rate: float = 20.0
     heartbeat: float = 1.0
     guard: Literal["", "process"] = ""
+    command_rate: float = 100.0
+    command_timeout: float = 0.5
+    hold_commands: bool = False
     rules: GoalRules = field(default_factory=GoalRules)
 
     def __post_init__(self) -> None:
-        for name, most in (("rate", 500.0), ("slow_rate", 100.0), ("feedback_rate", 50.0)):
+        for name, most in (
+            *(("rate", 500.0), ("slow_rate", 100.0), ("feedback_rate", 50.0)),
+            ("command_rate", 500.0),
+        ):
             value = getattr(self, name)
             if not (math.isfinite(value) and 0.1 <= value <= most):
                 raise ParameterError(name, value, f"0.1 to {most:g} Hz")
+        if not 0.1 <= self.command_timeout <= 10.0:
+            raise ParameterError("command_timeout", self.command_timeout, "0.1 to 10 s")
         if self.through not in get_args(Through):
             raise ParameterError("through", self.through, f"one of {', '.join(get_args(Through))}")
 
@@ -99,13 +113,17 @@ class NodeSettings:
 class StateSink(Protocol):
     """Where a driver's state goes. All of it is called on the event loop, and must not wait."""
 
+    def wants_frames(self) -> bool:
+        """Whether anybody listens to frames; without, none are computed."""
+        ...
+
     def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
         """Take joint states and frames.
 
         Args:
             at: when they were received, on the clock of `time.monotonic` [s].
             reading: the joints.
-            frames: tool tip and flange.
+            frames: tool tip and flange; none if nobody wants them.
         """
 
     def wrench(self, at: float, force: list[float]) -> None:
@@ -125,6 +143,7 @@ class ArmNode:
         robot: the robot, open.
         goals: its trajectory goals.
         services: its services.
+        commands: joint positions to follow as they come.
     """
 
     def __init__(
@@ -145,8 +164,19 @@ class ArmNode:
             feedback_rate=settings.feedback_rate,
             through=settings.through,
             options=options,
+            stop_at_loss=bool(settings.guard),
         )
         self.services: ArmServices = ArmServices(robot, self.goals)
+        self.commands: JointCommands = JointCommands(
+            robot,
+            settings.profile,
+            busy=lambda: self.goals.busy,
+            rate=settings.command_rate,
+            timeout=settings.command_timeout,
+            hold=settings.hold_commands,
+            reach=2.0 * settings.rules.start,
+            options=options,
+        )
         self._tcp_offset: Pose | None = None
         self._newest: Snapshot | None = None
         self._count = 0  # joint states since the last diagnosis
@@ -155,6 +185,7 @@ class ArmNode:
         """Publish and serve until this is cancelled."""
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self.goals.run)
+            tasks.start_soon(self.commands.run)
             tasks.start_soon(self._publish_joints, sink)
             tasks.start_soon(self._publish_states, sink)
             tasks.start_soon(self._diagnose, sink)
@@ -162,14 +193,14 @@ class ArmNode:
     async def _publish_joints(self, sink: StateSink) -> None:
         """Joints at the full rate: one question each, where a whole sample takes three."""
         state, prefix, period = self.robot.state, self.settings.prefix, 1.0 / self.settings.rate
-        start, number = anyio.current_time(), 0
+        start, number = time.monotonic(), 0
         while True:
             try:
                 status = await state.getRobotStatus()
                 sink.joints(
                     status.received_at,
                     joint_reading(status),
-                    placed_frames(status, self._tcp_offset, prefix),
+                    placed_frames(status, self._tcp_offset, prefix) if sink.wants_frames() else [],
                 )
                 self._count += 1
                 if self.settings.wrench:
@@ -179,8 +210,9 @@ class ArmNode:
                 _log.debug("no joint states: %s", error)
                 await anyio.sleep(_RETRY)
             # What was missed is left out, never made up for.
-            number = max(number + 1, int((anyio.current_time() - start) / period))
-            await anyio.sleep_until(start + number * period)
+            now = time.monotonic()
+            number = max(number + 1, int((now - start) / period))
+            await anyio.sleep(max(start + number * period - now, 0.0))
 
     async def _publish_states(self, sink: StateSink) -> None:
         """Whole samples to the sink; one that is held up loses samples, not time."""
@@ -206,13 +238,17 @@ class ArmNode:
 
 @asynccontextmanager
 async def arm_node(
-    settings: NodeSettings, *, wall: Callable[[], float] = time.time
+    settings: NodeSettings,
+    *,
+    wall: Callable[[], float] = time.time,
+    options: LaneOptions | None = None,
 ) -> AsyncIterator[ArmNode]:
     """Connect to an arm for a driver; on leaving, the arm stands.
 
     Args:
         settings: the driver's parameters.
         wall: the middleware's clock [s].
+        options: how streams run; None: in a process of their own.
 
     Raises:
         ParameterError: a parameter is out of range; nothing was sent.
@@ -226,4 +262,4 @@ async def arm_node(
         guard=settings.guard or None,
         state_rate=settings.slow_rate,
     ) as robot:
-        yield ArmNode(robot, settings, wall=wall)
+        yield ArmNode(robot, settings, wall=wall, options=options)

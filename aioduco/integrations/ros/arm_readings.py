@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import TYPE_CHECKING, NamedTuple
+from math import cos, sin
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from aioduco import ProgramState, RobotState, SafetyState
 
@@ -17,8 +18,10 @@ __all__ = [
     "DiagnosisLevel",
     "PlacedFrame",
     "diagnosis",
+    "io_state_fields",
     "joint_reading",
     "placed_frames",
+    "robot_state_fields",
 ]
 
 
@@ -89,14 +92,51 @@ def placed_frames(status: RobotStatus, tcp_offset: Pose | None, prefix: str) -> 
             there is no flange.
         prefix: before the frames' names.
     """
-    tip = status.pose
-    frames = [(prefix + "tcp_controller", tip)]
+    # In plain numbers: by arrays it would take most of the time of a joint state.
+    tip, turn = status.pose, _quaternion(status.pose)
+    frames = [PlacedFrame(prefix + "tcp_controller", [tip.x, tip.y, tip.z], [*turn])]
     if tcp_offset is not None:
-        frames.append((prefix + "flange_controller", tip @ tcp_offset.inverse()))
-    return [
-        PlacedFrame(name, [pose.x, pose.y, pose.z], pose.quaternion("xyzw").tolist())
-        for name, pose in frames
-    ]
+        x, y, z, w = _quaternion(tcp_offset)
+        flange = _product(turn, (-x, -y, -z, w))
+        dx, dy, dz = _turned(flange, (tcp_offset.x, tcp_offset.y, tcp_offset.z))
+        place = [tip.x - dx, tip.y - dy, tip.z - dz]
+        frames.append(PlacedFrame(prefix + "flange_controller", place, [*flange]))
+    return frames
+
+
+_Quaternion: TypeAlias = "tuple[float, float, float, float]"  # x, y, z, w
+_Vector: TypeAlias = "tuple[float, float, float]"
+
+
+def _quaternion(pose: Pose) -> _Quaternion:
+    """The orientation of a pose, as ROS has it."""
+    cx, cy, cz = cos(0.5 * pose.rx), cos(0.5 * pose.ry), cos(0.5 * pose.rz)
+    sx, sy, sz = sin(0.5 * pose.rx), sin(0.5 * pose.ry), sin(0.5 * pose.rz)
+    return (
+        sx * cy * cz - cx * sy * sz,
+        cx * sy * cz + sx * cy * sz,
+        cx * cy * sz - sx * sy * cz,
+        cx * cy * cz + sx * sy * sz,
+    )
+
+
+def _product(one: _Quaternion, other: _Quaternion) -> _Quaternion:
+    """The turn by the other, and then by the one."""
+    ax, ay, az, aw = one
+    bx, by, bz, bw = other
+    return (
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    )
+
+
+def _turned(by: _Quaternion, vector: _Vector) -> _Vector:
+    """A vector that is turned."""
+    x, y, z, w = by
+    turned = _product(_product(by, (*vector, 0.0)), (-x, -y, -z, w))
+    return turned[:3]
 
 
 def diagnosis(
@@ -147,3 +187,35 @@ def diagnosis(
     )
     level, message = next((level, text) for holds, level, text in rules if holds)
     return Diagnosis(level, message, values)
+
+
+def robot_state_fields(snapshot: Snapshot) -> dict[str, Any]:
+    """The fields of a message with the states of robot, program, safety and mode."""
+    states, status = snapshot.states, snapshot.status
+    return {
+        "robot_state": int(states.robot),
+        "program_state": int(states.program),
+        "safety_state": int(states.safety),
+        "operation_mode": int(states.mode),
+        "text": str(states),
+        "enabled": all(status.enabled),
+        "collision": bool(status.collision),
+        "collision_joint": int(status.collision_axis),
+        "emergency_stop": bool(status.emergency_stop),
+        "error": int(status.error),
+    }
+
+
+def io_state_fields(snapshot: Snapshot) -> dict[str, Any]:
+    """The fields of a message with inputs and outputs; the first of each list has the number 1."""
+    io = snapshot.io
+    return {
+        "digital_inputs": [bool(each) for each in io.digital_inputs],
+        "digital_outputs": [bool(each) for each in io.digital_outputs],
+        "tool_inputs": [bool(each) for each in io.tool_inputs],
+        "tool_outputs": [bool(each) for each in io.tool_outputs],
+        "voltage_inputs": [float(each) for each in io.analog_voltage_inputs],
+        "voltage_outputs": [float(each) for each in io.analog_voltage_outputs],
+        "current_inputs": [float(each) for each in io.analog_current_inputs],
+        "current_outputs": [float(each) for each in io.analog_current_outputs],
+    }

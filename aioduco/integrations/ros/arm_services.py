@@ -72,6 +72,10 @@ class ArmServices:
         """Set an output at the tool, 1 or 2."""
         return await _answered(self._robot.io.set_tool_digital_out(num, value), "set")
 
+    async def set_speed(self, percent: float) -> ServiceReply:
+        """Set the global speed, which motions are scaled by: 1 to 100 percent."""
+        return await _answered(self._robot.settings.speed(percent), "set")
+
     async def set_tool(
         self, name: str, offset: Sequence[float], mass: float, centre: Sequence[float]
     ) -> ServiceReply:

@@ -10,7 +10,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from aioduco.sim.cabinet.axis_schemes import Axis
-from aioduco.sim.cabinet.modbus import Gripper, ModbusSignals, ModbusSlave, RtuSlave
+from aioduco.sim.cabinet.modbus import (
+    Gripper,
+    ModbusSignals,
+    ModbusSlave,
+    RtuSlave,
+    ScriptedGripper,
+)
 from aioduco.sim.cabinet.ports import CanPort, SerialPort
 from aioduco.sim.cabinet.project import Project
 from aioduco.sim.cabinet.tools import PointLoad
@@ -27,6 +33,7 @@ __all__ = [
     "ModbusSlave",
     "Project",
     "RtuSlave",
+    "ScriptedGripper",
     "SerialPort",
     "SystemValues",
 ]

@@ -15,6 +15,7 @@ __all__ = [
     "ModbusSlave",
     "NoAnswer",
     "RtuSlave",
+    "ScriptedGripper",
     "crc16",
 ]
 
@@ -142,8 +143,10 @@ class RtuSlave(ModbusSlave):
         return bytes([function | 0x80, _ILLEGAL_FUNCTION])
 
 
-class Gripper(RtuSlave):
+class ScriptedGripper(RtuSlave):
     """A gripper at the tool with the registers of a DH gripper; it reaches each position at once.
+
+    It has no fingers in the scene: those are what `Simulator(gripper=...)` has.
 
     Args:
         unit: its number.
@@ -172,6 +175,10 @@ class Gripper(RtuSlave):
             holds = stop is not None and goal < stop
             self.registers[self.ACTUAL] = stop if stop is not None and holds else goal
             self.registers[self.GRIPPING] = 2 if holds else 1
+
+
+#: its name in programs that were written before there were others
+Gripper = ScriptedGripper
 
 
 class ModbusKind(IntEnum):

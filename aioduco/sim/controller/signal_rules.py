@@ -4,14 +4,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     from aioduco.sim.cabinet.signals import Bank, Outputs, Signals
 
-__all__ = ["SignalRule", "SignalRules", "place"]
+__all__ = ["SignalDevice", "SignalRule", "SignalRules", "place"]
 
 _TOOL = "tool"
+
+
+class SignalDevice(Protocol):
+    """What is wired to signals, such as a gripper on a valve."""
+
+    def tick(self, time: float, signals: Signals, /) -> None:
+        """One cycle: look at the outputs, set the inputs."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,9 +62,14 @@ def place(signal: int | str) -> tuple[bool, int]:
 
 
 class SignalRules:
-    """Carries out rules, cycle by cycle; an input is as its rule says from the first one on."""
+    """Carries out rules, cycle by cycle; an input is as its rule says from the first one on.
+
+    Attributes:
+        devices: what is wired to the signals besides; rules have the last word.
+    """
 
     def __init__(self) -> None:
+        self.devices: list[SignalDevice] = []
         self._last: dict[SignalRule, bool | None] = {}
         self._due: list[tuple[float, SignalRule, bool]] = []
 
@@ -79,6 +92,8 @@ class SignalRules:
             time: of the simulation [s].
             signals: whose outputs are watched, and whose inputs are set.
         """
+        for device in self.devices:
+            device.tick(time, signals)
         for rule, before in self._last.items():
             tool, num = place(rule.output)
             outputs: Outputs | Bank[bool] = signals.tool_out if tool else signals.standard_out

@@ -52,10 +52,10 @@ if TYPE_CHECKING:
 
     Vector = NDArray[np.float64]
 
-__all__ = ["Controller", "ControllerState"]
+__all__ = ["DEVIATION", "Controller", "ControllerState"]
 
 #: distance of a joint from its set-point that trips the position deviation stop [rad]
-_DEVIATION = 0.2
+DEVIATION = 0.2
 _POWERED = (RobotState.DISABLE, RobotState.ENABLE)
 _ZEROS = np.zeros(6)
 _ZEROS.flags.writeable = False
@@ -563,6 +563,6 @@ class Controller:
 def _deviation(wanted: Vector, q: Vector) -> str:
     """Tell which joint is too far from its set-point; empty if none."""
     deviation = np.abs(wanted - q)
-    if deviation.max() <= _DEVIATION:
+    if deviation.max() <= DEVIATION:
         return ""
     return f"joint {int(deviation.argmax()) + 1}: position deviation"

@@ -6,14 +6,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from aioduco.errors import ParameterError
 from aioduco.models.pose import Pose
+from aioduco.models.rotation import matrix_from_quaternion, quaternion_from_matrix
 from aioduco.sim.physics.dynamics import InverseDynamics, mount
+from aioduco.sim.physics.gripper import Hand, gripper_mjcf
 from aioduco.sim.physics.model import SERVOS, compose, mjcf
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from aioduco.kinematics import Arm
+    from aioduco.models.gripper_models import GripperModel
+    from aioduco.models.pose import PoseLike
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.path import JointSetPoint
 
@@ -21,10 +26,45 @@ if TYPE_CHECKING:
 else:
     import mujoco
 
-__all__ = ["World"]
+__all__ = ["World", "camera_of", "pose_of"]
 
 _BRAKE = 0.5  # torque of a brake, of its drive's; an assumption
 _STILL = 1e-3  # speed that counts as none [m/s, rad/s]
+
+
+def pose_of(position: Array) -> Pose:
+    """Give the pose of a thing: its part of `World.positions`, which `World.place` tells."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = matrix_from_quaternion(position[3:])
+    matrix[:3, 3] = position[:3]
+    return Pose.from_matrix(matrix)
+
+
+def camera_of(model: Any, name: str, positions: Array) -> tuple[float, Array]:
+    """Give a camera's angle of view from top to bottom [rad], and its frame in the world, (4, 4).
+
+    Args:
+        model: of MuJoCo.
+        name: of a camera of the scene or the tool.
+        positions: of everything that moves.
+
+    Raises:
+        ParameterError: there is no such camera.
+    """
+    names = [model.camera(i).name for i in range(model.ncam)]
+    found = [names.index(full) for full in (f"scene/{name}", f"tool/{name}") if full in names]
+    if not found:
+        raise ParameterError("name", name, f"one of the scene's cameras: {names}")
+    data = mujoco.MjData(model)
+    data.qpos[:] = positions
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_camlight(model, data)
+    pose = np.eye(4)
+    # MuJoCo's cameras look along -z, with y up.
+    pose[:3, :3] = data.cam_xmat[found[0]].reshape(3, 3) * (1.0, -1.0, -1.0)
+    pose[:3, 3] = data.cam_xpos[found[0]]
+    return float(np.radians(model.cam_fovy[found[0]])), pose
 
 
 class World:
@@ -42,6 +82,7 @@ class World:
         tool: what it carries, likewise; its mass is known to the servos.
         mounting: of its base in the world; None for on the floor.
         pedestal: whether it stands on a column there.
+        gripper: a gripper that drives its fingers, in place of a tool.
 
     Raises:
         SceneError: MuJoCo does not take the scene or the tool.
@@ -57,12 +98,19 @@ class World:
         tool: str | None = None,
         mounting: Pose | None = None,
         pedestal: bool = False,
+        gripper: GripperModel | None = None,
     ) -> None:
         self.arm = arm
         self.mounting: Pose = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) if mounting is None else mounting
+        if gripper is not None:
+            tool = gripper_mjcf(gripper)
         bare = mjcf(arm, timestep, self.mounting, pedestal=pedestal)
         self.model: Any = compose(bare, scene, tool)
         self.data: Any = mujoco.MjData(self.model)
+        #: the gripper, if there is one
+        self.hand: Hand | None = None
+        if gripper is not None:
+            self.hand = Hand(self.model, self.data, gripper)
         # What the servos model: the tool and load that were set, and nothing of the scene.
         self._known = InverseDynamics(compose(bare, None, tool))
         self._stiffness = self.model.actuator_gainprm[:6, 0].copy()
@@ -98,14 +146,57 @@ class World:
     def reset(self, q: Array) -> None:
         """Stand at q [rad] at once, with everything else where the scene puts it."""
         mujoco.mj_resetData(self.model, self.data)
+        if self.hand is not None:
+            self.hand.reset()
         self._q[:] = q
         self._ctrl[:] = q
         self._target = self._torque = self._external = np.zeros(6)
         mujoco.mj_forward(self.model, self.data)
 
+    def arrange(self, q: Array, things: Mapping[str, PoseLike]) -> None:
+        """Stand at q [rad] at once, with things of the scene where they are put.
+
+        All else is where the scene puts it, and nothing moves: what follows depends on q and
+        `things` alone.
+
+        Args:
+            q: joints [rad]. Shape (6,).
+            things: poses in the world [m, rad], by the names of things that may move on their own.
+
+        Raises:
+            ParameterError: there is no such thing; the arm and the scene are as at a reset.
+        """
+        self.reset(q)
+        for name, pose in things.items():
+            at = Pose.of(pose)
+            self.data.qpos[self.place(name)] = [
+                *at[:3], *quaternion_from_matrix(at.matrix[:3, :3])
+            ]  # fmt: skip
+        mujoco.mj_forward(self.model, self.data)
+
+    def place(self, name: str) -> slice:
+        """Where in `positions` a thing is that may move on its own: x, y, z [m], a quaternion.
+
+        Raises:
+            ParameterError: there is no such thing.
+        """
+        model = self.model
+        free = {
+            model.body(int(model.jnt_bodyid[i])).name.removeprefix("scene/"): int(
+                model.jnt_qposadr[i]
+            )
+            for i in range(model.njnt)
+            if model.jnt_type[i] == mujoco.mjtJoint.mjJNT_FREE
+        }
+        if name not in free:
+            raise ParameterError("name", name, f"one of the things that may move: {sorted(free)}")
+        return slice(free[name], free[name] + 7)
+
     def step(self, setpoint: JointSetPoint) -> None:
         """Go on by one time step, towards a set-point for its end."""
         data = self.data
+        if self.hand is not None:
+            self.hand.step(self._timestep)
         if self._braked:
             # The brakes carry the weight, as far as they reach: MuJoCo's friction would creep.
             np.clip(self._bias, -self._hold, self._hold, out=self._applied)
@@ -175,6 +266,8 @@ class World:
     @property
     def still(self) -> bool:
         """Whether what is loose in the scene lies still."""
+        if self.hand is not None and not self.hand.still:
+            return False
         return self._others.size == 0 or float(np.abs(self._others).max()) < _STILL
 
     @property
@@ -228,7 +321,10 @@ class World:
         return -self._sensor
 
     def touched(self) -> str:
-        """Say what of the arm or its tool touches what, such as "link4 touches the floor"."""
+        """Say what of the arm or its tool touches what, such as "link4 touches the floor".
+
+        What the gripper holds, or closes upon, it "grips": see `Hand.grips`.
+        """
         model, data = self.model, self.data
         told = set()
         for i in range(data.ncon):
@@ -236,7 +332,9 @@ class World:
                 (int(geom) for geom in data.contact.geom[i]),
                 key=lambda geom: bool(model.body_rootid[model.geom_bodyid[geom]] != self._root),
             )
-            told.add(f"{self.called(pair[0])} touches {self.called(pair[1])}")
+            gripped = self.hand is not None and self.hand.grips(i)
+            verb = "grips" if gripped else "touches"
+            told.add(f"{self.called(pair[0])} {verb} {self.called(pair[1])}")
         return ", ".join(sorted(told))
 
     def called(self, geom: int) -> str:

@@ -16,7 +16,22 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.pose import Pose
 
-__all__ = ["Camera", "towards"]
+__all__ = ["Camera", "PictureMark", "towards"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PictureMark:
+    """A ball that is drawn into a picture, and is not there for the arm.
+
+    Attributes:
+        at: its centre, in the world's frame [m].
+        radius: m.
+        colour: red, green, blue, 0 to 1.
+    """
+
+    at: Sequence[float]
+    radius: float = 0.02
+    colour: tuple[float, float, float] = (0.9, 0.2, 0.15)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

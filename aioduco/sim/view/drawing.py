@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from aioduco._linked_process import ValueChannel
-from aioduco.sim.view.camera import Camera
+from aioduco.sim.view.camera import Camera, PictureMark
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,12 +36,16 @@ class PictureRequest(NamedTuple):
         positions: of everything that moves.
         width, height: of the picture [pixels].
         camera: from where, or the number of a camera of the model.
+        marks: what is drawn besides.
+        depth: whether distances from the camera's plane are wanted, instead of colours.
     """
 
     positions: NDArray[np.float64]
     width: int
     height: int
     camera: Camera | int
+    marks: tuple[PictureMark, ...] = ()
+    depth: bool = False
 
 
 class Drawer:
@@ -63,8 +67,8 @@ class Drawer:
         self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
 
-    def draw(self, request: PictureRequest) -> NDArray[np.uint8]:
-        """Draw a picture. Shape (height, width, 3)."""
+    def draw(self, request: PictureRequest) -> NDArray[np.uint8] | NDArray[np.float32]:
+        """Draw a picture. Shape (height, width, 3), or distances [m], shape (height, width)."""
         data, model = self._data, self._model
         view = mujoco.MjvCamera()
         if isinstance(request.camera, Camera):
@@ -78,11 +82,30 @@ class Drawer:
         mujoco.mj_camlight(model, data)
         everything = mujoco.mjtCatBit.mjCAT_ALL
         mujoco.mjv_updateScene(model, data, self._option, None, view, everything, self._scene)
+        for mark in request.marks:
+            self._mark(mark)
         rectangle = mujoco.MjrRect(0, 0, request.width, request.height)
-        picture = np.empty((request.height, request.width, 3), np.uint8)
         mujoco.mjr_render(rectangle, self._scene, self._context)
+        if request.depth:
+            buffer = np.empty((request.height, request.width), np.float32)
+            mujoco.mjr_readPixels(None, buffer, rectangle, self._context)
+            # MuJoCo's frustum is as wide as the scene; its buffer runs from 0 near to 1 far.
+            extent, visible = model.stat.extent, model.vis.map
+            near, far = visible.znear * extent, visible.zfar * extent
+            distance = near / (1.0 - buffer * (1.0 - near / far))
+            return np.ascontiguousarray(distance[::-1].astype(np.float32))
+        picture = np.empty((request.height, request.width, 3), np.uint8)
         mujoco.mjr_readPixels(picture, None, rectangle, self._context)
         return np.ascontiguousarray(picture[::-1])  # OpenGL begins at the bottom
+
+    def _mark(self, mark: PictureMark) -> None:
+        scene = self._scene
+        mujoco.mjv_initGeom(
+            scene.geoms[scene.ngeom], mujoco.mjtGeom.mjGEOM_SPHERE, np.full(3, mark.radius),
+            np.array(mark.at, dtype=float), np.eye(3).ravel(),
+            np.array((*mark.colour, 1.0), dtype=np.float32),
+        )  # fmt: skip
+        scene.ngeom += 1
 
 
 def _context(width: int, height: int) -> Any:

@@ -17,8 +17,12 @@ from aioduco.sim.view.camera import Camera
 from aioduco.sim.view.drawing import ADVICE, PictureRequest
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import numpy as np
     from numpy.typing import NDArray
+
+    from aioduco.sim.view.camera import PictureMark
 
     Picture = NDArray[np.uint8]
 
@@ -44,7 +48,12 @@ class PictureProcess:
         self._process: LinkedProcess | None = None
 
     def picture(
-        self, positions: NDArray[np.float64], width: int, height: int, camera: Camera | str
+        self,
+        positions: NDArray[np.float64],
+        width: int,
+        height: int,
+        camera: Camera | str,
+        marks: Sequence[PictureMark] = (),
     ) -> Picture:
         """Have a picture drawn.
 
@@ -53,6 +62,7 @@ class PictureProcess:
             width: of the picture [pixels].
             height: of the picture [pixels].
             camera: from where; a text names a camera of the scene.
+            marks: what is drawn besides.
 
         Returns:
             Red, green, blue. Shape (height, width, 3).
@@ -62,6 +72,32 @@ class PictureProcess:
                 many positions as the model has.
             RenderError: This computer cannot draw, or has no process for it.
         """
+        picture: Picture = self._draw(positions, width, height, camera, tuple(marks), depth=False)
+        return picture
+
+    def depth(
+        self, positions: NDArray[np.float64], width: int, height: int, camera: Camera | str
+    ) -> NDArray[np.float32]:
+        """Have distances from the camera's plane drawn; arguments and errors as of `picture`.
+
+        Returns:
+            Along the camera's axis [m]. Shape (height, width).
+        """
+        distances: NDArray[np.float32] = self._draw(
+            positions, width, height, camera, (), depth=True
+        )
+        return distances
+
+    def _draw(
+        self,
+        positions: NDArray[np.float64],
+        width: int,
+        height: int,
+        camera: Camera | str,
+        marks: tuple[PictureMark, ...],
+        *,
+        depth: bool,
+    ) -> Any:
         most = self.model.vis.global_
         if not (0 < width <= most.offwidth and 0 < height <= most.offheight):
             raise ParameterError(
@@ -69,13 +105,13 @@ class PictureProcess:
             )
         if positions.shape != (self.model.nq,):
             raise ParameterError("positions", positions.shape, f"of shape ({self.model.nq},)")
-        request = PictureRequest(positions, width, height, self._camera(camera))
+        seen = self._camera(camera)
+        request = PictureRequest(positions, width, height, seen, marks, depth)
         with self._lock:
             answer = self._ask(request)
         if isinstance(answer, str):
             raise RenderError(answer)
-        picture: Picture = answer
-        return picture
+        return answer
 
     def close(self) -> None:
         """End the process; returns when it has ended."""

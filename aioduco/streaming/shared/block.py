@@ -1,8 +1,9 @@
 """The block of memory between a program and its worker.
 
 It is a memory file without a name (memfd), handed to the worker's process as an open descriptor:
-when both processes are gone, however they went, so is the block. A worker in a thread uses the
-same layout in anonymous memory.
+when both processes are gone, however they went, so is the block. Where there are no such files it
+is the standard library's shared memory, under a name that nobody can guess. A worker in a thread
+uses the same layout in anonymous memory.
 
 Each word has one writer: the program writes `StreamCommand` and `ControlWord`, the worker writes
 `StatusWord`, the histograms and the report. Words are 64 bits wide and aligned, so that a reader
@@ -12,10 +13,11 @@ never sees half a word.
 from __future__ import annotations
 
 import mmap
-import os
 import struct
 from enum import IntEnum, IntFlag
 
+from aioduco._platform import has_memory_files
+from aioduco.streaming.shared.backing import MemoryFile, NamedMemory
 from aioduco.streaming.shared.config import WorkerConfig
 from aioduco.streaming.shared.histogram import Histogram
 from aioduco.streaming.shared.ring import Ring
@@ -84,6 +86,13 @@ class StatusWord(IntEnum):
     UNMET = 15
     #: whether the worker waits until an unanswered set-point cannot move the arm any more
     UNANSWERED = 16
+    #: chunks of actions: taken, of these late and dropped; actions that came too late; times at
+    #: which the actions were at their end
+    CHUNKS = 17
+    CHUNKS_LATE = 18
+    CHUNKS_DROPPED = 19
+    ACTIONS_LATE = 20
+    EXHAUSTED = 21
 
 
 class Unmet(IntFlag):
@@ -105,6 +114,7 @@ class Block:
     Args:
         memory: the mapped memory.
         config: the worker's configuration, for the side that makes the block.
+        backing: what stands behind it, with the means to hand it over; None within one process.
 
     Attributes:
         control: words of `StreamCommand` and `ControlWord`.
@@ -115,11 +125,14 @@ class Block:
     """
 
     def __init__(
-        self, memory: mmap.mmap, config: WorkerConfig | None = None, descriptor: int = -1
+        self,
+        memory: mmap.mmap | memoryview,
+        config: WorkerConfig | None = None,
+        backing: MemoryFile | NamedMemory | None = None,
     ) -> None:
         self._memory = memory
         self._view = memoryview(memory)
-        self.descriptor: int = descriptor
+        self._backing = backing
         if config is not None:
             text = config.pack()
             if len(text) > _CONFIG:
@@ -130,9 +143,9 @@ class Block:
         if magic != _MAGIC:
             raise ValueError("this is no block of a lane, or one of another version")
         self.config: WorkerConfig = WorkerConfig.unpack(
-            memory[_HEADER.size : _HEADER.size + length]
+            bytes(memory[_HEADER.size : _HEADER.size + length])
         )
-        capacity, extra = self.config.feeding.capacity, self.config.sent.extra
+        capacity, extra = self.config.feeding.capacity, self.config.extra
         at = _HEADER.size + _CONFIG
         self.control: memoryview[int] = self._view[at : at + 8 * _WORDS].cast("Q")
         at += 8 * _WORDS
@@ -153,7 +166,7 @@ class Block:
     def _size(config: WorkerConfig) -> int:
         fixed = _HEADER.size + _CONFIG + 16 * _WORDS + _TEXT + Ring.size(_REPORT)
         counts = 8 * Histogram.WORDS * len(HISTOGRAMS)
-        return fixed + counts + Ring.size(config.feeding.capacity, config.sent.extra)
+        return fixed + counts + Ring.size(config.feeding.capacity, config.extra)
 
     @classmethod
     def make(cls, config: WorkerConfig, *, shared: bool) -> Block:
@@ -166,21 +179,27 @@ class Block:
         size = cls._size(config)
         if not shared:
             return cls(mmap.mmap(-1, size), config)
-        descriptor = os.memfd_create("aioduco-stream", os.MFD_CLOEXEC)
+        backing = MemoryFile.make(size) if has_memory_files() else NamedMemory.make(size)
         try:
-            os.ftruncate(descriptor, size)
-            return cls(mmap.mmap(descriptor, size), config, descriptor)
+            return cls(backing.map(), config, backing)
         except BaseException:
-            os.close(descriptor)
+            backing.close()
             raise
 
     @classmethod
-    def open(cls, descriptor: int) -> Block:
-        """Open a block that another process made, and close its descriptor."""
+    def open(cls, handle: int | str) -> Block:
+        """Open a block that another process made, by its `handle`; a descriptor is closed."""
+        backing = MemoryFile(handle) if isinstance(handle, int) else NamedMemory.open(handle)
         try:
-            return cls(mmap.mmap(descriptor, os.fstat(descriptor).st_size))
+            return cls(backing.map(), None, backing)
         finally:
-            os.close(descriptor)
+            backing.handed_over()
+
+    @property
+    def handle(self) -> int | str:
+        """By which another process opens it: a descriptor that it is handed, or a name."""
+        assert self._backing is not None, "this block is of one process alone"
+        return self._backing.handle
 
     @property
     def text(self) -> str:
@@ -195,9 +214,8 @@ class Block:
 
     def close_descriptor(self) -> None:
         """Close the program's descriptor, once the worker's process has its own."""
-        if self.descriptor >= 0:
-            os.close(self.descriptor)
-            self.descriptor = -1
+        if self._backing is not None:
+            self._backing.handed_over()
 
     def close(self) -> None:
         """Let go of the memory, and of what the system holds open for it."""
@@ -208,4 +226,9 @@ class Block:
         self.report.close()
         for view in (self.control, self.status, self._text, self._view):
             view.release()
-        self._memory.close()
+        if isinstance(self._memory, memoryview):
+            self._memory.release()
+        else:
+            self._memory.close()
+        if self._backing is not None:
+            self._backing.close()

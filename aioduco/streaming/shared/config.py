@@ -10,6 +10,7 @@ import json
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
+from aioduco.streaming.shared.action import MOST_ACTIONS, ActionTag
 from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE, Limits, Space
 
 if TYPE_CHECKING:
@@ -69,6 +70,8 @@ class FeedingSettings:
     ahead: int | None = None
     max_step: Sequence[float] = ()
     reach: Sequence[float] = ()
+    chunks: bool = False
+    blend: float = 0.1
 
     @property
     def interval(self) -> float | None:
@@ -89,6 +92,8 @@ class FeedingSettings:
         """Set-points that fit into the ring: four seconds of them, for whole arrays."""
         if self.latest:
             return _LATEST
+        if self.chunks:
+            return 2 * MOST_ACTIONS
         wanted = round(4 * (self.source_rate or self.rate))
         return min(MOST_POINTS, max(256, wanted, 2 * self.queued))
 
@@ -252,6 +257,11 @@ class WorkerConfig:
         if isinstance(drive, QueueDrive | PoolDrive):
             return drive.period
         return 1 / self.feeding.rate
+
+    @property
+    def extra(self) -> int:
+        """Bytes for what goes with a set-point."""
+        return ActionTag.size() if self.feeding.chunks else self.sent.extra
 
     def pack(self) -> bytes:
         """As it stands in the shared block."""

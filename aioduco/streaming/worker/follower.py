@@ -31,12 +31,19 @@ class Follower:
         limits: velocity and acceleration; for "ruckig" also jerk.
         period: time between two ticks of the stream [s].
         start: where the arm is, at rest.
+        reference: what is followed instead of one of `REFERENCES`, standing at `start`.
     """
 
     def __init__(
-        self, way: str, space: Space, limits: Limits, period: float, start: Config
+        self,
+        way: str,
+        space: Space,
+        limits: Limits,
+        period: float,
+        start: Config,
+        reference: Reference | None = None,
     ) -> None:
-        self._reference: Reference = REFERENCES[way](space, period, start)
+        self._reference: Reference = reference or REFERENCES[way](space, period, start)
         kind = JerkLimiter if way == "ruckig" else Limiter
         self._limiter = kind(space, limits, period, start)
 
@@ -110,6 +117,7 @@ class CheckedFollower(Follower):
         start: where the arm is, at rest.
         place: what the envelope is checked for.
         crossed: told what would have crossed a limit; the stream is then to end.
+        reference: what is followed instead of one of `REFERENCES`, standing at `start`.
     """
 
     def __init__(
@@ -121,8 +129,9 @@ class CheckedFollower(Follower):
         start: Config,
         place: SeenInEnvelope,
         crossed: Callable[[Crossing], None],
+        reference: Reference | None = None,
     ) -> None:
-        super().__init__(way, space, limits, period, start)
+        super().__init__(way, space, limits, period, start, reference)
         self._space = space
         self._period = period
         self._place = place

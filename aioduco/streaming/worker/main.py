@@ -1,7 +1,7 @@
 """The worker of a stream: it owns a connection and a schedule, and sends what the program feeds.
 
-The same code runs in a process of its own, started with
-the descriptors of the shared block and of a socket to the program, or in a thread. The socket
+The same code runs in a process of its own, which is handed
+the shared block and a socket to the program, or in a thread. The socket
 carries no data: the worker writes a byte when there is something to look at in the block, and
 the end of the stream from the other side means that the other side is gone.
 
@@ -13,15 +13,14 @@ from __future__ import annotations
 import contextlib
 import gc
 import os
-import select
 import signal
-import socket
 import threading
 import time
 import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from aioduco._platform import ending_signals, handed_socket, readiness, set_affinity, set_first
 from aioduco._wire.connection import Connection
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError, OutcomeUnknown, StopUnconfirmed
@@ -35,6 +34,8 @@ from aioduco.streaming.worker.drivers import CallDriver, Driver, ProbeDriver
 from aioduco.streaming.worker.outlast import outlast
 
 if TYPE_CHECKING:
+    import socket
+
     from aioduco.streaming.shared.config import WorkerConfig, WorkerSettings
 
 __all__ = ["StreamWorker", "main", "run_in_thread"]
@@ -73,8 +74,8 @@ class StreamWorker:
         self._timeout = block.config.options.timeout
         self._stall_limit = int(block.config.stall_limit * 1e9)
         self._link = link
-        self._poll = select.poll()
-        self._poll.register(link, select.POLLIN | select.POLLHUP)
+        self._link.setblocking(False)
+        self._readable = readiness(link)
         self._looked = self._reported = 0
         self._told: object = None
         self._driver: Driver | None = None
@@ -260,10 +261,10 @@ class StreamWorker:
         """
         if self._process and os.getppid() != self._parent:
             return True
-        if not self._poll.poll(0):
+        if not self._readable(0.0):
             return False
         try:
-            return not self._link.recv(64, socket.MSG_DONTWAIT)
+            return not self._link.recv(64)
         except BlockingIOError:
             return False
         except OSError:
@@ -287,7 +288,7 @@ class StreamWorker:
     def _tell(self) -> None:
         """Wake the program; what there is to see stands in the block."""
         with contextlib.suppress(OSError):
-            self._link.send(b"\1", socket.MSG_DONTWAIT | socket.MSG_NOSIGNAL)
+            self._link.send(b"\1")
 
 
 def prepare(options: WorkerSettings) -> Unmet:
@@ -301,16 +302,10 @@ def prepare(options: WorkerSettings) -> Unmet:
         unmet |= Unmet.TIMER_SLACK
     if not shorten_slice(_SLICE):
         unmet |= Unmet.SLICE
-    if options.cpus:
-        try:
-            os.sched_setaffinity(0, options.cpus)
-        except OSError:
-            unmet |= Unmet.CPUS
-    if options.priority:
-        try:
-            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(options.priority))
-        except OSError:
-            unmet |= Unmet.PRIORITY
+    if options.cpus and not set_affinity(options.cpus):
+        unmet |= Unmet.CPUS
+    if options.priority and not set_first(options.priority):
+        unmet |= Unmet.PRIORITY
     return unmet
 
 
@@ -332,15 +327,15 @@ def main(arguments: list[str]) -> int:
     """Run a worker in this process.
 
     Args:
-        arguments: the descriptors of the shared block and of the socket to the program.
+        arguments: of the socket to the program, and of the shared block.
     """
     # Ctrl-C reaches every process of a terminal; the end of the stream is the program's.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    memory, link = (int(argument) for argument in arguments)
-    block = Block.open(memory)
-    lane = StreamWorker(block, socket.socket(fileno=link), process=True)
-    signal.signal(signal.SIGTERM, lambda *_: lane.terminate())
-    signal.signal(signal.SIGHUP, lambda *_: lane.terminate())
+    link, memory = arguments
+    block = Block.open(int(memory) if memory.isdecimal() else memory)
+    lane = StreamWorker(block, handed_socket(link), process=True)
+    for number in ending_signals():
+        signal.signal(number, lambda *_: lane.terminate())
     # Nothing that was imported is garbage: leave it out of every collection from here on.
     gc.collect()
     gc.freeze()

@@ -19,6 +19,7 @@ import json
 import time
 from typing import TYPE_CHECKING, Protocol
 
+from aioduco.streaming.shared.action import ActionTag
 from aioduco.streaming.shared.block import StatusWord
 from aioduco.streaming.shared.space import POSE_SPACE
 from aioduco.streaming.shared.state import Reason, StreamState
@@ -32,17 +33,19 @@ if TYPE_CHECKING:
     from aioduco._wire.connection import Connection
     from aioduco.envelope.limits import Crossing
     from aioduco.streaming.shared.block import Block
-    from aioduco.streaming.shared.config import EnvelopeSettings
+    from aioduco.streaming.shared.config import EnvelopeSettings, FeedingSettings
     from aioduco.streaming.shared.ring import SetPoint
     from aioduco.streaming.shared.space import Config, Space
+    from aioduco.streaming.worker.chunks import ActionTimeline
 
-__all__ = ["Follower", "Follows", "SetpointFeed", "SetpointSource", "within"]
+__all__ = ["ChunkSource", "Follower", "Follows", "SetpointFeed", "SetpointSource", "within"]
 
 _LONGEST = 0.5  # seconds between two targets beyond which their slope says nothing
 _FIRST = 0.05  # taken for the interval before there is one
 _LATE = 1.2  # share of the interval in which a target is met: the next one may be a bit late
 _DUE = 1.5  # share of the interval after which an unpaced set-point counts as late
 _ROUNDING = 1 - 1e-9
+_PER_TICK = 64  # actions that are taken in one tick, so that a long chunk delays none
 
 
 class Follows(Protocol):
@@ -200,6 +203,73 @@ class SetpointSource:
             self.brake(Reason.STARVED)
 
 
+class ChunkSource(SetpointSource):
+    """Chunks of actions to one set-point per tick, until a defined end.
+
+    It has the states of `SetpointSource`. The program is late when its actions are at their end.
+
+    Args:
+        space: the space of the actions.
+        period: time between two ticks [s].
+        hold: time without an action after which the stream ends [s].
+        reach: how far the first action may be from where the arm is, per group [rad, m].
+        timeline: where the chunks are joined.
+        clock: gives the monotonic time [ns].
+    """
+
+    def __init__(
+        self,
+        space: Space,
+        period: float,
+        *,
+        hold: float,
+        reach: tuple[float, ...],
+        timeline: ActionTimeline,
+        clock: Callable[[], int],
+    ) -> None:
+        super().__init__(space, period, hold=hold, interval=period, paced=True, reach=reach)
+        self._timeline = timeline
+        self._clock = clock
+        self._chunk: list[Config] = []
+
+    def _follow(self, follower: Follows, take: Callable[[], SetPoint | None]) -> None:
+        timeline = self._timeline
+        timeline.advance(self._clock() * 1e-9, closing=self._closing)
+        for _ in range(_PER_TICK):
+            point = take()
+            if point is None:
+                break
+            self._add(follower, point)
+        if self.state is StreamState.WAITING:
+            if self._closing:
+                self.end(Reason.CLOSED)
+        elif self.state is StreamState.ENDED:
+            return
+        elif not timeline.ready:
+            self._idle = 0
+            self.state = StreamState.FOLLOWING
+        elif self._closing:
+            self._finish(follower)
+        else:
+            self._wait(follower)
+
+    def _add(self, follower: Follows, point: SetPoint) -> None:
+        """Add an action to its chunk; the last one completes it."""
+        tag = ActionTag.unpack(point.extra)
+        if tag.position == 0:
+            self._chunk.clear()
+        self._chunk.append(self._space.decode(point.values))
+        if tag.position + 1 < tag.total or self.state is StreamState.ENDED:
+            return
+        begin = tag.begin * 1e-9 if tag.begin else None
+        place = self._timeline.take(begin, tuple(self._chunk))
+        if self.state is not StreamState.WAITING:
+            return
+        self.state: StreamState = StreamState.HOLDING
+        if place is not None and not within(self._space, follower.config, place, self._reach):
+            self.end(Reason.TOO_FAR)
+
+
 def within(space: Space, start: Config, end: Config, reach: tuple[float, ...]) -> bool:
     """Whether a point is no further from another one than a distance for each group."""
     gap = space.difference(start, end)
@@ -226,19 +296,39 @@ class SetpointFeed:
         #: orientation of the tool at the start, for steps that are not given in its frame
         self._start: Config = ()
         self._period = 1 / config.feeding.rate
-        self.source: SetpointSource = SetpointSource(
-            self._space,
-            self._period,
-            hold=config.feeding.hold,
-            interval=config.feeding.interval,
-            paced=not config.feeding.latest,
-            reach=tuple(config.feeding.reach),
-            rates=self._meaning == "speed",
-        )
+        self._timeline: ActionTimeline | None = None
+        self.source: SetpointSource = self._make_source(config.feeding)
         self._follower: Follower | Rates | None = None
         self._sent: tuple[float, ...] | None = None
         self._next = block.ring.newest if config.feeding.latest else block.ring.take
         self._age = block.histograms["age"].record
+
+    def _make_source(self, feeding: FeedingSettings) -> SetpointSource:
+        if feeding.chunks:
+            # imported here: a stream without chunks has no need of it
+            from aioduco.streaming.worker.chunks import ActionTimeline  # noqa: PLC0415
+
+            assert feeding.interval is not None
+            self._timeline = ActionTimeline(
+                self._space, self._period, feeding.interval, feeding.blend
+            )
+            return ChunkSource(
+                self._space,
+                self._period,
+                hold=feeding.hold,
+                reach=tuple(feeding.reach),
+                timeline=self._timeline,
+                clock=time.monotonic_ns,
+            )
+        return SetpointSource(
+            self._space,
+            self._period,
+            hold=feeding.hold,
+            interval=feeding.interval,
+            paced=not feeding.latest,
+            reach=tuple(feeding.reach),
+            rates=self._meaning == "speed",
+        )
 
     def begin(self) -> bool:
         """Find out where the arm is, once there is a first set-point.
@@ -255,8 +345,10 @@ class SetpointFeed:
             self._follower = Rates(space, limits, self._period)
         else:
             way, start = self._config.feeding.upsample, space.decode(self._actual())
+            if self._timeline is not None:
+                self._timeline.rest(start)
             if self._config.envelope is None:
-                self._follower = Follower(way, space, limits, self._period, start)
+                self._follower = Follower(way, space, limits, self._period, start, self._timeline)
             else:
                 self._follower = self._checked(self._config.envelope, start)
         self.source.begin(self._follower)
@@ -271,7 +363,14 @@ class SetpointFeed:
         place = EnvelopeSpace(envelope, config, self._connection, self._start)
         way = config.feeding.upsample
         follower = CheckedFollower(
-            way, self._space, config.sent.limits, self._period, start, place, self._crossed
+            way,
+            self._space,
+            config.sent.limits,
+            self._period,
+            start,
+            place,
+            self._crossed,
+            self._timeline,
         )
         found = follower.begin()
         if found is not None:
@@ -334,6 +433,13 @@ class SetpointFeed:
         status[StatusWord.STARVED] = self.source.starved
         status[StatusWord.TAKEN] = ring.read
         status[StatusWord.OVERWRITTEN] = ring.overwritten
+        if self._timeline is not None:
+            counts = self._timeline.counts
+            status[StatusWord.CHUNKS] = counts.taken
+            status[StatusWord.CHUNKS_LATE] = counts.late
+            status[StatusWord.CHUNKS_DROPPED] = counts.dropped
+            status[StatusWord.ACTIONS_LATE] = counts.late_actions
+            status[StatusWord.EXHAUSTED] = counts.exhausted
         if self._follower is not None:
             status[StatusWord.LIMITED] = self._follower.limited
         if self._sent is not None:

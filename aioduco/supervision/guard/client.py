@@ -17,6 +17,7 @@ import subprocess
 import threading
 from typing import TYPE_CHECKING, Final
 
+from aioduco._platform import guard_lacks
 from aioduco._spawn import Process, Unstartable
 from aioduco._wire.forks import fork_hooks
 from aioduco._wire.nonblocking import send_at_once
@@ -77,13 +78,19 @@ class GuardLink:
         self._listeners: dict[int, GuardListener] = {}
         self.alive: bool = True
         self.users = 0
+        if lack := guard_lacks():
+            raise GuardLost(
+                f"a guard's process needs Linux, and this system has no {lack}; nothing was moved. "
+                'Connect without guard="process": the heartbeat then stops the arm of a program '
+                "that dies or hangs"
+            )
         try:
             ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         except OSError as exc:
             raise _not_started(exc) from exc
         try:
             # In a session of its own: what ends the program's processes is not to end this.
-            process = Process("aioduco.supervision.guard.process", [theirs.fileno()])
+            process = Process("aioduco.supervision.guard.process", [theirs])
         except OSError as exc:
             ours.close()
             raise _not_started(exc) from exc

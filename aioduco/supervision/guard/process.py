@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING
 import anyio
 from anyio.lowlevel import checkpoint
 
+from aioduco._platform import handed_socket
 from aioduco._wire.connection import Connection
 from aioduco._wire.lane import WireLane
 from aioduco._wire.unanswered import UnansweredMotion
@@ -387,7 +388,7 @@ def main(arguments: Sequence[str]) -> int:
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     _go_first()
-    with socket.socket(fileno=int(arguments[0])) as program:
+    with handed_socket(arguments[0]) as program:
         program.setblocking(False)
         guard = Guard(program)
         logging.getLogger().addHandler(_Relay(guard))

@@ -2,20 +2,26 @@
 
 python ros1_client.py goal [COUNT] [DURATION] [FAR] [CANCEL_AFTER]
 python ros1_client.py wrong          # ten goals that are to be refused
+python ros1_client.py malformed      # sixty more, of which any part may be anything
+python ros1_client.py tight          # two with tolerances that no arm keeps
 python ros1_client.py states SECONDS BAG  # how many joint states come, and a bag of them
 python ros1_client.py call SERVICE [ARGUMENTS AS JSON]
+python ros1_client.py ready [JOINTS AS JSON]  # recover, and move there
+python ros1_client.py frame NAME     # until a transform to this frame comes
 """
 
 from __future__ import annotations
 
+import functools
 import itertools
 import json
 import math
 import os
+import random
 import sys
 import threading
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import rosbag
 import rospy
@@ -33,7 +39,11 @@ from control_msgs.msg import (  # noqa: E402
 )
 from sensor_msgs.msg import JointState  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
+from tf2_msgs.msg import TFMessage  # noqa: E402
 from trajectory_msgs.msg import JointTrajectoryPoint  # noqa: E402
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 PREFIX = os.environ.get("PREFIX", "")
 NAMES = [f"{PREFIX}joint_{number}" for number in range(1, 7)]
@@ -46,12 +56,14 @@ def say(**found: Any) -> None:
 
 
 def here() -> list[float]:
-    return list(rospy.wait_for_message("joint_states", JointState, 30.0).position)
+    return list(rospy.wait_for_message("joint_states", JointState, 60.0).position)
 
 
-def goal(count: int = 200, duration: float = 2.0, far: float = 0.3) -> Any:
+def goal(
+    count: int = 200, duration: float = 2.0, far: float = 0.3, start: list[float] | None = None
+) -> Any:
     """A goal from where the arm is, joints 1 and 6 to another place, smoothly."""
-    start = here()
+    start = start or here()
     made = FollowJointTrajectoryGoal()
     made.trajectory.joint_names = list(NAMES)
     for number in range(count):
@@ -105,8 +117,9 @@ def run_goal(count: int, duration: float, far: float, cancel_after: float) -> No
 
 def wrong_goals() -> dict[str, Any]:
     """Ten goals, each with one thing wrong."""
+    start = here()
     made = {
-        name: goal(20, 2.0)
+        name: goal(20, 2.0, start=start)
         for name in (
             "partial",
             "name",
@@ -143,9 +156,46 @@ def tight_goals() -> dict[str, Any]:
     return {"path": path, "goal": end}
 
 
+def malformed_goals(count: int) -> dict[str, Any]:
+    """Goals of which any part may be anything; each has at least one thing wrong."""
+    chance = random.Random(count)
+    odd = [math.nan, math.inf, -math.inf, 1e308, -1e308, 5e-324, 7.0, 0.0]
+
+    def row() -> list[float]:
+        return [chance.choice(odd) for _ in range(chance.choice([0, 1, 5, 6, 7, 300]))]
+
+    def duration() -> Any:
+        return rospy.Duration(chance.choice([-(2**31), -1, 0, 0, 1, 2**31 - 1]))
+
+    start, made = here(), {}
+    for number in range(count):
+        asked = goal(chance.choice([2, 3, 20]), 2.0, start=start)
+        points = asked.trajectory.points
+        asked.trajectory.joint_names = chance.choice(
+            [NAMES, NAMES, NAMES[::-1], [], [""] * 6, ["\x00", "é" * 40], NAMES * 3]
+        )
+        for _ in range(chance.randint(0, 2)):
+            point = chance.choice(points)
+            setattr(point, chance.choice(["velocities", "accelerations", "effort"]), row())
+            point.time_from_start = duration()
+        chance.choice(points).positions = [*row(), math.nan]
+        for tolerances in (asked.path_tolerance, asked.goal_tolerance):
+            for _ in range(chance.randint(0, 2)):
+                name = chance.choice([*NAMES, "elbow"])
+                tolerances.append(JointTolerance(name, *(chance.choice(odd) for _ in range(3))))
+        asked.goal_time_tolerance = duration()
+        made[str(number)] = asked
+    return made
+
+
 def run_wrong(kind: str) -> None:
     action = client()
-    for name, asked in (wrong_goals() if kind == "wrong" else tight_goals()).items():
+    goals: dict[str, Callable[[], dict[str, Any]]] = {
+        "wrong": wrong_goals,
+        "tight": tight_goals,
+        "malformed": functools.partial(malformed_goals, 60),
+    }
+    for name, asked in goals[kind]().items():
         if kind == "tight":
             asked.trajectory.points[0].positions = here()
         before = here()
@@ -157,30 +207,56 @@ def run_wrong(kind: str) -> None:
             rospy.ServiceProxy(f"{NODE}/recover", Trigger)()
 
 
+class Subscribed(rospy.SubscribeListener):  # type: ignore[misc]  # ROS 1 has no types
+    """Notes when a topic has its subscriber."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.there = threading.Event()
+
+    def peer_subscribe(self, topic_name: str, topic_publish: Any, peer_publish: Any) -> None:
+        del topic_name, topic_publish, peer_publish
+        self.there.set()
+
+
 def count_states(seconds: float, path: str) -> None:
     """Count joint states, put them into a bag, and play that on a topic of its own."""
     came: list[tuple[float, Any]] = []
+    enough, played_all = threading.Event(), threading.Event()
     here()
-    subscriber = rospy.Subscriber(
-        "joint_states", JointState, lambda message: came.append((time.monotonic(), message))
-    )
-    time.sleep(seconds + 1.0)
+
+    def note(message: Any) -> None:
+        came.append((time.monotonic(), message))
+        if len(came) == 1:
+            say(counting=True)
+        if came[-1][0] > came[0][0] + seconds:
+            enough.set()
+
+    subscriber = rospy.Subscriber("joint_states", JointState, note)
+    enough.wait(seconds + 60.0)
+    say(counted=True)
     subscriber.unregister()
     recorded = list(came)
     with rosbag.Bag(path, "w") as bag:
         for _, message in recorded:
             bag.write("joint_states", message, message.header.stamp)
     played: list[Any] = []
-    publisher = rospy.Publisher("played", JointState, queue_size=len(recorded))
-    rospy.Subscriber("played", JointState, played.append)
-    while not publisher.get_num_connections():
-        time.sleep(0.01)
+
+    def play(message: Any) -> None:
+        played.append(message)
+        if len(played) == len(recorded):
+            played_all.set()
+
+    listener = Subscribed()
+    publisher = rospy.Publisher(
+        "played", JointState, queue_size=len(recorded), subscriber_listener=listener
+    )
+    rospy.Subscriber("played", JointState, play)
+    listener.there.wait(60.0)
     with rosbag.Bag(path) as bag:
         for _, message, _ in bag.read_messages():
             publisher.publish(message)
-    until = time.monotonic() + 60.0
-    while len(played) < len(recorded) and time.monotonic() < until:
-        time.sleep(0.01)
+    played_all.wait(60.0)
     stamps = [message.header.stamp.to_sec() for _, message in recorded]
     kept = [at for at, _ in recorded if at - recorded[0][0] <= seconds]
     say(
@@ -206,6 +282,19 @@ def call(name: str, given: dict[str, Any]) -> None:
     say(success=reply.success, message=reply.message)
 
 
+def await_frame(name: str) -> None:
+    """Wait until a frame is placed, by the driver or by robot_state_publisher."""
+    found = threading.Event()
+
+    def look(message: Any) -> None:
+        if any(each.child_frame_id == name for each in message.transforms):
+            found.set()
+
+    for topic in ("/tf", "/tf_static"):
+        rospy.Subscriber(topic, TFMessage, look)
+    say(found=found.wait(120.0))
+
+
 def main() -> None:
     what, *rest = sys.argv[1:]
     rospy.init_node("client", anonymous=True, disable_signals=True)
@@ -217,6 +306,11 @@ def main() -> None:
         count_states(float(rest[0]), rest[1])
     elif what == "call":
         call(rest[0], json.loads(rest[1]) if rest[1:] else {})
+    elif what == "ready":
+        call("recover", {})
+        call("movej", {"joints": json.loads(rest[0]), "v": 2.0, "a": 10.0})
+    elif what == "frame":
+        await_frame(rest[0])
     else:
         run_wrong(what)
     rospy.signal_shutdown("done")

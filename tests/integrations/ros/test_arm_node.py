@@ -4,22 +4,33 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import time
-from typing import TYPE_CHECKING
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import anyio
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from aioduco import Pose
 from aioduco.errors import ParameterError
 from aioduco.integrations.ros.arm_node import NodeSettings, arm_node
-from aioduco.integrations.ros.arm_readings import DiagnosisLevel, diagnosis
-from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalPoint, NamedTolerance
+from aioduco.integrations.ros.arm_readings import DiagnosisLevel, diagnosis, placed_frames
+from aioduco.integrations.ros.trajectory_goals import (
+    ErrorCode,
+    GoalPoint,
+    GoalRules,
+    NamedTolerance,
+)
+from aioduco.integrations.ros.trajectory_server import TrajectoryServer
 from aioduco.kinematics import arm
 from aioduco.sim import Simulator
 from aioduco.testing import eventually_async
 
-from .goals import NAMES, START, WRONG, Client, goal, way
+from .goals import NAMES, PROFILE, START, WRONG, Client, goal, way
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
@@ -34,11 +45,15 @@ class Sink:
 
     def __init__(self) -> None:
         self.count = 0
+        self.listens = True
         self.frames: dict[str, PlacedFrame] = {}
         self.reading: ArmReading | None = None
         self.snapshot: Snapshot | None = None
         self.diagnoses: list[Diagnosis] = []
         self.forces: list[list[float]] = []
+
+    def wants_frames(self) -> bool:
+        return self.listens
 
     def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
         self.count += 1
@@ -101,6 +116,7 @@ async def test_a_goal_is_followed_with_feedback(node: ArmNode, sim: Simulator) -
     assert np.abs(client.seen[-1].error).max() < 0.1
 
 
+@pytest.mark.slow
 async def test_wrong_goals_move_nothing_and_disturb_nothing(node: ArmNode, sim: Simulator) -> None:
     stray = goal(count=50, points=[p._replace(time=p.time * 3) for p in goal(count=50).points])
     client, wrong = Client(stray), [Client(make()) for make, _ in WRONG.values()]
@@ -118,6 +134,7 @@ async def test_wrong_goals_move_nothing_and_disturb_nothing(node: ArmNode, sim: 
     np.testing.assert_allclose(sim.joints, way(1.0), atol=0.011)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["cancel", "client", "newer", "all"])
 async def test_a_goal_that_is_given_up_ends_at_rest(
     node: ArmNode, sim: Simulator, how: str
@@ -145,6 +162,35 @@ async def test_a_goal_that_is_given_up_ends_at_rest(
         np.testing.assert_allclose(sim.joints, START, atol=0.011)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("lost", ["client", "middleware"])
+async def test_a_goal_that_is_left_is_stopped_at_once_if_asked_for(
+    node: ArmNode, sim: Simulator, lost: str
+) -> None:
+    goals = TrajectoryServer(
+        node.robot, PROFILE, GoalRules(), wall=time.time, through="servoj", stop_at_loss=True
+    )
+    client = Client(goal(count=50, duration=3.0, far=0.8))
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(goals.run)
+        goals.submit(client)
+        await moving(client)
+        if lost == "client":
+            client.here = False
+        else:
+            await goals.abandon("the master is gone")
+        await eventually_async(lambda: client.done)
+        tasks.cancel_scope.cancel()
+    # Not cancelled: a stop of the controller ended it.
+    assert (client.told, client.code) == (
+        ["accepted", "aborted"],
+        ErrorCode.PATH_TOLERANCE_VIOLATED,
+    )
+    await eventually_async(lambda: not sim.moving)
+    assert 0.0 < sim.joints[0] - START[0] < 0.79
+
+
+@pytest.mark.slow
 async def test_a_stop_ends_a_goal_and_waits_behind_nothing(node: ArmNode, sim: Simulator) -> None:
     client = Client(goal(count=50, duration=3.0, far=0.8))
     node.goals.submit(client)
@@ -159,6 +205,7 @@ async def test_a_stop_ends_a_goal_and_waits_behind_nothing(node: ArmNode, sim: S
     assert client.code == ErrorCode.PATH_TOLERANCE_VIOLATED
 
 
+@pytest.mark.slow
 async def test_tolerances_that_are_not_kept_have_their_codes(node: ArmNode, sim: Simulator) -> None:
     tight = [NamedTolerance(name, 1e-7) for name in NAMES]
     client = Client(goal(count=50, duration=1.0, path_tolerance=tight))
@@ -205,6 +252,7 @@ async def test_services_do_what_they_say(node: ArmNode, sim: Simulator) -> None:
         assert refused.message
 
 
+@pytest.mark.slow
 async def test_a_pause_and_its_end(node: ArmNode, sim: Simulator) -> None:
     replies = []
 
@@ -221,6 +269,7 @@ async def test_a_pause_and_its_end(node: ArmNode, sim: Simulator) -> None:
     np.testing.assert_allclose(sim.joints, way(1.0), atol=1e-3)
 
 
+@pytest.mark.slow
 async def test_what_is_published(node: ArmNode, sim: Simulator, sink: Sink) -> None:
     await eventually_async(lambda: sink.forces and "flange_controller" in sink.frames)
     # Samples from before the arm came to START may have been the newest.
@@ -231,6 +280,8 @@ async def test_what_is_published(node: ArmNode, sim: Simulator, sink: Sink) -> N
     await eventually_async(
         lambda: np.allclose(sink.frames["flange_controller"].position, there, atol=2e-3)
     )
+    sink.listens = False
+    await eventually_async(lambda: not sink.frames)  # joints go on, without them
     await eventually_async(lambda: sink.snapshot)
     await eventually_async(lambda: sink.diagnoses[-1].level == DiagnosisLevel.OK)
     sim.emergency_stop()
@@ -240,6 +291,22 @@ async def test_what_is_published(node: ArmNode, sim: Simulator, sink: Sink) -> N
     finally:
         sim.release_emergency_stop()
     assert diagnosis(None, None, time.monotonic(), 0.0).level == DiagnosisLevel.STALE
+
+
+ANGLE = st.floats(-math.pi, math.pi) | st.sampled_from([0.0, math.pi / 2, -math.pi / 2, math.pi])
+POSE = st.builds(Pose, *[st.floats(-1.0, 1.0)] * 3, *[ANGLE] * 3)
+
+
+@given(POSE, POSE)
+def test_frames_are_those_of_the_poses(tip: Pose, offset: Pose) -> None:
+    status: Any = SimpleNamespace(pose=tip)
+    frames = placed_frames(status, offset, "left_")
+    assert [frame.name for frame in frames] == ["left_tcp_controller", "left_flange_controller"]
+    assert placed_frames(status, None, "left_") == frames[:1]
+    for frame, pose in zip(frames, (tip, tip @ offset.inverse()), strict=True):
+        np.testing.assert_allclose(frame.position, [pose.x, pose.y, pose.z], atol=1e-9)
+        same = float(np.dot(frame.quaternion, pose.quaternion("xyzw")))
+        assert abs(same) == pytest.approx(1.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("wrong", [{"rate": 0.0}, {"feedback_rate": 51.0}, {"slow_rate": -1.0}])

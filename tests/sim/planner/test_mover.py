@@ -506,6 +506,7 @@ def test_a_successor_at_any_time_breaks_no_limit(when: int, radius: float, speed
     np.testing.assert_allclose(FIVE.fkine(run.q[-1]), at(0.1, 0.1, 0.1), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_pause_in_a_blend_stays_on_it() -> None:
     whole = corner_run(0.05, v=0.5, a=2.0)
     begin = next(cycle for cycle, key, kind in whole.events if (key, kind) == (0, "blended"))
@@ -524,6 +525,7 @@ def test_a_pause_in_a_blend_stays_on_it() -> None:
         assert away.max() < 2e-3
 
 
+@pytest.mark.slow
 def test_many_motions_blend_without_end() -> None:
     run = Recorder()
     count = 60

@@ -65,6 +65,7 @@ def sine_error(a: float, *numbers: float) -> float:
     return worst
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("a", "usual", "stiff"), [(3.5, 0.1205, 0.1132), (100.0, 0.0291, 0.0204)])
 def test_higher_gains_follow_better(a: float, usual: float, stiff: float) -> None:
     """As the author of a public driver found, who went from 200 and 25 to 400 and 80."""
@@ -92,6 +93,7 @@ def test_a_new_target_is_gone_to_from_the_present_speed() -> None:
     assert np.abs(run(servo)[-1, 0] - (Q + 0.1)).max() < 1e-4
 
 
+@pytest.mark.slow
 def test_more_smoothing_lags_more() -> None:
     def lag(**smoothing: float) -> float:
         servo = ServoFollower(ARM, Q, CYCLE)

@@ -160,6 +160,7 @@ def test_pause_resume_and_stop() -> None:
     assert len(run(follower)) < 200
 
 
+@pytest.mark.slow
 def test_a_tool_goes_through_poses() -> None:
     start = Pose.from_matrix(ARM.fkine(Q))
     angles = np.linspace(0.0, np.pi, 40)[1:]

@@ -212,6 +212,7 @@ def test_a_stop_stands_on_the_way() -> None:
     assert events[-1] == ["stopped"]
 
 
+@pytest.mark.slow
 def test_joints_keep_to_what_they_can_and_the_path_slows_down() -> None:
     wild = Weave(WeaveShape.TRIANGLE, WeavePlane.TOOL_XY, 12.0, 0.03)
     segment = woven(wild)
@@ -260,6 +261,7 @@ def test_motions_with_a_weave_blend() -> None:
     assert (np.abs(speeds).max(axis=1)[5:-5] > 0.0).all()
 
 
+@pytest.mark.slow
 def test_what_waits_is_bounded() -> None:
     mover = Mover(FIVE, HOME, CYCLE)
     long = woven(Weave(WeaveShape.SINE, WeavePlane.TOOL_XY, 200.0, 0.0005))
@@ -291,6 +293,7 @@ def test_nothing_is_laid_over_what_is_too_short_or_leads_nowhere() -> None:
         np.testing.assert_allclose(segment.tcp(s), plain.tcp(s), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_laid_over_a_path_is_refused() -> None:
     down = START.copy()
     down[2, 3] -= 0.1

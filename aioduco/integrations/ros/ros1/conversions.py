@@ -5,7 +5,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import functools
+import struct
+from typing import TYPE_CHECKING, Any, Final
 
 from aioduco_msgs.msg import IOState, RobotState
 from control_msgs.msg import FollowJointTrajectoryFeedback, FollowJointTrajectoryResult
@@ -16,6 +18,7 @@ from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectoryPoint
 
+from aioduco.integrations.ros.arm_readings import io_state_fields, robot_state_fields
 from aioduco.integrations.ros.trajectory_goals import GoalPoint, NamedTolerance, TrajectoryGoal
 
 if TYPE_CHECKING:
@@ -81,10 +84,36 @@ def feedback(names: tuple[str, ...], found: PathFeedback, stamp: float) -> Any:
 
 def joint_state(names: tuple[str, ...], reading: ArmReading, stamp: float) -> Any:
     """Joint states."""
-    message = JointState(name=names, position=reading.position)
+    message = _SixJoints()
+    message.name, message.position = names, reading.position
     message.velocity, message.effort = reading.velocity, reading.effort
     message.header.stamp = Time.from_sec(stamp)
     return message
+
+
+class _SixJoints(JointState):  # type: ignore[misc]  # genpy's have no types
+    """Joint states of an arm, packed at once: genpy makes a format for each name, each time."""
+
+    def serialize(self, buff: Any) -> None:
+        """Write the bytes of the message."""
+        header = self.header
+        stamp = _THREE.pack(header.seq, header.stamp.secs, header.stamp.nsecs)
+        numbers = _NUMBERS.pack(6, *self.position, 6, *self.velocity, 6, *self.effort)
+        buff.write(stamp + _packed(header.frame_id) + _packed_names(self.name) + numbers)
+
+
+_THREE: Final = struct.Struct("<3I")
+_NUMBERS: Final = struct.Struct("<I6dI6dI6d")
+
+
+def _packed(text: str) -> bytes:
+    data = text.encode()
+    return len(data).to_bytes(4, "little") + data
+
+
+@functools.lru_cache
+def _packed_names(names: tuple[str, ...]) -> bytes:
+    return len(names).to_bytes(4, "little") + b"".join(map(_packed, names))
 
 
 def transforms(base: str, frames: list[PlacedFrame], stamp: float) -> Any:
@@ -112,36 +141,14 @@ def wrench(frame: str, force: list[float], stamp: float) -> Any:
 
 def robot_state(snapshot: Snapshot, stamp: float) -> Any:
     """States of robot, program, safety and mode."""
-    states, status = snapshot.states, snapshot.status
-    message = RobotState(
-        robot_state=int(states.robot),
-        program_state=int(states.program),
-        safety_state=int(states.safety),
-        operation_mode=int(states.mode),
-        text=str(states),
-        enabled=all(status.enabled),
-        collision=status.collision,
-        collision_joint=status.collision_axis,
-        emergency_stop=status.emergency_stop,
-        error=status.error,
-    )
+    message = RobotState(**robot_state_fields(snapshot))
     message.header.stamp = Time.from_sec(stamp)
     return message
 
 
 def io_state(snapshot: Snapshot, stamp: float) -> Any:
     """Inputs and outputs; the first of each list has the number 1."""
-    io = snapshot.io
-    message = IOState(
-        digital_inputs=io.digital_inputs,
-        digital_outputs=io.digital_outputs,
-        tool_inputs=io.tool_inputs,
-        tool_outputs=io.tool_outputs,
-        voltage_inputs=io.analog_voltage_inputs,
-        voltage_outputs=io.analog_voltage_outputs,
-        current_inputs=io.analog_current_inputs,
-        current_outputs=io.analog_current_outputs,
-    )
+    message = IOState(**io_state_fields(snapshot))
     message.header.stamp = Time.from_sec(stamp)
     return message
 

@@ -10,10 +10,10 @@ which it was asked for.
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import signal
 import time
-from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
@@ -42,13 +42,16 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger, TriggerResponse
 from tf2_msgs.msg import TFMessage
 
-from aioduco.errors import DucoError, ParameterError
+from aioduco.errors import DucoError
 from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
+from aioduco.integrations.ros.node_parameters import settings_of
 from aioduco.integrations.ros.ros1 import conversions
-from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRules
+from aioduco.integrations.ros.trajectory_goals import ErrorCode
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
+
+    from anyio.abc import SocketStream
 
     from aioduco import Snapshot
     from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
@@ -56,65 +59,17 @@ if TYPE_CHECKING:
     from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
     from aioduco.integrations.ros.trajectory_server import PathFeedback
 
-__all__ = ["NodeError", "main", "settings_of"]
+__all__ = ["NodeError", "main"]
 
-_LOOK_AT_MASTER = 0.25  # seconds between two looks at whether the master is there
+_LOOK_AT_MASTER = 1.0  # seconds between two looks at whether the master is there
 _SILENT = 5.0  # seconds for which a master may answer nothing; one that is busy takes its time
 _QUEUE = 10  # messages that wait for a slow subscriber
-_RULES = {"path": "path_tolerance", "goal": "goal_tolerance", "goal_time": "goal_time_tolerance"}
-_RULES |= {"start": "start_tolerance", "late": "stamp_tolerance"}
 
 _log = logging.getLogger(__name__)
 
 
 class NodeError(DucoError):
     """The node could not be started; nothing was sent."""
-
-
-def settings_of(parameters: dict[str, Any]) -> NodeSettings:
-    """The driver's settings from its private parameters.
-
-    Args:
-        parameters: by name. `robot_ip`, the manual's name of the launch argument, is `host`;
-            tolerances of goals are `path_tolerance`, `goal_tolerance`, `goal_time_tolerance`,
-            `start_tolerance` and `stamp_tolerance`.
-
-    Raises:
-        ParameterError: one is missing, unknown, of a wrong kind or out of range.
-    """
-    given = dict(parameters)
-    if "robot_ip" in given:
-        given.setdefault("host", given.pop("robot_ip"))
-        given.pop("robot_ip", None)
-    rules = {name: given.pop(said) for name, said in _RULES.items() if said in given}
-    known = {each.name: each for each in fields(NodeSettings) if each.name != "rules"}
-    for name, value in given.items():
-        if name not in known:
-            wanted = ", ".join([*known, *_RULES.values(), "robot_ip"])
-            raise ParameterError(f"~{name}", value, f"one of {wanted}")
-    if not given.get("host"):
-        raise ParameterError("~host", given.get("host"), "the controller's address: _host:=…")
-    made: dict[str, Any] = {}
-    for name, value in given.items():
-        default = () if name == "joint_names" else getattr(_DEFAULTS, name)
-        made[name] = _as(name, value, default)
-    kept = {name: _as(_RULES[name], value, 0.0) for name, value in rules.items()}
-    return NodeSettings(**made, rules=replace(GoalRules(), **kept))
-
-
-_DEFAULTS = NodeSettings(host="-")
-
-
-def _as(name: str, value: Any, default: Any) -> Any:
-    """A parameter in the kind of its default."""
-    if isinstance(default, tuple) and isinstance(value, (list, tuple)):
-        return tuple(str(each) for each in value)
-    if isinstance(default, float) and type(value) in (int, float):
-        return float(value)
-    if type(value) is type(default):
-        return value
-    kind = "list of texts" if isinstance(default, tuple) else type(default).__name__
-    raise ParameterError(f"~{name}", value, f"a {kind}")
 
 
 def main(arguments: Sequence[str], parameters: dict[str, Any]) -> None:
@@ -167,6 +122,16 @@ def _quietly(portal: BlockingPortal, function: Callable[[], object]) -> None:
         portal.start_task_soon(function)
     except RuntimeError:
         return
+
+
+async def _closes(connection: SocketStream, due: float) -> bool:
+    """Keep a connection until a time. Tells whether the other end closed it before."""
+    with anyio.CancelScope(deadline=due):
+        async with connection:
+            with contextlib.suppress(anyio.EndOfStream, anyio.BrokenResourceError):
+                await connection.receive(1)
+            return True
+    return False
 
 
 async def _until_signal(scope: anyio.CancelScope) -> None:
@@ -255,10 +220,13 @@ class _Shell:
 
     # -- state -----------------------------------------------------------------------------------
 
+    def wants_frames(self) -> bool:
+        return bool(self._transforms.get_num_connections())
+
     def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
         stamp = at + self._ahead
         self._joints.publish(conversions.joint_state(self.names, reading, stamp))
-        if self._transforms.get_num_connections():
+        if frames:
             base = self._settings.base_frame
             self._transforms.publish(conversions.transforms(base, frames, stamp))
 
@@ -326,14 +294,13 @@ class _Shell:
         address = urlsplit(rosgraph.get_master_uri())
         host, port = address.hostname or "localhost", address.port or 11311
         start = heard = anyio.current_time()
-        here, number = True, 0
+        here, closed, number = True, False, 0
         while True:
-            number = max(number + 1, int((anyio.current_time() - start) / _LOOK_AT_MASTER))
-            await anyio.sleep_until(start + number * _LOOK_AT_MASTER)
+            connection: SocketStream | None = None
             refused = False
             with anyio.move_on_after(_SILENT):
                 try:
-                    await (await anyio.connect_tcp(host, port)).aclose()
+                    connection = await anyio.connect_tcp(host, port)
                     heard = anyio.current_time()
                 except OSError:
                     refused = True
@@ -341,7 +308,18 @@ class _Shell:
             if here is not was:
                 _log.warning("the ROS master %s", "is back" if here else "is gone: goals end")
             if not here:
-                self._node.goals.cancel_all("the ROS master is gone")
+                await self._node.goals.abandon("the ROS master is gone")
+            number = max(number + 1, int((anyio.current_time() - start) / _LOOK_AT_MASTER))
+            due = start + number * _LOOK_AT_MASTER
+            # A master that dies closes its connections: it is then looked at again at once. Once,
+            # for there may be one that keeps none.
+            if connection is not None and not closed:
+                closed = await _closes(connection, due)
+            else:
+                closed = False
+                if connection is not None:
+                    await connection.aclose()
+                await anyio.sleep_until(due)
 
     # -- services --------------------------------------------------------------------------------
 

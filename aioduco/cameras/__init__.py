@@ -1,0 +1,48 @@
+"""Cameras: pictures with times on the robot's clock, and where a camera is on the arm.
+
+One protocol, `CameraDevice`, for simulated cameras (`SimulatedCamera`) and real ones
+(`OpenCvCamera`). `calibrate_hand_eye` finds where a camera is from views of a board, and
+`find_board` sees the board in a picture. What needs OpenCV needs the extra `camera`.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from aioduco.cameras.camera import CameraDevice, CameraFrame, Intrinsics
+    from aioduco.cameras.hand_eye import (
+        BoardSize,
+        HandEye,
+        calibrate_hand_eye,
+        find_board,
+    )
+    from aioduco.cameras.opencv import OpenCvCamera
+    from aioduco.cameras.simulated import SimulatedCamera
+
+__all__ = [
+    "BoardSize",
+    "CameraDevice",
+    "CameraFrame",
+    "HandEye",
+    "Intrinsics",
+    "OpenCvCamera",
+    "SimulatedCamera",
+    "calibrate_hand_eye",
+    "find_board",
+]
+
+_HOMES = {
+    **dict.fromkeys(("CameraDevice", "CameraFrame", "Intrinsics"), "camera"),
+    **dict.fromkeys(("BoardSize", "HandEye", "calibrate_hand_eye", "find_board"), "hand_eye"),
+    "OpenCvCamera": "opencv",
+    "SimulatedCamera": "simulated",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Import what needs OpenCV or MuJoCo when it is asked for."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)

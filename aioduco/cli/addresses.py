@@ -1,0 +1,150 @@
+"""Which robot a command is for: an address, or a name from the user's file of robots.
+
+The file is `$XDG_CONFIG_HOME/aioduco/robots.toml`, by default `~/.config/aioduco/robots.toml`:
+
+    default = "left"
+
+    [left]
+    host = "192.168.1.10"
+
+    [right]
+    host = "192.168.1.11"
+    port = 7003
+"""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Final, TypeAlias
+
+import typer
+
+__all__ = ["Host", "HostOption", "Port", "RobotAddress", "robot_at", "robots_file"]
+
+_ENVIRONMENT: Final = "AIODUCO_HOST"
+#: where a simulator of this computer listens
+_LOOPBACK: Final = "127.0.0.1"
+_PORT: Final = 7003
+
+
+@dataclass(frozen=True, slots=True)
+class RobotAddress:
+    """Where a controller is.
+
+    Attributes:
+        host: its name or address.
+        port: its TCP port.
+        name: what the user's file of robots calls it; empty without one.
+    """
+
+    host: str
+    port: int
+    name: str = ""
+
+    def __str__(self) -> str:
+        where = f"{self.host}:{self.port}"
+        return f"{self.name} ({where})" if self.name else where
+
+
+def robots_file() -> Path:
+    """Where the user's file of robots is, if there is one."""
+    folder = os.environ.get("XDG_CONFIG_HOME", "")
+    # XDG: a path that is not absolute is to be ignored
+    base = Path(folder) if Path(folder).is_absolute() else Path.home() / ".config"
+    return base / "aioduco" / "robots.toml"
+
+
+def robot_at(given: str | None, port: int | None = None) -> RobotAddress:
+    """Find the robot of a command.
+
+    The first that there is decides: what the command line gives, `AIODUCO_HOST`, `default` in the
+    file of robots, and a simulator on this computer.
+
+    Args:
+        given: a name of the file, or an address: `192.168.1.10`, `arm.lan:7003`, `[::1]:7003`.
+        port: its port, over any other.
+
+    Raises:
+        typer.BadParameter: the file cannot be read, or the address is none.
+    """
+    robots, default = _read(robots_file())
+    text = given or os.environ.get(_ENVIRONMENT) or default or _LOOPBACK
+    found = robots.get(text)
+    if found is None:
+        host, told = _split(text)
+        found = RobotAddress(host, told or _PORT)
+    return found if port is None else RobotAddress(found.host, port, found.name)
+
+
+def _read(path: Path) -> tuple[dict[str, RobotAddress], str]:
+    """The robots of a file by their names, and the name of its default."""
+    try:
+        data: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}, ""
+    except (OSError, ValueError) as error:
+        raise typer.BadParameter(f"{path} cannot be read: {error}") from None
+    default = data.pop("default", "")
+    robots = {name: _robot(path, name, entry) for name, entry in data.items()}
+    if default and default not in robots:
+        raise typer.BadParameter(
+            f"{path}: there is no robot {default!r} to be the default; there are "
+            f"{', '.join(robots) or 'none'}"
+        )
+    return robots, default
+
+
+def _robot(path: Path, name: str, entry: Any) -> RobotAddress:
+    if not isinstance(entry, dict) or not isinstance(entry.get("host"), str):
+        raise typer.BadParameter(f'{path}: [{name}] needs a line such as host = "192.168.1.10"')
+    port = entry.get("port", _PORT)
+    if type(port) is not int or not 1 <= port <= 65535:
+        raise typer.BadParameter(f"{path}: [{name}] has port = {port!r}, not from 1 to 65535")
+    if unknown := sorted(entry.keys() - {"host", "port"}):
+        raise typer.BadParameter(f"{path}: [{name}] has {unknown[0]!r}; it may have host and port")
+    return RobotAddress(entry["host"], port, name)
+
+
+def _split(text: str) -> tuple[str, int | None]:
+    """Host and port of an address; None without a port."""
+    host, colon, port = text.rpartition(":")
+    if text.startswith("["):  # IPv6 stands in brackets before a port
+        if text.endswith("]"):
+            return text[1:-1], None
+        host = host.removeprefix("[").removesuffix("]")
+    elif not colon or ":" in host:
+        return text, None
+    if not (port.isascii() and port.isdigit() and 1 <= int(port) <= 65535):
+        raise typer.BadParameter(f"{text!r} has no port from 1 to 65535 after its colon")
+    return host, int(port)
+
+
+def _names(incomplete: str) -> list[str]:
+    """Names of robots, for the shell's completion."""
+    try:
+        return [name for name in _read(robots_file())[0] if name.startswith(incomplete)]
+    except typer.BadParameter:
+        return []
+
+
+_HELP: Final = (
+    f"Address of the controller, or a name of your robots.toml. Default: {_ENVIRONMENT}, the "
+    "file's default, or a simulator on this computer."
+)
+
+Host: TypeAlias = Annotated[
+    str | None, typer.Argument(help=_HELP, show_default=False, autocompletion=_names)
+]
+HostOption: TypeAlias = Annotated[
+    str | None, typer.Option("--host", help=_HELP, show_default=False, autocompletion=_names)
+]
+Port: TypeAlias = Annotated[
+    int | None,
+    typer.Option(
+        min=1, max=65535, help="Its port, if it is not the one of the name or 7003.",
+        show_default=False,
+    ),
+]  # fmt: skip

@@ -1,0 +1,36 @@
+"""`aioduco completion`: what makes a shell complete the commands."""
+
+from __future__ import annotations
+
+import enum
+import importlib
+from typing import Annotated
+
+import typer
+
+__all__ = ["completion"]
+
+
+class Shell(enum.StrEnum):
+    """Shells that can be told."""
+
+    BASH = "bash"
+    ZSH = "zsh"
+    FISH = "fish"
+
+
+def completion(shell: Annotated[Shell, typer.Argument(help="bash, zsh or fish.")]) -> None:
+    """Print what makes a shell complete commands, options and names of robots.
+
+    aioduco completion bash > ~/.local/share/bash-completion/completions/aioduco
+
+    aioduco completion zsh >> ~/.zshrc
+
+    aioduco completion fish > ~/.config/fish/completions/aioduco.fish
+
+    Exit codes: 0 printed; 2 wrong options.
+    """
+    # typer has it without saying so to type checkers
+    scripts = importlib.import_module("typer.completion")
+    names = {"prog_name": "aioduco", "complete_var": "_AIODUCO_COMPLETE"}
+    typer.echo(scripts.get_completion_script(shell=shell.value, **names))

@@ -1,0 +1,77 @@
+"""With what the commands end, and how an error becomes that."""
+
+from __future__ import annotations
+
+import signal
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Final
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = [
+    "FAILED",
+    "NOT_CONFIRMED",
+    "PERSON_NEEDED",
+    "SIGNALLED",
+    "STOP_UNCONFIRMED",
+    "USAGE",
+    "Terminated",
+    "ended_by_errors",
+]
+
+#: it was not done; the message says why
+FAILED: Final = 1
+#: wrong options or arguments
+USAGE: Final = 2
+#: the question was not answered by yes; nothing was sent that moves the arm
+NOT_CONFIRMED: Final = 3
+#: it is not known that the arm stands: press the emergency stop
+STOP_UNCONFIRMED: Final = 4
+#: a person has to do something at the arm first; the message says what
+PERSON_NEEDED: Final = 5
+#: and the number of the signal that ended it: 130 for Ctrl-C
+SIGNALLED: Final = 128
+
+
+class Terminated(KeyboardInterrupt):
+    """A request to end (SIGTERM); it is handled as Ctrl-C is, so that the arm is stopped."""
+
+
+@contextmanager
+def ended_by_errors(interrupted: str = "interrupted") -> Iterator[None]:
+    """End the command as its errors and signals ask for: a message, and an exit code.
+
+    Args:
+        interrupted: what is said after Ctrl-C or SIGTERM.
+    """
+    from aioduco.errors import DucoError, PersonNeeded, StopUnconfirmed  # noqa: PLC0415 - quick help
+
+    def terminate(_number: int, _frame: object) -> None:
+        raise Terminated
+
+    before = signal.signal(signal.SIGTERM, terminate)
+    try:
+        yield
+    except StopUnconfirmed as error:
+        code = _said(str(error), STOP_UNCONFIRMED)
+    except PersonNeeded as error:
+        code = _said(str(error), PERSON_NEEDED)
+    except DucoError as error:
+        code = _said(str(error), FAILED)
+    except Terminated:
+        code = _said(interrupted, SIGNALLED + signal.SIGTERM)
+    except KeyboardInterrupt:
+        code = _said(interrupted, SIGNALLED + signal.SIGINT)
+    else:
+        return
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    raise typer.Exit(code)
+
+
+def _said(message: str, code: int) -> int:
+    typer.echo(message, err=True)
+    return code

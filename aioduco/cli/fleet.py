@@ -1,0 +1,155 @@
+"""`aioduco fleet`: the arms of several computers, with one view and one stop."""
+
+from __future__ import annotations
+
+import json as json_module
+import math
+import signal
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import anyio
+import typer
+
+from aioduco.cli import extras
+from aioduco.cli.exit_codes import FAILED, SIGNALLED, STOP_UNCONFIRMED, USAGE, ended_by_errors
+
+if TYPE_CHECKING:
+    from aioduco.fleet import FleetSettings, FleetStop, FleetView
+
+__all__ = ["fleet"]
+
+fleet: typer.Typer = typer.Typer(
+    help="The arms of several computers: serve, see and stop them.", no_args_is_help=True
+)
+
+File = Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="The fleet: fleet.toml.")]
+Timeout = Annotated[float, typer.Option(min=0.1, max=60.0, help="Until gateways answered [s].")]
+Json = Annotated[bool, typer.Option("--json", help="As one line of JSON.")]
+
+
+@fleet.command()
+def serve(file: File) -> None:
+    """Supervise the arms of a file until Ctrl-C, and offer their state and stop to the fleet.
+
+    At the end the arms are stopped.
+
+    Exit codes: 1 an address cannot be listened on; 2 a wrong file; 130, 143 Ctrl-C or SIGTERM.
+    """
+    settings = _settings(file)
+    from aioduco.cli.signals import heard  # noqa: PLC0415 - quick help
+    from aioduco.fleet import FleetGateway  # noqa: PLC0415
+
+    async def run() -> int:
+        with heard(signal.SIGINT, signal.SIGTERM) as signals:
+            async with FleetGateway(settings):
+                arms = ", ".join(arm.name for arm in settings.arms) or "no arm"
+                where = ", ".join(settings.listen)
+                typer.echo(f"gateway {settings.gateway} of {settings.name} on {where}: {arms}")
+                async for number in signals:
+                    return SIGNALLED + number
+        return FAILED
+
+    with ended_by_errors():
+        code = anyio.run(run)
+    raise typer.Exit(code)
+
+
+@fleet.command()
+def status(file: File, timeout: Timeout = 3.0, json: Json = False) -> None:
+    """Show every arm of the fleet.
+
+    Exit codes: 0 all gateways have told their state; 1 some are missing; 2 a wrong file.
+    """
+    settings = _settings(file)
+    from aioduco.fleet import FleetClient  # noqa: PLC0415 - quick help
+
+    async def ask() -> FleetView:
+        async with FleetClient(settings) as client:
+            return await client.status(timeout)
+
+    with ended_by_errors():
+        view = anyio.run(ask)
+    if json:
+        table = {
+            "gateways": [json_module.loads(report.encode()) for report in view.gateways],
+            "missing": view.missing,
+        }
+        typer.echo(json_module.dumps(table))
+    else:
+        _show(view)
+    if view.missing or not view.gateways:
+        raise typer.Exit(FAILED)
+
+
+@fleet.command()
+def stop(
+    file: File,
+    arm: Annotated[list[str] | None, typer.Argument(help="Arms; all if none is named.")] = None,
+    timeout: Timeout = 5.0,
+    json: Json = False,
+) -> None:
+    """Stop all arms of the fleet, or those that are named.
+
+    Exit codes: 0 all of them stand; 2 a wrong file; 4 it is not known that all of them stand.
+    """
+    settings = _settings(file)
+    from aioduco.fleet import FleetClient  # noqa: PLC0415 - quick help
+
+    async def ask() -> FleetStop:
+        async with FleetClient(settings) as client:
+            return await client.stop(arm or None, timeout)
+
+    with ended_by_errors():
+        done = anyio.run(ask)
+    if json:
+        table = {
+            "confirmed": done.confirmed,
+            "gateways": [json_module.loads(report.encode()) for report in done.reports],
+            "missing": done.missing,
+            "unknown": done.unknown,
+        }
+        typer.echo(json_module.dumps(table))
+    else:
+        _tell(done)
+    if not done.confirmed:
+        raise typer.Exit(STOP_UNCONFIRMED)
+
+
+def _settings(file: Path) -> FleetSettings:
+    extras.need("fleet")
+    from aioduco.fleet import FleetFileError, FleetSettings  # noqa: PLC0415 - quick help
+
+    try:
+        return FleetSettings.read(file)
+    except (FleetFileError, OSError) as error:
+        typer.echo(str(error), err=True)
+        raise typer.Exit(USAGE) from None
+
+
+def _show(view: FleetView) -> None:
+    for report in view.gateways:
+        for arm in report.arms:
+            joints = " ".join(f"{math.degrees(joint):.1f}" for joint in arm.joints)
+            known = f"{arm.robot} {arm.program} {arm.safety} {arm.mode} [{joints}]°"
+            said = arm.error if arm.link == "lost" else known if arm.robot else ""
+            typer.echo(f"{report.gateway:16} {arm.name:16} {arm.link:8} {said}".rstrip())
+    for name in view.missing:
+        typer.echo(f"{name:16} missing: it does not tell its state", err=True)
+    if not view.gateways and not view.missing:
+        typer.echo("no gateway was found", err=True)
+
+
+def _tell(done: FleetStop) -> None:
+    for report in done.reports:
+        if report.note:
+            typer.echo(f"{report.gateway}: {report.note}", err=True)
+        for arm in report.arms:
+            text = f"{report.gateway:16} {arm.name:16} {arm.error or 'stands'}"
+            typer.echo(text, err=bool(arm.error))
+    for name in done.missing:
+        typer.echo(f"{name:16} missing: it is not known whether its arms stand", err=True)
+    for name in done.unknown:
+        typer.echo(f"no gateway has an arm {name}", err=True)
+    if not done.reports and not done.missing:
+        typer.echo("no gateway was found: nothing was stopped", err=True)

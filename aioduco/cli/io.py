@@ -1,0 +1,152 @@
+"""`aioduco io`: inputs and outputs of the cabinet and of the tool."""
+
+from __future__ import annotations
+
+import enum
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from aioduco.cli.addresses import HostOption, Port, RobotAddress, robot_at
+from aioduco.cli.plain_values import print_json
+from aioduco.cli.questions import ask
+from aioduco.cli.sessions import looking_at
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from aioduco.models.state import IOStatus
+    from aioduco.sync import Robot
+
+__all__ = ["io"]
+
+io: typer.Typer = typer.Typer(
+    no_args_is_help=True, help="Read inputs and outputs, and set outputs."
+)
+
+#: the signals of a sample, as `io read` names them
+_DIGITAL = {
+    "inputs": "digital_inputs",
+    "outputs": "digital_outputs",
+    "tool_inputs": "tool_inputs",
+    "tool_outputs": "tool_outputs",
+    "tool_buttons": "tool_buttons",
+}
+_ANALOG = {
+    "voltages_in": ("analog_voltage_inputs", "V"),
+    "voltages_out": ("analog_voltage_outputs", "V"),
+    "currents_in": ("analog_current_inputs", "mA"),
+    "currents_out": ("analog_current_outputs", "mA"),
+}
+
+Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")]
+
+
+class Level(enum.StrEnum):
+    """Whether a signal is high."""
+
+    ON = "on"
+    OFF = "off"
+
+
+class Quantity(enum.StrEnum):
+    """What an analogue output gives."""
+
+    VOLTAGE = "voltage"
+    CURRENT = "current"
+
+
+@io.command()
+def read(
+    host: HostOption = None,
+    port: Port = None,
+    json: Annotated[bool, typer.Option("--json", help="Print them as JSON.")] = False,
+) -> None:
+    """Read all inputs and outputs. In JSON, number 1 comes first.
+
+    aioduco io read --host left
+
+    aioduco io read --json | jq '.inputs[2]'
+
+    Exit codes: 0 read; 1 no controller; 2 wrong options.
+    """
+    found = _looked(robot_at(host, port), lambda robot: robot.state.getRobotIOStatus())
+    digital = {name: getattr(found, field) for name, field in _DIGITAL.items()}
+    analog = {name: getattr(found, field) for name, (field, _) in _ANALOG.items()}
+    if json:
+        print_json(digital | analog)
+        return
+    for name, signals in digital.items():
+        typer.echo(f"{name.replace('_', ' '):13} {_on(signals)}")
+    for name, values in analog.items():
+        unit = _ANALOG[name][1]
+        typer.echo(f"{name.replace('_', ' '):13} {'  '.join(f'{v:.2f}' for v in values)} {unit}")
+
+
+@io.command("set")
+def set_output(
+    number: Annotated[int, typer.Argument(min=1, max=16, help="Number of the output.")],
+    level: Annotated[Level, typer.Argument(help="on or off.")],
+    tool: Annotated[bool, typer.Option("--tool", help="An output at the tool, 1 or 2.")] = False,
+    host: HostOption = None,
+    port: Port = None,
+    yes: Yes = False,
+) -> None:
+    """Switch a digital output. It asks first: a gripper may open.
+
+    aioduco io set 3 on
+
+    aioduco io set 1 off --tool --host left --yes
+
+    Exit codes: 0 set; 1 not set, or no controller; 2 wrong options; 3 not confirmed.
+    """
+    address, high = robot_at(host, port), level is Level.ON
+    which = f"{'tool output' if tool else 'output'} {number}"
+    ask(f"{which} at {address} goes {level.value}.", "Switch it?", yes=yes)
+
+    def switch(robot: Robot) -> None:
+        section = robot.io
+        (section.set_tool_digital_out if tool else section.set_standard_digital_out)(number, high)
+
+    _looked(address, switch)
+    typer.echo(f"{which} is {level.value}")
+
+
+@io.command("set-analog")
+def set_analog(
+    quantity: Annotated[Quantity, typer.Argument(help="voltage [V] or current [mA].")],
+    number: Annotated[int, typer.Argument(min=1, max=4, help="Number of the channel.")],
+    value: Annotated[float, typer.Argument(help="0 to 10 V, or 4 to 20 mA.")],
+    host: HostOption = None,
+    port: Port = None,
+    yes: Yes = False,
+) -> None:
+    """Set an analogue output of the cabinet. It asks first.
+
+    aioduco io set-analog voltage 1 2.5
+
+    Exit codes: as of `aioduco io set`.
+    """
+    address = robot_at(host, port)
+    voltage = quantity is Quantity.VOLTAGE
+    text = f"{quantity.value} output {number} at {address} goes to {value:g} "
+    ask(text + ("V." if voltage else "mA."), "Set it?", yes=yes)
+
+    def put_out(robot: Robot) -> None:
+        if voltage:
+            robot.io.set_standard_analog_voltage_out(number, value)
+        else:
+            robot.io.set_standard_analog_current_out(number, value)
+
+    _looked(address, put_out)
+    typer.echo(f"{quantity.value} output {number} is set")
+
+
+def _looked(address: RobotAddress, work: Callable[[Robot], IOStatus | None]) -> IOStatus | None:
+    with looking_at(address) as robot:
+        return work(robot)
+
+
+def _on(signals: Sequence[bool]) -> str:
+    """Numbers of those that are on."""
+    return " ".join(str(number) for number, is_on in enumerate(signals, 1) if is_on) or "none on"

@@ -1,0 +1,112 @@
+"""`aioduco jog`: one joint or one direction of the tool, by a step or for a time."""
+
+from __future__ import annotations
+
+import enum
+import math
+import re
+from typing import Annotated, Any
+
+import typer
+
+from aioduco.cli.addresses import HostOption, Port, robot_at
+from aioduco.cli.move import carry_out, ready_arm
+from aioduco.cli.questions import SAFE, ask
+
+__all__ = ["jog"]
+
+_JOINT = re.compile(r"j([1-6])")
+_DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
+
+
+class Direction(enum.StrEnum):
+    """Which way it goes."""
+
+    PLUS = "+"
+    MINUS = "-"
+
+
+class JogFrameName(enum.StrEnum):
+    """The frame whose directions are meant."""
+
+    WORLD = "world"
+    BASE = "base"
+    TOOL = "tool"
+    WORK_OBJECT = "work-object"
+
+
+class Manual(enum.StrEnum):
+    """The manual by which the controller understands a direction."""
+
+    OLDER = "3.8"
+    NEWER = "4.3"
+
+
+def jog(
+    axis: Annotated[str, typer.Argument(help="j1 to j6, or x, y, z, rx, ry, rz.")],
+    direction: Annotated[Direction, typer.Argument(help="+ or -.")],
+    step: Annotated[
+        float | None,
+        typer.Option(min=0.0, help="How far [rad, or m along x, y, z]; without it, for a time."),
+    ] = None,
+    seconds: Annotated[
+        float, typer.Option(min=0.01, max=60.0, help="For how long, without a step.")
+    ] = 0.5,
+    deg: Annotated[bool, typer.Option("--deg", help="The step is in degrees.")] = False,
+    mm: Annotated[bool, typer.Option("--mm", help="The step is in millimetres.")] = False,
+    percent: Annotated[float, typer.Option(min=0.1, max=100.0, help="Speed of jogs [%].")] = 5.0,
+    frame: Annotated[
+        JogFrameName, typer.Option(help="For x, y, z, rx, ry, rz.")
+    ] = JogFrameName.BASE,
+    manual: Annotated[
+        Manual, typer.Option(help="How the controller understands + and -; try with a small step.")
+    ] = Manual.OLDER,
+    host: HostOption = None,
+    port: Port = None,
+    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print how it ended as JSON.")] = False,
+) -> None:
+    """Jog one joint, or the tool along or about one direction. It asks first.
+
+    aioduco jog j1 + --step 5 --deg
+
+    aioduco jog z - --step 10 --mm --frame tool --host left --yes
+
+    Exit codes: as of `aioduco move joints`.
+    """
+    from aioduco.errors import ParameterError  # noqa: PLC0415 - for commands with a robot alone
+    from aioduco.models.jog import Jog, JogDirections, JogFrame  # noqa: PLC0415
+
+    joint = _JOINT.fullmatch(axis)
+    if joint is None and axis not in _DIRECTIONS:
+        raise typer.BadParameter(f"{axis!r} is none of j1 to j6, {', '.join(_DIRECTIONS)}")
+    along = axis in {"x", "y", "z"}
+    if (mm and not along) or (deg and along):
+        raise typer.BadParameter(f"{axis} goes in {'metres' if along else 'radians'}, or with "
+                                 f"--{'mm' if along else 'deg'} otherwise")  # fmt: skip
+    length = None if step is None else step * (1e-3 if mm else math.pi / 180 if deg else 1.0)
+    sign = 1 if direction is Direction.PLUS else -1
+    named: Any = axis
+    try:
+        if joint is not None:
+            made = Jog.joint(int(joint[1]), sign, percent, step=length)
+        else:
+            in_frame = JogFrame[frame.name]
+            made = Jog.cartesian(named, sign, percent, frame=in_frame, step=length)
+    except ParameterError as error:
+        raise typer.BadParameter(str(error)) from None
+    directions = JogDirections.MANUAL_3_8 if manual is Manual.OLDER else JogDirections.MANUAL_4_3
+    address = robot_at(host, port)
+    ready_arm(address)
+    if length is None:
+        far = f"for {seconds:g} s"
+    else:
+        far = f"by {length * 1e3:g} mm" if along else f"by {math.degrees(length):.2f}°"
+    which = f"Joint {joint[1]} turns" if joint else f"The tool moves in {axis} of the {frame.value}"
+    text = f"{which} in the direction {direction.value} {far}, at {percent:g} % of the jog speed."
+    ask(f"arm    {address}\n{text}\n{SAFE}", "Jog the arm?", yes=yes)
+    carry_out(
+        address,
+        lambda robot: robot.motion.move_jog(made, time=seconds, directions=directions),
+        json,
+    )

@@ -1,0 +1,72 @@
+"""`aioduco monitor`: options, the terminal, and how it ends."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Annotated
+
+import anyio
+import typer
+
+from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.exit_codes import SIGNALLED, USAGE, ended_by_errors
+
+if TYPE_CHECKING:
+    from aioduco.cli.monitor.view_state import MonitorState
+
+__all__ = ["monitor"]
+
+_ENDED = "the monitor was ended; nothing was stopped"
+
+
+def monitor(
+    host: Host = None,
+    port: Port = None,
+    rate: Annotated[float, typer.Option(min=1, max=50, help="Samples a second.")] = 10.0,
+    forces: Annotated[bool, typer.Option(help="Also forces and external torques.")] = True,
+) -> None:
+    """Watch an arm in the terminal, whoever moves it; keys stop, pause and resume it.
+
+    It has connections of its own and sends no heartbeat; leaving it stops nothing. Space or s
+    stops the arm at once, p pauses, r resumes, q quits.
+
+    aioduco monitor 192.168.1.10
+
+    Exit codes: 0 quit; 1 no controller; 2 wrong options, or no terminal; 130, 143 Ctrl-C or
+    SIGTERM.
+    """
+    address = robot_at(host, port)
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        typer.echo("this needs a terminal; `aioduco status --json` does not", err=True)
+        raise typer.Exit(USAGE)
+    # All of it before the event loop runs: loading would hold it up.
+    from rich.console import Console  # noqa: PLC0415 - for this command alone
+    from rich.live import Live  # noqa: PLC0415
+
+    import aioduco  # noqa: PLC0415
+    from aioduco.cli.monitor.keyboard import single_keys  # noqa: PLC0415
+    from aioduco.cli.monitor.onlooker import Onlooker  # noqa: PLC0415
+    from aioduco.cli.monitor.screen import screen  # noqa: PLC0415
+
+    robot = aioduco.connect(
+        address.host, address.port, heartbeat=None, state_rate=rate, lag_limit=None
+    )
+    robot.feed.forces = forces
+    console = Console()
+    live = Live(console=console, screen=True, auto_refresh=False, vertical_overflow="crop")
+
+    def draw(state: MonitorState) -> None:
+        if not live.is_started:
+            live.start()
+        live.update(screen(state, console.width, console.height), refresh=True)
+
+    terminal = sys.stdin.fileno()
+    with ended_by_errors(_ENDED):
+        try:
+            with single_keys(terminal):
+                told = anyio.run(Onlooker(robot, str(address), terminal, draw).watch)
+        finally:
+            live.stop()
+    if told is not None:
+        typer.echo(_ENDED, err=True)
+        raise typer.Exit(SIGNALLED + told)

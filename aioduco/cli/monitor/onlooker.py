@@ -1,0 +1,208 @@
+"""Looks at an arm for a monitor, and carries out what its keys ask for.
+
+Guarantees:
+- It has connections of its own and no heartbeat: who moves the arm keeps its supervision, and
+  leaving the monitor stops nothing.
+- A stop goes by the stop lane. It waits neither for the screen nor for a pause on its way.
+"""
+
+from __future__ import annotations
+
+import logging
+import signal
+import time
+from collections import deque
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final
+
+import anyio
+
+from aioduco.cli.monitor.keyboard import Key, wait_for_keys
+from aioduco.cli.monitor.view_state import EventLine, MonitorState
+from aioduco.cli.signals import heard
+from aioduco.errors import DucoError, RobotStateError
+from aioduco.supervision.concurrency import every
+from aioduco.supervision.events import (
+    CollisionDetected,
+    ConnectionGone,
+    EmergencyStopPressed,
+    Event,
+    SafetyStateChanged,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from aioduco.robot import Robot
+
+__all__ = ["Onlooker", "event_line"]
+
+#: seconds between two questions for what changes seldom
+_SELDOM: Final = 1.0
+#: events that are kept
+_KEPT: Final = 200
+_ALARMS: Final = (CollisionDetected, ConnectionGone, EmergencyStopPressed)
+
+
+class LogLines(logging.Handler):
+    """Has log lines shown among the events.
+
+    Args:
+        events: where they go.
+    """
+
+    def __init__(self, events: deque[EventLine]) -> None:
+        super().__init__(logging.WARNING)
+        self._events = events
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Show a line; on the thread that logs it."""
+        self._events.append(EventLine(_clock(), record.getMessage(), "warning"))
+
+
+class Onlooker:
+    """Looks at one robot.
+
+    Args:
+        robot: not open yet, without a heartbeat.
+        name: what the screen calls it.
+        terminal: descriptor that keys are read from.
+        draw: shows a state; called on a thread, one call at a time.
+    """
+
+    def __init__(
+        self, robot: Robot, name: str, terminal: int, draw: Callable[[MonitorState], object]
+    ) -> None:
+        self._robot = robot
+        self._terminal = terminal
+        self._draw = draw
+        self._state = MonitorState(name, rate=robot.feed.rate)
+        self._events: deque[EventLine] = deque(maxlen=_KEPT)
+        self._lines = LogLines(self._events)
+        self._doing: list[Key] = []
+        self._told: signal.Signals | None = None
+
+    async def watch(self) -> signal.Signals | None:
+        """Open the robot, and look at it until a key asks to quit; a stop is seen to its end.
+
+        Returns:
+            The signal that ended it; None if a key did.
+
+        Raises:
+            ConnectError: there is no controller.
+        """
+        log = logging.getLogger("aioduco")
+        log.addHandler(self._lines)  # on the screen, and not across it
+        try:
+            # The inner group ends first: what a key asked for is seen through.
+            async with (
+                self._robot,
+                anyio.create_task_group() as work,
+                anyio.create_task_group() as looks,
+            ):
+                looks.start_soon(self._until_told, looks.cancel_scope)
+                for look in (self._samples, self._happenings, self._seldom, self._show):
+                    looks.start_soon(look)
+                await self._follow_keys(work)
+                looks.cancel_scope.cancel()
+        finally:
+            log.removeHandler(self._lines)
+        return self._told
+
+    async def _until_told(self, looking: anyio.CancelScope) -> None:
+        with heard(signal.SIGINT, signal.SIGTERM) as signals:
+            async for self._told in signals:
+                looking.cancel()
+
+    async def _follow_keys(self, work: anyio.abc.TaskGroup) -> None:
+        while True:
+            for key in await wait_for_keys(self._terminal):
+                if key is Key.QUIT:
+                    return
+                self._begin(key, work)
+
+    def _begin(self, key: Key, work: anyio.abc.TaskGroup) -> None:
+        """Do what a key asks for, unless that is being done."""
+        if key not in self._doing:
+            self._doing.append(key)
+            work.start_soon(self._carry_out, key)
+
+    async def _carry_out(self, key: Key) -> None:
+        steps: dict[Key, tuple[Callable[[], Awaitable[None]], str]] = {
+            Key.STOP: (self._robot.stop, "stopped: the arm stands"),
+            Key.PAUSE: (self._robot.pause, "paused: the arm stands"),
+            Key.RESUME: (self._robot.resume, "resumed"),
+        }
+        step, said = steps[key]
+        self._change(busy=" and ".join(each.value for each in self._doing))
+        try:
+            await step()
+        except DucoError as error:
+            line = EventLine(_clock(), f"{key.value} failed: {error}", "alarm")
+        else:
+            line = EventLine(_clock(), said, "good")
+        self._doing.remove(key)
+        self._events.append(line)
+        busy = " and ".join(each.value for each in self._doing)
+        self._change(busy=busy, notice=line)
+
+    # -- what is looked at -----------------------------------------------------------------------
+
+    async def _samples(self) -> None:
+        with self._robot.feed.subscribe("latest") as samples:
+            async for sample in samples:
+                self._change(
+                    sample=sample,
+                    measured_rate=self._robot.feed.statistics().measured_rate,
+                    answer_time=time.monotonic() - sample.received_at,
+                )
+
+    async def _happenings(self) -> None:
+        with self._robot.events.subscribe("drop_oldest") as events:
+            async for event in events:
+                self._events.append(event_line(_clock(), event))
+
+    async def _seldom(self) -> None:
+        robot = self._robot
+        told = await _asked(robot.version.get_robot_type)
+        arm = "" if told is None else f"{told.series} {told.model}{told.extension}".strip()
+        self._change(arm=f"{arm} {robot.version.controller}".strip())
+        async for _ in every(_SELDOM):
+            errors = await _asked(robot.state.get_last_error)
+            self._change(
+                project=await _asked(robot.program.get_current_project) or "",
+                speed=await _asked(robot.settings.get_global_speed),
+                errors=self._state.errors if errors is None else tuple(errors),
+            )
+
+    async def _show(self) -> None:
+        async for _ in every(1.0 / self._state.rate):
+            sample = self._state.sample
+            if sample is not None:
+                self._change(age=sample.age)
+            # On a thread: a terminal that takes nothing, such as one of a slow line, stops no stop.
+            await anyio.to_thread.run_sync(self._draw, self._state, abandon_on_cancel=True)
+
+    def _change(self, **values: Any) -> None:
+        self._state = replace(self._state, **values, events=tuple(self._events))
+
+
+def event_line(at: str, event: Event) -> EventLine:
+    """An event in a line: its name in words, and what it says."""
+    alarm = isinstance(event, _ALARMS)
+    severity = "alarm" if alarm else "warning" if isinstance(event, SafetyStateChanged) else "info"
+    return EventLine(at, event.line(), severity)
+
+
+async def _asked(ask: Callable[[], Awaitable[Any]]) -> Any:
+    """An answer, or None from a controller that has none to give."""
+    try:
+        return await ask()
+    except RobotStateError:
+        raise
+    except DucoError:
+        return None
+
+
+def _clock() -> str:
+    return time.strftime("%H:%M:%S")

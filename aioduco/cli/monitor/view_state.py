@@ -1,0 +1,119 @@
+"""What a monitor knows of an arm at a moment: all that its screen is made of."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from aioduco.kinematics.arm import POSITION_LIMIT
+from aioduco.models.enums import ProgramState, SafetyState
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.supervision.state_feed import Snapshot
+
+__all__ = ["EventLine", "MonitorState", "Severity", "standing"]
+
+#: joint and tool speeds below which an arm counts as standing [rad/s, m/s]
+_STANDS: Final = 1e-3
+#: seconds without a sample after which the screen says that nobody answers
+_SILENT: Final = 1.0
+_STOPS: Final = (SafetyState.STOP0, SafetyState.STOP1, SafetyState.STOP2, SafetyState.FAIL)
+
+#: how much something matters: "info", "good", "warning" or "alarm"
+Severity = str
+
+
+@dataclass(frozen=True, slots=True)
+class EventLine:
+    """Something that happened.
+
+    Attributes:
+        at: when, on the wall's clock, such as "14:03:07".
+        text: what.
+        severity: how much it matters.
+    """
+
+    at: str
+    text: str
+    severity: Severity = "info"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MonitorState:
+    """All that is shown.
+
+    Attributes:
+        robot: which robot it is: its name and address.
+        arm: type of the arm and version of the software, as the controller tells them.
+        sample: the newest sample; None before the first.
+        age: how old it is [s].
+        rate: samples a second that are asked for [Hz].
+        measured_rate: samples a second that come [Hz].
+        answer_time: how long the last sample took to be answered [s]; None before the first.
+        project: the controller's current project; empty if it has none, or does not tell.
+        speed: the controller's speed override [%]; None if it does not tell.
+        errors: the controller's error list.
+        events: what happened, the newest last.
+        notice: what came of the last key.
+        busy: what is being done because of a key, such as "stop"; empty for nothing.
+        lower: lower joint limits [rad].
+        upper: upper joint limits [rad].
+    """
+
+    robot: str
+    arm: str = ""
+    sample: Snapshot | None = None
+    age: float = math.inf
+    rate: float = 10.0
+    measured_rate: float = 0.0
+    answer_time: float | None = None
+    project: str = ""
+    speed: float | None = None
+    errors: tuple[str, ...] = ()
+    events: tuple[EventLine, ...] = ()
+    notice: EventLine | None = None
+    busy: str = ""
+    lower: Sequence[float] = field(default=(-POSITION_LIMIT,) * 6)
+    upper: Sequence[float] = field(default=(POSITION_LIMIT,) * 6)
+
+    @property
+    def silent(self) -> bool:
+        """Whether nobody answers: what is shown is old."""
+        return self.sample is not None and self.age > max(_SILENT, 3.0 / self.rate)
+
+    @property
+    def alarm(self) -> str:
+        """What is wrong, in capitals; empty if nothing is."""
+        if self.sample is None:
+            return ""
+        if self.silent:
+            return f"NO ANSWER FOR {self.age:.0f} s: WHAT IS SHOWN IS OLD"
+        status, states = self.sample.status, self.sample.states
+        if status.emergency_stop:
+            return "EMERGENCY STOP PRESSED"
+        if status.collision:
+            return f"COLLISION AT JOINT {status.collision_axis}"
+        if states.safety in _STOPS:
+            return f"SAFETY {states.safety.name}"
+        return ""
+
+    @property
+    def doing(self) -> str:
+        """What the arm does: the controller tells an onlooker of no tasks by their ids."""
+        if self.sample is None:
+            return "waiting for the first answer"
+        program = self.sample.states.program
+        motion = "standing" if standing(self.sample) else "moving"
+        running = program not in {ProgramState.STOPPED}
+        task = f"task {program.name}" if running else "no task"
+        return ", ".join((motion, task, *((f"project {self.project}",) if self.project else ())))
+
+
+def standing(sample: Snapshot) -> bool:
+    """Whether the speeds of a sample are those of an arm that stands."""
+    status = sample.status
+    speeds = (*status.joint_speeds.tolist(), *status.tool_speed.tolist())
+    return all(math.isnan(speed) or abs(speed) < _STANDS for speed in speeds)

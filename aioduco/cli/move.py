@@ -1,0 +1,170 @@
+"""`aioduco move`: to joint angles, or with the tool to a pose."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import typer
+
+from aioduco.cli.addresses import HostOption, Port, RobotAddress, robot_at
+from aioduco.cli.exit_codes import FAILED
+from aioduco.cli.plain_values import print_json
+from aioduco.cli.questions import SAFE, ask
+from aioduco.cli.sessions import moving
+from aioduco.cli.status import joints_line, look, pose_line
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from aioduco.models.enums import Outcome
+    from aioduco.sync import Robot
+
+__all__ = ["carry_out", "move", "ready_arm"]
+
+Six: TypeAlias = tuple[float, float, float, float, float, float]
+
+move: typer.Typer = typer.Typer(
+    no_args_is_help=True, help="Move the arm to joint angles or to a pose. It asks first."
+)
+
+Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")]
+Json = Annotated[bool, typer.Option("--json", help="Print how it ended as JSON.")]
+
+
+# A number below zero is a word, not an option.
+@move.command(context_settings={"ignore_unknown_options": True})
+def joints(
+    angles: Annotated[Six, typer.Argument(metavar="J1 J2 J3 J4 J5 J6", help="Angles [rad].")],
+    deg: Annotated[bool, typer.Option("--deg", help="They are in degrees.")] = False,
+    by: Annotated[bool, typer.Option("--by", help="Turn by these angles, not to them.")] = False,
+    speed: Annotated[float, typer.Option("--speed", "-v", help="Of the joints [rad/s].")] = 0.3,
+    acceleration: Annotated[
+        float, typer.Option("--acceleration", "-a", help="Of the joints [rad/s²].")
+    ] = 0.5,
+    host: HostOption = None,
+    port: Port = None,
+    yes: Yes = False,
+    json: Json = False,
+) -> None:
+    """Move to joint angles, all joints together. It says what will turn, and asks.
+
+    aioduco move joints 0 -20 110 0 -90 0 --deg --host left
+
+    aioduco move joints 0 0 0 0 0 0.1 --by --speed 0.1 --yes
+
+    Exit codes: 0 it is there; 1 it is not; 2 wrong options; 3 not confirmed; 4 it is not known
+    that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
+    """
+    address = robot_at(host, port)
+    found = ready_arm(address)
+    given = [math.radians(angle) for angle in angles] if deg else [*angles]
+    now = found["joints"]
+    target = [a + b for a, b in zip(now, given, strict=True)] if by else given
+    turns = [abs(a - b) for a, b in zip(target, now, strict=True)]
+    far = max(turns)
+    text = f"""\
+arm    {address}: {found["arm"] or "type not told"}, software {found["software"] or "not told"}
+now    {joints_line(now)}
+to     {joints_line(target)}
+The joints turn at up to {math.degrees(speed):.0f} °/s. Joint {turns.index(far) + 1} turns by \
+{math.degrees(far):.0f}°.
+{SAFE}"""
+    ask(text, "Move the arm?", yes=yes)
+    carry_out(address, lambda robot: robot.motion.movej2(target, v=speed, a=acceleration), json)
+
+
+@move.command(context_settings={"ignore_unknown_options": True})
+def pose(
+    numbers: Annotated[
+        Six, typer.Argument(metavar="X Y Z RX RY RZ", help="Place [m], rotation [rad].")
+    ],
+    mm: Annotated[bool, typer.Option("--mm", help="X, Y, Z are in millimetres.")] = False,
+    deg: Annotated[bool, typer.Option("--deg", help="RX, RY, RZ are in degrees.")] = False,
+    by: Annotated[
+        bool, typer.Option("--by", help="Move by this along and about the tool's own axes.")
+    ] = False,
+    curved: Annotated[
+        bool, typer.Option("--joints", help="Not on a line: all joints together, at 0.3 rad/s.")
+    ] = False,
+    speed: Annotated[float, typer.Option("--speed", "-v", help="Of the tool [m/s].")] = 0.05,
+    acceleration: Annotated[
+        float, typer.Option("--acceleration", "-a", help="Of the tool [m/s²].")
+    ] = 0.2,
+    host: HostOption = None,
+    port: Port = None,
+    yes: Yes = False,
+    json: Json = False,
+) -> None:
+    """Move the tool to a pose in the work object, on a line. It says how far, and asks.
+
+    aioduco move pose 400 0 350 180 0 -90 --mm --deg
+
+    aioduco move pose 0 0 -50 0 0 0 --mm --by --host left
+
+    Exit codes: as of `aioduco move joints`.
+    """
+    from aioduco.models.pose import Pose  # noqa: PLC0415 - for commands with a robot alone
+
+    address = robot_at(host, port)
+    found = ready_arm(address, in_work_object=True)
+    scale, turn = (1e-3 if mm else 1.0), (math.pi / 180 if deg else 1.0)
+    given = Pose(*(part * scale for part in numbers[:3]), *(part * turn for part in numbers[3:]))
+    here = Pose(*found["pose_in_work_object"])
+    target = here @ given if by else given
+    distance = math.dist([*here][:3], [*target][:3])
+    way = (
+        "All joints move together, at up to 17 °/s: not on a line."
+        if curved
+        else f"The tool moves on a line, at up to {speed * 1e3:.0f} mm/s."
+    )
+    text = f"""\
+arm    {address}: {found["arm"] or "type not told"}, software {found["software"] or "not told"}
+now    {pose_line([*here])}
+to     {pose_line([*target])}
+{way} It is {distance * 1e3:.0f} mm away.
+{SAFE}"""
+    ask(text, "Move the arm?", yes=yes)
+    if curved:
+        carry_out(address, lambda robot: robot.motion.movej_pose2(target, v=0.3, a=0.5), json)
+    else:
+        carry_out(address, lambda robot: robot.motion.movel(target, v=speed, a=acceleration), json)
+
+
+def ready_arm(address: RobotAddress, *, in_work_object: bool = False) -> dict[str, Any]:
+    """Look at an arm, and end the command if it could not move now.
+
+    Args:
+        address: the robot.
+        in_work_object: whether the tool's pose in the work object is read, too.
+
+    Returns:
+        What `status` shows.
+    """
+    found = look(address, in_work_object=in_work_object)
+    if not found["ready"]:
+        typer.echo(
+            f"the arm at {address} is not ready: robot {found['robot'].name}, program "
+            f"{found['program'].name}, safety {found['safety'].name}; nothing was sent. "
+            "`aioduco bring-up` or `aioduco recover` leads it there",
+            err=True,
+        )
+        raise typer.Exit(FAILED)
+    return found
+
+
+def carry_out(address: RobotAddress, motion: Callable[[Robot], Outcome], as_json: bool) -> None:
+    """Carry a motion out under supervision, and say how it ended."""
+    begin = time.monotonic()
+    with moving(address) as robot:
+        outcome = motion(robot)
+        seconds = time.monotonic() - begin
+        there: Sequence[float] = [*robot.state.get_actual_joints_position()]
+        tool: Sequence[float] = [*robot.state.get_tcp_pose()]
+    if as_json:
+        ended = {"outcome": outcome, "seconds": round(seconds, 3)}
+        print_json(ended | {"joints": there, "pose": tool})
+    else:
+        typer.echo(f"{outcome.value} after {seconds:.1f} s")
+        typer.echo(f"joints {joints_line(there)}\ntool   {pose_line(tool)}")

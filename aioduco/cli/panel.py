@@ -1,0 +1,145 @@
+"""`aioduco panel`: an arm in the browser."""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+import signal
+from importlib import import_module
+from typing import TYPE_CHECKING, Annotated
+
+import anyio
+import typer
+
+from aioduco.cli import extras
+from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.exit_codes import FAILED, SIGNALLED, ended_by_errors
+from aioduco.cli.jog import Manual
+from aioduco.cli.sim_do import control_port_of
+
+if TYPE_CHECKING:
+    from aioduco.panel import Panel
+
+__all__ = ["panel"]
+
+_TOKEN = "AIODUCO_PANEL_TOKEN"
+_SHORTEST = 12
+
+
+def panel(
+    host: Host = None,
+    port: Port = None,
+    listen: Annotated[
+        int,
+        typer.Option(
+            min=0,
+            max=65534,
+            help="Port of the page; the 3D picture has the next free one. 0: a free one.",
+        ),
+    ] = 8080,
+    bind: Annotated[
+        str,
+        typer.Option(
+            help="Address of the page. 0.0.0.0: the whole network may watch, and stop the arm."
+        ),
+    ] = "127.0.0.1",
+    watch_only: Annotated[
+        bool, typer.Option("--watch-only", help="Nobody commands; pages watch and stop.")
+    ] = False,
+    model: Annotated[
+        str | None,
+        typer.Option(help="The arm that is drawn, if not the one that the controller tells."),
+    ] = None,
+    rate: Annotated[float, typer.Option(min=2, max=50, help="States a second.")] = 20.0,
+    hold_limit: Annotated[
+        float,
+        typer.Option(
+            min=0.1,
+            max=2.0,
+            help="Seconds after which a button counts as let go whose page is silent or late.",
+        ),
+    ] = 0.4,
+    manual: Annotated[
+        Manual, typer.Option(help="How the controller understands + and - of jogs.")
+    ] = Manual.OLDER,
+    control_port: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            max=65535,
+            help="Port for commands of a simulator on this computer. Default: port + 10000.",
+        ),
+    ] = None,
+) -> None:
+    """Show an arm in the browser, and let one page command it. Nothing moves by this.
+
+    It prints a link with the token that a page needs to command; AIODUCO_PANEL_TOKEN gives one of
+    your own. Whoever reaches the page may watch, and stop the arm. A page that takes control is
+    asked whether everyone is out of reach; after that each motion lasts as long as a button is
+    held down. When the page is gone, or this command ends, what it moves stands.
+
+    aioduco panel 192.168.1.10
+
+    aioduco panel left --watch-only --bind 0.0.0.0
+
+    Exit codes: 1 no controller, or the port is taken; 2 wrong options; 130, 143 Ctrl-C or SIGTERM:
+    what the panel moved stands.
+    """
+    extras.need("panel")
+    address = robot_at(host, port)
+    if model is not None:
+        extras.arm(model)
+    token = "" if watch_only else os.environ.get(_TOKEN)
+    if token is not None and not watch_only and len(token) < _SHORTEST:
+        raise typer.BadParameter(f"{_TOKEN} has less than {_SHORTEST} characters")
+    if control_port is None and _is_here(address.host):
+        control_port = control_port_of(address.port) or None
+    # All of it before the event loop runs: loading would hold it up.
+    from aioduco.models.jog import JogDirections  # noqa: PLC0415
+    from aioduco.panel import Panel  # noqa: PLC0415
+
+    import_module("aioduco.panel.arm_scene")  # and viser
+
+    older = manual is Manual.OLDER
+    with ended_by_errors():
+        made = Panel(
+            address.host,
+            address.port,
+            listen=listen,
+            bind=bind,
+            token=token,
+            name=address.name,
+            model=model,
+            simulator_port=control_port,
+            rate=rate,
+            hold_limit=hold_limit,
+            directions=JogDirections.MANUAL_3_8 if older else JogDirections.MANUAL_4_3,
+        )
+        try:
+            told = anyio.run(_serve, made, str(address))
+        except OSError as error:
+            typer.echo(f"cannot listen on {bind}:{listen}: {error.strerror or error}", err=True)
+            raise typer.Exit(FAILED) from None
+    typer.echo("the panel was ended; what it moved stands", err=True)
+    raise typer.Exit(SIGNALLED + told)
+
+
+async def _serve(made: Panel, address: str) -> int:
+    """Serve the page until a signal; its number."""
+    with anyio.open_signal_receiver(signal.SIGINT, signal.SIGTERM) as signals:
+        async with made:
+            typer.echo(
+                f"{address} is on {made.url}; whoever reaches it may watch, and stop the arm"
+            )
+            if made.token:
+                typer.echo(f"to command it: {made.link}\ntoken: {made.token}")
+            typer.echo("Ctrl-C ends it")
+            return await anext(aiter(signals))
+
+
+def _is_here(host: str) -> bool:
+    """Whether an address is one of this computer alone, as a simulator's is."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"

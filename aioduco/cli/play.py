@@ -1,0 +1,254 @@
+"""`aioduco play`: a recording or waypoints, on a simulated arm or on one that is there."""
+
+from __future__ import annotations
+
+from pathlib import Path  # noqa: TC003 - typer evaluates the annotations
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from aioduco.cli import extras
+from aioduco.cli.addresses import Port, RobotAddress, robot_at
+from aioduco.cli.exit_codes import FAILED, ended_by_errors
+from aioduco.cli.questions import SAFE, ask
+from aioduco.cli.sessions import looking_at, moving
+
+if TYPE_CHECKING:
+    from aioduco.envelope import Envelope
+    from aioduco.playback import RecordedPath, WaypointFile
+    from aioduco.sync import Robot
+
+__all__ = ["play"]
+
+#: of the joint that turns farthest, on the way to where a recording begins [rad/s]
+_APPROACH = 0.3
+#: joints that are so near to the begin need no way there [rad]
+_THERE = 1e-3
+
+
+def play(
+    file: Annotated[Path, typer.Argument(help="A recording, .mcap, or waypoints, .toml.")],
+    host: Annotated[
+        str | None,
+        typer.Argument(help="A controller's address, or its name. Without it: a simulated arm."),
+    ] = None,
+    port: Port = None,
+    model: Annotated[
+        str | None, typer.Option(help="The arm; what the controller or the recording tells.")
+    ] = None,
+    speed: Annotated[
+        float, typer.Option(min=0.01, max=10.0, help="Times as fast; waypoints: up to 1.")
+    ] = 1.0,
+    begin: Annotated[
+        float | None, typer.Option("--from", min=0.0, help="Begin there in the recording [s].")
+    ] = None,
+    end: Annotated[
+        float | None, typer.Option("--to", min=0.0, help="End there in the recording [s].")
+    ] = None,
+    outputs: Annotated[
+        bool, typer.Option("--outputs", help="Also set the digital outputs that changed.")
+    ] = False,
+    record: Annotated[
+        Path | None, typer.Option(help="Record what the arm does to this file.")
+    ] = None,
+    scene: Annotated[
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="What stands around, to simulate: MJCF."),
+    ] = None,
+    envelope: Annotated[
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="Limits to keep to: TOML, see docs."),
+    ] = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Say what speaks against it, and move nothing.")
+    ] = False,
+    rehearse: Annotated[
+        bool, typer.Option(help="Play it on a simulated arm first, before an arm that is there.")
+    ] = True,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before an arm moves.")] = False,
+) -> None:
+    """Lead an arm along what was recorded, or through waypoints: a simulated one, or that at HOST.
+
+    Before an arm that is there moves, the file is checked (arm, joint limits, speeds,
+    accelerations, the envelope), played on a simulated arm, and you are asked. Ctrl-C brings the
+    arm to rest.
+
+    aioduco play run.mcap
+
+    aioduco play run.mcap 192.168.1.10 --speed 0.5 --from 2 --to 8.5
+
+    aioduco play cell.toml 192.168.1.10 --envelope limits.toml
+
+    Exit codes: 0 it was played; 1 it was not, or not to its end; 2 wrong options; 3 not confirmed;
+    4 it is not known that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was brought to rest.
+    """
+    simulates = not check and (host is None or rehearse)
+    extras.need("record", *(("sim",) if simulates else ()))
+    if model is not None:
+        extras.arm(model)
+    from aioduco.playback import (  # noqa: PLC0415 - for this command alone
+        RecordedPath,
+        WaypointFile,
+        read_envelope,
+    )
+    from aioduco.recording import read  # noqa: PLC0415
+
+    with ended_by_errors():
+        what: RecordedPath | WaypointFile
+        if file.suffix == ".toml":
+            what = WaypointFile.read(file)
+        else:
+            what = RecordedPath.of(read(file), begin=begin, end=end, speed=speed)
+        told = model or _model_of(what)
+        limits = None if envelope is None else read_envelope(envelope, arm=told)
+        if limits is not None:
+            told = limits.arm.name
+        task = _Playing(what, told, speed, outputs, record, limits)
+        if check and host is None:
+            task.check(told)
+            return
+        if simulates:
+            task.simulate(scene, keep=host is None)
+        if host is not None:
+            task.on_arm(robot_at(host, port), only_check=check, yes=yes)
+
+
+class _Playing:
+    """One file, played on one robot or two."""
+
+    def __init__(
+        self,
+        what: RecordedPath | WaypointFile,
+        model: str | None,
+        speed: float,
+        outputs: bool,
+        record: Path | None,
+        envelope: Envelope | None,
+    ) -> None:
+        self._envelope = envelope
+        self._what = what
+        self._model = model
+        self._speed = speed
+        self._outputs = outputs
+        self._record = record
+
+    def check(self, model: str | None) -> None:
+        """Check it without a robot."""
+        from aioduco.kinematics import arm  # noqa: PLC0415
+        from aioduco.playback import RecordedPath, check_path  # noqa: PLC0415
+        from aioduco.playback.path_check import check_waypoints  # noqa: PLC0415
+
+        if model is None:
+            typer.echo("it does not say for which arm it is: --model says so", err=True)
+            raise typer.Exit(FAILED)
+        limits = self._envelope
+        if isinstance(self._what, RecordedPath):
+            found = [str(each) for each in check_path(self._what, arm(model), envelope=limits)]
+        else:
+            found = check_waypoints(self._what, arm(model), envelope=limits)
+        _report(found)
+
+    def simulate(self, scene: Path | None, *, keep: bool) -> None:
+        """Play it on a simulated arm; raises what goes wrong there."""
+        import aioduco.sync  # noqa: PLC0415
+        from aioduco.playback import RecordedPath  # noqa: PLC0415
+        from aioduco.sim import Simulator  # noqa: PLC0415 - it loads MuJoCo
+
+        typer.echo(f"on a simulated {self._model or 'gcr5_910'}: {self._what}")
+        start = self._what.start if isinstance(self._what, RecordedPath) else None
+        options: dict[str, Any] = {"model": self._model or "gcr5_910"}
+        if start is not None:
+            options["joints"] = list(start)
+        if scene is not None:
+            options["scene"] = str(scene.resolve())
+        with (
+            Simulator.spawn(**options) as sim,
+            aioduco.sync.connect(
+                sim.host, sim.port, clock=sim.clock, record=self._record if keep else None
+            ) as robot,
+        ):
+            robot.bring_up()
+            robot.envelope = self._envelope
+            self._play(robot)
+
+    def on_arm(self, address: RobotAddress, *, only_check: bool, yes: bool) -> None:
+        """Check it, ask, and play it on the arm that is there."""
+        # Without a heartbeat, for another program may still lead the arm.
+        with looking_at(address) as robot:
+            _report(self._against(robot), only=only_check)
+            if only_check:
+                return
+            states = robot.state.get_robot_state()
+            text = f"{self._what} at {address} ({states}): {self._announced(robot)}\n{SAFE}"
+        ask(text, "Move the arm?", yes=yes)
+        with moving(address) as robot:
+            robot.bring_up()
+            robot.envelope = self._envelope
+            if self._record is None:
+                self._play(robot)
+            else:
+                with robot.record(self._record):
+                    self._play(robot)
+
+    def _against(self, robot: Robot) -> list[str]:
+        import aioduco.sync  # noqa: PLC0415
+        from aioduco.playback import RecordedPath  # noqa: PLC0415
+
+        if isinstance(self._what, RecordedPath):
+            found = aioduco.sync.check_path_on(
+                robot, self._what, arm=self._model, envelope=self._envelope
+            )
+            return [str(each) for each in found]
+        return aioduco.sync.check_waypoints_on(
+            robot, self._what, arm=self._model, envelope=self._envelope
+        )
+
+    def _announced(self, robot: Robot) -> str:
+        """What the arm will do."""
+        import numpy as np  # noqa: PLC0415
+
+        from aioduco.playback import RecordedPath  # noqa: PLC0415
+        from aioduco.playback.path_check import fastest  # noqa: PLC0415
+
+        here = np.asarray(robot.state.get_actual_joints_position())
+        if isinstance(self._what, RecordedPath):
+            first, then = self._what.start, f"joints turn at up to {fastest(self._what):.2f} rad/s"
+        else:
+            first = self._what.waypoints[0].joints
+            then = f"{len(self._what.waypoints)} waypoints"
+        far = np.rad2deg(np.abs(first.array - here))
+        joint = int(far.argmax())
+        return f"joint {joint + 1} turns by {far[joint]:.1f}° to the begin, then {then}."
+
+    def _play(self, robot: Robot) -> None:
+        import aioduco.sync  # noqa: PLC0415
+        from aioduco.playback import RecordedPath  # noqa: PLC0415
+
+        if isinstance(self._what, RecordedPath):
+            result = aioduco.sync.play(
+                robot, self._what, approach=_APPROACH, outputs=self._outputs, arm=self._model
+            )
+            worst = max(result.path_error.max(), abs(result.goal_error).max())
+            typer.echo(f"played in {result.duration:.2f} s, {worst * 1e3:.2f} mrad off at most")
+            return
+        count = aioduco.sync.run_waypoints(
+            robot, self._what, arm=self._model, speed=min(self._speed, 1.0)
+        )
+        typer.echo(f"{count} waypoints were reached")
+
+
+def _model_of(what: RecordedPath | WaypointFile) -> str | None:
+    """The model that a file is for, if that is told and known."""
+    from aioduco.playback.player import model_named  # noqa: PLC0415
+
+    found = model_named(what.arm)
+    return None if found is None else found.name
+
+
+def _report(found: list[str], *, only: bool = True) -> None:
+    for each in found:
+        typer.echo(each, err=True)
+    if found:
+        raise typer.Exit(FAILED)
+    if only:
+        typer.echo("nothing speaks against it")

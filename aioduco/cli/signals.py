@@ -1,0 +1,49 @@
+"""Signals that ask a command to end, heard by its event loop, on every system."""
+
+from __future__ import annotations
+
+import signal
+import socket
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import anyio
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+
+__all__ = ["heard"]
+
+
+@contextmanager
+def heard(*signals: signal.Signals) -> Iterator[AsyncIterator[signal.Signals]]:
+    """Hear signals instead of being ended by them; on the main thread.
+
+    By the bytes that the interpreter writes for them, since not every event loop takes handlers
+    for signals, and one that waits is woken by a byte.
+
+    Args:
+        signals: which.
+    """
+    ours, others = socket.socketpair()
+    with ours, others:
+        ours.setblocking(False)
+        others.setblocking(False)
+        before = signal.set_wakeup_fd(others.fileno(), warn_on_full_buffer=False)
+        handlers = {number: signal.signal(number, lambda *_: None) for number in signals}
+        try:
+            yield _numbers(ours, signals)
+        finally:
+            for number, handler in handlers.items():
+                signal.signal(number, handler)
+            signal.set_wakeup_fd(before)
+
+
+async def _numbers(
+    link: socket.socket, signals: tuple[signal.Signals, ...]
+) -> AsyncIterator[signal.Signals]:
+    while True:
+        await anyio.wait_readable(link)
+        for number in link.recv(4096):
+            if number in signals:
+                yield signal.Signals(number)

@@ -1,0 +1,136 @@
+"""`aioduco status`: what state an arm and its controller are in."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from aioduco.cli.addresses import Host, Port, RobotAddress, robot_at
+from aioduco.cli.exit_codes import FAILED
+from aioduco.cli.plain_values import print_json
+from aioduco.cli.sessions import looking_at
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.sync import Robot
+
+__all__ = ["degrees", "joints_line", "look", "pose_line", "status"]
+
+
+def status(
+    host: Host = None,
+    port: Port = None,
+    ready: Annotated[
+        bool, typer.Option("--ready", help="End with 1 if a motion would not start now.")
+    ] = False,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print it as JSON: metres, radians.")
+    ] = False,
+) -> None:
+    """Say what state an arm and its controller are in. Nothing moves.
+
+    aioduco status 192.168.1.10
+
+    aioduco status left --ready && aioduco move joints 0 0 90 0 -90 0 --deg --host left
+
+    Exit codes: 0 it was read; 1 no controller, or not ready; 2 wrong options.
+    """
+    address = robot_at(host, port)
+    found = look(address)
+    if json:
+        print_json(found)
+    else:
+        typer.echo("\n".join(_lines(address, found)))
+    if ready and not found["ready"]:
+        raise typer.Exit(FAILED)
+
+
+def look(address: RobotAddress, *, in_work_object: bool = False) -> dict[str, Any]:
+    """Read the states of a controller and its arm, and leave. Nothing else is sent.
+
+    Args:
+        address: the robot.
+        in_work_object: whether the tool's pose in the work object is read, too.
+
+    Returns:
+        What `--json` prints.
+    """
+    with looking_at(address) as robot:
+        found = _read(address, robot)
+        if in_work_object:
+            found["pose_in_work_object"] = [*robot.state.get_tcp_pose_coord()]
+        return found
+
+
+def _read(address: RobotAddress, robot: Robot) -> dict[str, Any]:
+    from aioduco.errors import ControllerError  # noqa: PLC0415
+    from aioduco.models.enums import ProgramState, RobotState  # noqa: PLC0415
+
+    try:
+        series, model, extension, serial = robot.version.get_robot_type()
+    except ControllerError:  # older software lacks the function
+        series = model = extension = serial = ""
+    states = robot.state.get_robot_state()
+    arm = robot.state.getRobotStatus()
+    return {
+        "name": address.name,
+        "host": address.host,
+        "port": address.port,
+        "arm": f"{series} {model}{extension}".strip(),
+        "serial_number": serial,
+        "software": robot.version.controller.text,
+        "robot": states.robot,
+        "program": states.program,
+        "safety": states.safety,
+        "mode": states.mode,
+        "ready": (
+            states.robot is RobotState.ENABLE
+            and states.program is ProgramState.STOPPED
+            and not (arm.emergency_stop or arm.collision)
+        ),
+        "moving": robot.state.robotmoving(),
+        "emergency_stop": arm.emergency_stop,
+        "collision_joint": arm.collision_axis if arm.collision else None,
+        "joints": [*arm.joints],
+        "pose": [*robot.state.get_tcp_pose()],
+        "errors": robot.state.get_last_error(),
+    }
+
+
+def _lines(address: RobotAddress, found: dict[str, Any]) -> list[str]:
+    software = found["software"] or "not told"
+    stopped = ", EMERGENCY STOP pressed" if found["emergency_stop"] else ""
+    if found["collision_joint"] is not None:
+        stopped += f", COLLISION at joint {found['collision_joint']}"
+    states = ", ".join(
+        f"{name} {found[name].name}" for name in ("robot", "program", "safety", "mode")
+    )
+    ready = "a motion would start" if found["ready"] else "no: see `aioduco recover --help`"
+    return [
+        f"{address}: {found['arm'] or 'an arm of a type that is not told'}, software {software}",
+        f"{states}{stopped}",
+        f"joints {joints_line(found['joints'])}",
+        f"tool   {pose_line(found['pose'])}",
+        f"moving {'yes' if found['moving'] else 'no'}",
+        f"ready  {ready}",
+        f"errors {'; '.join(found['errors']) or 'none'}",
+    ]
+
+
+def degrees(angles: Sequence[float]) -> list[str]:
+    """Angles as people read them."""
+    return [f"{math.degrees(angle):.2f}°" for angle in angles]
+
+
+def joints_line(joints: Sequence[float]) -> str:
+    """Joint angles in a line."""
+    return "  ".join(degrees(joints))
+
+
+def pose_line(pose: Sequence[float]) -> str:
+    """A pose in a line: the place in millimetres, the turn in degrees."""
+    place = "  ".join(f"{name} {part * 1e3:.1f}" for name, part in zip("xyz", pose, strict=False))
+    return f"{place} mm,  {'  '.join(degrees(pose[3:]))}"

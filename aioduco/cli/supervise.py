@@ -1,0 +1,122 @@
+"""`aioduco bring-up`, `recover`, `stop`, `pause`, `resume`: the states of an arm, led by hand.
+
+They send no heartbeat: it would take the arm's supervision away from the program that moves it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from aioduco.cli.addresses import Host, Port, RobotAddress, robot_at
+from aioduco.cli.plain_values import print_json
+from aioduco.cli.questions import SAFE, ask
+from aioduco.cli.sessions import looking_at
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco.models.state import RobotStates
+    from aioduco.sync import Robot
+
+__all__ = ["bring_up", "pause", "recover", "resume", "stop"]
+
+Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the states afterwards as JSON.")]
+Timeout = Annotated[
+    float, typer.Option(min=0.1, max=600.0, help="Seconds in which the arm must be ready.")
+]
+
+
+def bring_up(
+    host: Host = None,
+    port: Port = None,
+    timeout: Timeout = 30.0,
+    yes: Yes = False,
+    json: Json = False,
+) -> None:
+    """Power the arm on, enable it, clear a stop: until it can move. It asks first.
+
+    aioduco bring-up 192.168.1.10
+
+    aioduco bring-up left --yes --json
+
+    Exit codes: 0 ready; 1 not ready in time, or no controller; 2 wrong options; 3 not confirmed;
+    5 a person has to do something first.
+    """
+    address = robot_at(host, port)
+    what = f"The arm at {address} will be powered on and enabled: its brakes open.\n{SAFE}"
+    ask(what, "Bring it up?", yes=yes)
+    _done(address, lambda robot: robot.bring_up(timeout=timeout), "ready", json)
+
+
+def recover(
+    host: Host = None,
+    port: Port = None,
+    timeout: Timeout = 30.0,
+    yes: Yes = False,
+    json: Json = False,
+) -> None:
+    """Lead the arm out of a stop, and end the program that runs in it. It asks first.
+
+    aioduco recover left
+
+    Exit codes: as of bring-up.
+    """
+    address = robot_at(host, port)
+    what = (
+        f"At {address} a collision is reset, a program that runs is ended, and the arm is powered "
+        f"off and on where that is needed: its brakes close and open.\n{SAFE}"
+    )
+    ask(what, "Recover it?", yes=yes)
+    _done(address, lambda robot: robot.recover(timeout=timeout), "ready", json)
+
+
+def stop(host: Host = None, port: Port = None, json: Json = False) -> None:
+    """Stop the arm, whoever moves it, and see it stand. It does not ask.
+
+    aioduco stop left
+
+    Exit codes: 0 it stands; 1 no controller; 2 wrong options; 4 it is not known that it stands:
+    press the emergency stop.
+    """
+    _done(robot_at(host, port), lambda robot: robot.stop(), "stopped: the arm stands", json)
+
+
+def pause(host: Host = None, port: Port = None, json: Json = False) -> None:
+    """Pause what the arm does, and see it stand. It does not ask.
+
+    aioduco pause left
+
+    Exit codes: as of stop.
+    """
+    _done(robot_at(host, port), lambda robot: robot.pause(), "paused: the arm stands", json)
+
+
+def resume(host: Host = None, port: Port = None, yes: Yes = False, json: Json = False) -> None:
+    """Go on with what was paused. It asks first: the arm moves on at once.
+
+    aioduco resume left --yes
+
+    Exit codes: 0 it goes on; 1 it does not, or no controller; 2 wrong options; 3 not confirmed.
+    """
+    address = robot_at(host, port)
+    what = f"The arm at {address} goes on with what was paused, at the speed that it had.\n{SAFE}"
+    ask(what, "Resume?", yes=yes)
+    _done(address, lambda robot: robot.resume(), "resumed", json)
+
+
+def _done(address: RobotAddress, work: Callable[[Robot], object], said: str, as_json: bool) -> None:
+    """Do it, and say what the states are then."""
+    with looking_at(address) as robot:
+        work(robot)
+        states = robot.state.get_robot_state()
+    if as_json:
+        print_json(_named(states))
+    else:
+        typer.echo(f"{address}: {said}; {states}")
+
+
+def _named(states: RobotStates) -> dict[str, object]:
+    return {name: getattr(states, name) for name in ("robot", "program", "safety", "mode")}

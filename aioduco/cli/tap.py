@@ -1,0 +1,164 @@
+"""`aioduco tap`: what a client and a controller say to each other, from between them."""
+
+from __future__ import annotations
+
+import contextlib
+import json as json_module
+import signal
+import sys
+import threading
+import time
+from pathlib import Path  # noqa: TC003 - typer evaluates the annotations
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from aioduco.cli import extras
+from aioduco.cli.addresses import Host, Port, robot_at
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from aioduco.tap import TapNote, TappedCall
+
+__all__ = ["tap"]
+
+
+def tap(
+    host: Host = None,
+    port: Port = None,
+    listen: Annotated[
+        str,
+        typer.Option(help="Address and port for clients; port 0 takes a free one."),
+    ] = "127.0.0.1:7004",
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Also into this file: .jsonl, or .mcap as record."),
+    ] = None,
+    only: Annotated[
+        str | None, typer.Option(help="Show only these functions, with commas between them.")
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="A line of JSON for each call.")] = False,
+) -> None:
+    """Show each call of any client to any controller, with its answer and time. Ctrl-C ends it.
+
+    The client connects here instead of to the controller. If this ends, its connections end, as if
+    the cable had been cut.
+
+    aioduco tap 192.168.1.10 --listen 127.0.0.1:7003 -o calls.jsonl
+    """
+    from aioduco.errors import DucoError  # noqa: PLC0415 - for this command alone
+    from aioduco.tap import Tap, TapNote  # noqa: PLC0415
+
+    address = robot_at(host, port)
+    where, _, number = listen.rpartition(":")
+    if not where or not number.isdecimal() or int(number) > 65535:
+        raise typer.BadParameter("address:port is needed", param_hint="--listen")
+    names = None if only is None else {name.strip() for name in only.split(",")}
+    try:
+        with (
+            Tap(address.host, address.port, listen=(where.strip("[]"), int(number))) as between,
+            _file(output, address.host, address.port) as write,
+            _ended_by_signals(between.end),
+        ):
+            said = f"between {between.host}:{between.port} and {address}; Ctrl-C ends it"
+            typer.echo(said, err=json)
+            sys.stdout.flush()
+            begin = time.monotonic()
+            for item in between:
+                if not isinstance(item, TapNote):
+                    write(item)
+                    if names is not None and item.function not in names:
+                        continue
+                if json:
+                    typer.echo(_line(item))
+                else:
+                    typer.echo(f"{item.at - begin:10.3f} {item}")
+                sys.stdout.flush()
+    except (DucoError, OSError, RuntimeError) as error:
+        typer.echo(str(error), err=True)
+        raise typer.Exit(1) from None
+
+
+@contextlib.contextmanager
+def _ended_by_signals(end: Callable[[], None]) -> Iterator[None]:
+    """Let Ctrl-C and a request to end do so in good order, so that files are whole."""
+    signals = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.signal(each, lambda *_: end()) for each in signals]
+    try:
+        yield
+    finally:
+        for each, handler in zip(signals, before, strict=True):
+            signal.signal(each, handler)
+
+
+@contextlib.contextmanager
+def _file(path: Path | None, host: str, port: int) -> Iterator[Callable[[TappedCall], None]]:
+    """What writes calls to a file of the kind that its name says."""
+    if path is None:
+        yield _thrown_away
+    elif path.suffix == ".mcap":
+        extras.need("record")
+        with _recording(path, host, port) as record:
+            yield record
+    else:
+        with path.open("a", encoding="utf-8") as file:
+
+            def write(call: TappedCall) -> None:
+                file.write(_line(call) + "\n")
+                file.flush()
+
+            yield write
+
+
+def _thrown_away(_: TappedCall) -> None:
+    """Write nothing."""
+
+
+@contextlib.contextmanager
+def _recording(path: Path, host: str, port: int) -> Iterator[Callable[[TappedCall], None]]:
+    from aioduco import __version__  # noqa: PLC0415 - for this command alone
+    from aioduco.recording.writer import RecordingWriter  # noqa: PLC0415
+
+    writer = RecordingWriter(
+        path, lambda: {"written": str(writer.written), "dropped": str(writer.dropped)}
+    )
+    wall, monotonic = time.time_ns(), time.monotonic_ns()
+    about = {
+        "library": f"aioduco {__version__}",
+        "address": f"{host}:{port}",
+        "started": str(wall),
+        "clock_offset": str(wall - monotonic),
+    }
+    opened = threading.Event()
+    writer.begin(about, opened.set, lambda: None)
+    opened.wait()
+    if writer.error is not None:
+        raise OSError(f"{path} cannot be written: {writer.error}")
+
+    def write(call: TappedCall) -> None:
+        took = call.duration or 0.0
+        lane = f"#{call.connection}"
+        arguments = (call.arguments,)
+        writer.put(
+            "command",
+            *(call.at + took, lane, call.function, arguments, call.answer, call.error, took),
+        )
+
+    try:
+        yield write
+    finally:
+        writer.finish()
+        writer.join(10.0)
+
+
+def _line(item: TappedCall | TapNote) -> str:
+    """An item as one line of JSON; `at` in seconds since 1970."""
+    found: dict[str, Any] = item._asdict()
+    found["at"] += time.time() - time.monotonic()
+    return json_module.dumps(found, default=_plain, ensure_ascii=False)
+
+
+def _plain(value: Any) -> Any:
+    fields = getattr(value, "__dataclass_fields__", None)
+    return str(value) if fields is None else {name: getattr(value, name) for name in fields}

@@ -1,0 +1,163 @@
+"""`aioduco teleop`: a keyboard, a gamepad or a SpaceMouse leads the arm."""
+
+from __future__ import annotations
+
+import enum
+from contextlib import nullcontext
+from pathlib import Path  # noqa: TC003 - typer evaluates the annotations
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from aioduco.cli import extras
+from aioduco.cli.addresses import Port, robot_at
+from aioduco.cli.exit_codes import ended_by_errors
+from aioduco.cli.move import ready_arm
+from aioduco.cli.questions import SAFE, ask
+from aioduco.cli.sessions import moving
+
+if TYPE_CHECKING:
+    from aioduco.sync import Robot
+    from aioduco.teleoperation import InputDevice, TeleopScale
+
+__all__ = ["teleop"]
+
+
+class DeviceName(enum.StrEnum):
+    """What leads the arm."""
+
+    KEYBOARD = "keyboard"
+    GAMEPAD = "gamepad"
+    SPACEMOUSE = "spacemouse"
+
+
+class TeleopFrame(enum.StrEnum):
+    """The frame along whose axes the tool moves."""
+
+    BASE = "base"
+    TOOL = "tool"
+    WOBJ = "wobj"
+
+
+_HELP = {
+    DeviceName.KEYBOARD: "hold w s a d r f to move along x, y, z, j l i k u o to turn; q ends",
+    DeviceName.GAMEPAD: "hold a shoulder button; the left stick is x and y, the right one z; "
+    "Start ends",
+    DeviceName.SPACEMOUSE: "push the cap; Ctrl-C ends",
+}
+
+
+def teleop(
+    host: Annotated[
+        str | None,
+        typer.Argument(help="A controller's address, or its name. Without it: a simulated arm."),
+    ] = None,
+    port: Port = None,
+    device: Annotated[DeviceName, typer.Option(help="What leads the arm.")] = DeviceName.KEYBOARD,
+    path: Annotated[
+        str | None, typer.Option(help="The device's file, such as /dev/input/js0.")
+    ] = None,
+    frame: Annotated[
+        TeleopFrame, typer.Option(help="Along whose axes the tool moves.")
+    ] = TeleopFrame.BASE,
+    wobj: Annotated[str, typer.Option(help="Name of the work object; the one in use.")] = "",
+    joints: Annotated[bool, typer.Option("--joints", help="Turn the joints instead.")] = False,
+    speed: Annotated[float, typer.Option(min=1e-4, max=1.0, help="Of the tool [m/s].")] = 0.05,
+    turn_speed: Annotated[
+        float, typer.Option(min=1e-3, max=3.0, help="Of the tool's turning [rad/s].")
+    ] = 0.2,
+    joint_speed: Annotated[
+        float, typer.Option(min=1e-3, max=3.0, help="Of each joint, with --joints [rad/s].")
+    ] = 0.1,
+    record: Annotated[
+        Path | None, typer.Option(help="Record what the arm does; `aioduco play` plays it.")
+    ] = None,
+    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")] = False,
+) -> None:
+    """Lead an arm by keys, a gamepad or a SpaceMouse, as long as they are held. It asks first.
+
+    It comes to rest when the key, the button or the cap is let go, and when the device is gone.
+
+    aioduco teleop 192.168.1.10 --speed 0.02
+
+    aioduco teleop left --device gamepad --frame tool --record run.mcap
+
+    Exit codes: 0 it was ended; 1 something went wrong; 2 wrong options; 3 not confirmed; 4 it is
+    not known that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
+    """
+    extras.need(*(() if record is None else ("record",)), *(("sim",) if host is None else ()))
+    from aioduco.errors import ParameterError  # noqa: PLC0415 - for this command alone
+    from aioduco.teleoperation import TeleopScale, open_device  # noqa: PLC0415
+
+    scale = TeleopScale(speed=speed, turn_speed=turn_speed, joint_speed=joint_speed)
+    try:
+        opened = open_device(device.value, path)
+    except ParameterError as error:
+        raise typer.BadParameter(str(error)) from None
+    task = _Leading(opened, device, scale, frame, wobj, joints, record)
+    if host is None:
+        task.simulate()
+        return
+    address = robot_at(host, port)
+    ready_arm(address)
+    how = f"joints turn at up to {joint_speed:g} rad/s" if joints else (
+        f"the tool moves at up to {speed:g} m/s and turns at up to {turn_speed:g} rad/s, "
+        f"by the axes of the {frame.value}"
+    )  # fmt: skip
+    ask(f"arm    {address}\nBy the {device.value}, {how}.\n{SAFE}", "Lead the arm?", yes=yes)
+    with moving(address) as robot:
+        robot.bring_up()
+        task.lead(robot)
+
+
+class _Leading:
+    """One device that leads one robot."""
+
+    def __init__(
+        self,
+        device: InputDevice,
+        kind: DeviceName,
+        scale: TeleopScale,
+        frame: TeleopFrame,
+        wobj: str,
+        joints: bool,
+        record: Path | None,
+    ) -> None:
+        self._device = device
+        self._kind = kind
+        self._scale = scale
+        self._frame = frame
+        self._wobj = wobj
+        self._joints = joints
+        self._record = record
+
+    def simulate(self) -> None:
+        """Lead a simulated arm."""
+        import aioduco.sync  # noqa: PLC0415
+        from aioduco.sim import Simulator  # noqa: PLC0415 - it loads MuJoCo
+
+        with (
+            ended_by_errors("interrupted: the arm was stopped, and stands"),
+            Simulator.spawn() as sim,
+            aioduco.sync.connect(sim.host, sim.port) as robot,
+        ):
+            robot.bring_up()
+            self.lead(robot)
+
+    def lead(self, robot: Robot) -> None:
+        """Lead an arm that is ready, and say how it went."""
+        import aioduco.sync  # noqa: PLC0415
+
+        recording = None if self._record is None else robot.record(self._record)
+        with recording or nullcontext(), self._device as device:
+            typer.echo(_HELP[self._kind])
+            report = aioduco.sync.teleoperate(
+                robot,
+                device,
+                self._scale,
+                frame=self._frame.value,
+                wobj=self._wobj,
+                joints=self._joints,
+            )
+        kept = "" if recording is None else f"; recorded to {recording.path}"
+        typer.echo(f"led {report.held} times, for {report.seconds:.1f} s in all{kept}")

@@ -1,0 +1,55 @@
+"""`aioduco view`: an arm live in Foxglove or Lichtblick."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from aioduco.cli import extras
+from aioduco.cli.addresses import Host, Port, robot_at
+from aioduco.cli.exit_codes import FAILED
+from aioduco.cli.sessions import looking_at, until_told
+
+__all__ = ["view"]
+
+
+def view(
+    host: Host = None,
+    port: Port = None,
+    foxglove: Annotated[
+        bool, typer.Option("--foxglove", help="As a WebSocket for Foxglove and Lichtblick.")
+    ] = False,
+    listen: Annotated[
+        int, typer.Option(min=0, max=65535, help="Port of the WebSocket. 0: a free one.")
+    ] = 8765,
+    bind: Annotated[
+        str, typer.Option(help="Address of the WebSocket. 0.0.0.0: the whole network may watch.")
+    ] = "127.0.0.1",
+    rate: Annotated[float, typer.Option(min=1, max=1000, help="Samples a second.")] = 50.0,
+    seconds: Annotated[
+        float | None, typer.Option(min=0.0, help="For how long; until Ctrl-C if left out.")
+    ] = None,
+    forces: Annotated[bool, typer.Option(help="Also forces and external torques.")] = True,
+) -> None:
+    """Publish what an arm does, whoever moves it, until Ctrl-C. Nothing moves by this.
+
+    It only asks the controller: no heartbeat is sent, and leaving stops nothing.
+
+    aioduco view --foxglove 192.168.1.10
+
+    Exit codes: 0 it ran until it was told to end; 1 no controller, or the port is taken; 2 wrong
+    options; 143 SIGTERM.
+    """
+    if not foxglove:
+        raise typer.BadParameter("say what to view it with: --foxglove")
+    extras.need("record")
+    address = robot_at(host, port)
+    with looking_at(address, state_rate=rate) as robot:
+        publication = robot.publish(listen, host=bind, forces=forces)
+        with publication:
+            what = f"{address} is on {publication.url}"
+            until_told(what, robot, lambda: publication.running, seconds)
+    if publication.error is not None:
+        typer.echo(f"it ended early: {publication.error}", err=True)
+        raise typer.Exit(FAILED)

@@ -1,0 +1,181 @@
+"""Seeing and stopping a fleet, from any of its computers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import anyio
+
+from aioduco.fleet.link import FleetLink
+from aioduco.fleet.reports import GatewayReport, MessageRefused, StopReport, StopRequest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from types import TracebackType
+    from typing import Self
+
+    from aioduco.fleet.settings import FleetSettings
+
+__all__ = ["FleetClient", "FleetStop", "FleetView"]
+
+#: seconds in which gateways are found, where none is expected
+_FOUND: Final = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class FleetView:
+    """What is known of a fleet.
+
+    Attributes:
+        gateways: the newest report of each gateway that is there.
+        missing: gateways that are expected and not there, or there and silent.
+    """
+
+    gateways: tuple[GatewayReport, ...]
+    missing: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class FleetStop:
+    """What became of a stop.
+
+    Attributes:
+        reports: the answers.
+        missing: gateways that are expected, or were there, and did not answer.
+        unknown: arms that were named and that no gateway has.
+    """
+
+    reports: tuple[StopReport, ...]
+    missing: tuple[str, ...]
+    unknown: tuple[str, ...]
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether it is known that all arms that were to be stopped stand."""
+        failed = any(arm.error for report in self.reports for arm in report.arms)
+        return bool(self.reports) and not (failed or self.missing or self.unknown)
+
+
+class FleetClient:
+    """Sees and stops a fleet; an asynchronous context manager. It listens nowhere.
+
+    Args:
+        settings: of the fleet; its `listen` is connected to as well, so that the file of a gateway
+            serves for its own computer.
+    """
+
+    def __init__(self, settings: FleetSettings) -> None:
+        self._settings = settings
+        self._link = FleetLink(settings, listens=False)
+        self._there: set[str] = set()
+        self._told: dict[str, GatewayReport] = {}
+        self._changed = anyio.Event()
+
+    async def __aenter__(self) -> Self:
+        """Connect.
+
+        Raises:
+            MissingExtra: the extra `fleet` is not installed.
+            ConnectError: Zenoh's configuration is wrong.
+        """
+        await self._link.__aenter__()
+        self._link.watch_gateways(self._seen)
+        self._link.watch_states(self._heard)
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        await self._link.__aexit__(kind, exc, traceback)
+
+    def _seen(self, gateway: str, there: bool) -> None:
+        if there:
+            self._there.add(gateway)
+        else:
+            self._there.discard(gateway)
+            self._told.pop(gateway, None)
+        self._wake()
+
+    def _heard(self, gateway: str, data: bytes) -> None:
+        try:
+            report = GatewayReport.decode(data)
+        except MessageRefused:
+            return  # it is as good as silent, and so among the missing
+        if report.gateway == gateway:
+            self._told[gateway] = report
+            self._wake()
+
+    def _wake(self) -> None:
+        changed, self._changed = self._changed, anyio.Event()
+        changed.set()
+
+    def _missing(self, found: Iterable[str]) -> tuple[str, ...]:
+        return tuple(sorted((self._there | {*self._settings.expect}) - {*found}))
+
+    async def status(self, timeout: float = 3.0) -> FleetView:
+        """What is known of the fleet, once every gateway has told its state.
+
+        Args:
+            timeout: after which those that have not are missing [s].
+        """
+        await self._until(lambda: not self._missing(self._told), timeout)
+        return self.view
+
+    @property
+    def view(self) -> FleetView:
+        """What is known of the fleet at this moment."""
+        found = tuple(self._told[name] for name in sorted(self._told))
+        return FleetView(found, self._missing(self._told))
+
+    async def stop(self, arms: Iterable[str] | None = None, timeout: float = 5.0) -> FleetStop:
+        """Stop arms; returns when all gateways have answered.
+
+        Each gateway is asked as soon as it is seen, those that come in meanwhile included.
+
+        Args:
+            arms: their names; None for all.
+            timeout: after which gateways that did not answer are missing [s].
+        """
+        names = None if arms is None else frozenset(arms)
+        request = StopRequest(names).encode()
+        answers: dict[str, StopReport] = {}
+        asked: set[str] = set()
+
+        def answered(gateway: str, data: bytes) -> None:
+            try:
+                report = StopReport.decode(data)
+            except MessageRefused:
+                return
+            if report.gateway == gateway:
+                answers[gateway] = report
+                self._wake()
+
+        def over() -> bool:
+            for gateway in sorted(self._there - asked):
+                asked.add(gateway)
+                self._link.ask_for_stop(gateway, request, timeout, answered)
+            return not self._missing(answers) and not (asked - answers.keys())
+
+        await self._until(over, timeout)
+        missing = tuple(sorted({*self._missing(answers), *(asked - answers.keys())}))
+        found = {arm.name for report in answers.values() for arm in report.arms}
+        unknown = tuple(sorted((names or frozenset()) - found))
+        return FleetStop(tuple(answers[name] for name in sorted(answers)), missing, unknown)
+
+    async def _until(self, over: Callable[[], bool], timeout: float) -> None:
+        begin = anyio.current_time()
+        # Without gateways that are expected nobody knows how many there are.
+        enough = begin if self._settings.expect else begin + min(_FOUND, timeout)
+        with anyio.move_on_after(timeout):
+            while True:
+                changed = self._changed
+                done = over()
+                if done and self._there and anyio.current_time() >= enough:
+                    return
+                limit = enough if done and self._there else begin + timeout
+                with anyio.CancelScope(deadline=limit):
+                    await changed.wait()

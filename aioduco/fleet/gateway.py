@@ -1,0 +1,195 @@
+"""A gateway: the arms of one computer, supervised, and their state and stop for the fleet."""
+
+from __future__ import annotations
+
+import time
+from functools import partial
+from typing import TYPE_CHECKING, Final
+
+import anyio
+import anyio.abc
+
+from aioduco.errors import DucoError
+from aioduco.events import ConnectionBack, ConnectionGone
+from aioduco.fleet.gateway_state import GatewayState
+from aioduco.fleet.link import FleetLink
+from aioduco.fleet.reports import ArmReport
+from aioduco.fleet.settings import FleetFileError
+from aioduco.reporting import BackgroundLogger
+from aioduco.robot import connect
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import TracebackType
+    from typing import Self
+
+    from aioduco.fleet.settings import ArmSettings, FleetSettings
+    from aioduco.robot import Robot
+
+__all__ = ["FleetGateway"]
+
+_log = BackgroundLogger(__name__)
+
+#: seconds between two tries to reach a controller, at least
+_AGAIN: Final = 1.0
+
+
+class FleetGateway:
+    """Supervises arms; an asynchronous context manager.
+
+    Its robots are opened in the background, again and again until they answer. When it ends in
+    good order, it stops the arms whose heartbeat it keeps; when it dies, their controllers do, or
+    its guard.
+
+    Args:
+        settings: of the fleet, with a gateway's name and its arms.
+        reach: how a robot is made of an arm's settings; None for `aioduco.connect` as they say.
+            A program that moves the arms too gives its own.
+    """
+
+    def __init__(
+        self, settings: FleetSettings, reach: Callable[[ArmSettings], Robot] | None = None
+    ) -> None:
+        if not settings.gateway:
+            raise FleetFileError("a gateway needs a name: gateway = ... in [fleet]")
+        self._settings = settings
+        self._reach = reach or partial(_reach, rate=settings.rate)
+        self._state = GatewayState(settings.gateway, [arm.name for arm in settings.arms])
+        self._link = FleetLink(settings, listens=True)
+        self._tasks: anyio.abc.TaskGroup | None = None
+        #: open robots, by the name of their arm
+        self.robots: dict[str, Robot] = {}
+
+    def __repr__(self) -> str:
+        return f"<FleetGateway {self._settings.gateway} {len(self.robots)} arms>"
+
+    async def __aenter__(self) -> Self:
+        """Begin.
+
+        Raises:
+            MissingExtra: the extra `fleet` is not installed.
+            ConnectError: an address cannot be listened on.
+        """
+        await self._link.__aenter__()
+        self._tasks = anyio.create_task_group()
+        await self._tasks.__aenter__()
+        for arm in self._settings.arms:
+            self._tasks.start_soon(self._keep, arm)
+        self._link.answer_stops(self._settings.gateway, self._stop)
+        self._link.declare_alive(self._settings.gateway)
+        self._tasks.start_soon(self._tell)
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        assert self._tasks is not None
+        try:
+            self._tasks.cancel_scope.cancel()
+            await self._tasks.__aexit__(kind, exc, traceback)
+        finally:
+            await self._link.__aexit__(kind, exc, traceback)
+
+    async def _keep(self, arm: ArmSettings) -> None:
+        """Have one robot open, again and again."""
+        due = anyio.current_time()
+        while True:
+            try:
+                async with self._reach(arm) as robot:
+                    self.robots[arm.name] = robot
+                    self._state.opened(arm.name)
+                    try:
+                        await self._follow(arm.name, robot)
+                    finally:
+                        if arm.heartbeat:
+                            with anyio.CancelScope(shield=True):
+                                await self._stop_arm(robot)
+                        del self.robots[arm.name]
+            except* DucoError as group:
+                why = str(_first(group))
+                _log.warning("the arm %s is not supervised: %s", arm.name, why)
+                self._state.closed(arm.name, why)
+            except* Exception as group:
+                # One arm's failure is not the others': they stay supervised.
+                _log.exception("the gateway failed at the arm %s", arm.name)
+                self._state.closed(arm.name, f"the gateway failed: {_first(group)!r}")
+            due = max(due + _AGAIN, anyio.current_time())
+            await anyio.sleep_until(due)
+
+    async def _follow(self, name: str, robot: Robot) -> None:
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self._follow_events, name, robot)
+            with robot.feed.subscribe("latest") as samples:
+                async for sample in samples:
+                    states, joints = sample.states, sample.status.joints
+                    report = ArmReport(
+                        name,
+                        robot=states.robot.name,
+                        program=states.program.name,
+                        safety=states.safety.name,
+                        mode=states.mode.name,
+                        joints=tuple(float(joint) for joint in joints),
+                    )
+                    self._state.sampled(name, report, sample.received_at)
+
+    async def _follow_events(self, name: str, robot: Robot) -> None:
+        with robot.events.subscribe() as events:
+            async for event in events:
+                if isinstance(event, ConnectionGone):
+                    self._state.silent(name, event.reason)
+                elif isinstance(event, ConnectionBack):
+                    self._state.answers(name)
+
+    async def _tell(self) -> None:
+        begin = anyio.current_time()
+        number = 0
+        while True:
+            number += 1
+            report = self._state.report(time.monotonic())
+            self._link.publish_state(self._settings.gateway, report.encode())
+            due = begin + number / self._settings.rate
+            await anyio.sleep_until(max(due, anyio.current_time()))
+
+    async def _stop(self, data: bytes) -> bytes:
+        """Carry out a stop that somebody in the fleet asks for."""
+        order = self._state.stop(data)
+        async with anyio.create_task_group() as tasks:
+            for name in order.arms:
+                tasks.start_soon(self._stop_one, order.number, name)
+        report = self._state.report_of(order.number)
+        assert report is not None
+        _log.warning("the fleet stopped %s", ", ".join(arm.name for arm in report.arms) or "no arm")
+        return report.encode()
+
+    async def _stop_one(self, order: int, name: str) -> None:
+        robot = self.robots.get(name)
+        error = "not connected" if robot is None else await self._stop_arm(robot)
+        self._state.stopped(order, name, error)
+
+    async def _stop_arm(self, robot: Robot) -> str:
+        """Stop an arm; why it is not known that it stands, empty if it does."""
+        try:
+            await robot.stop()
+        except DucoError as error:
+            return f"{type(error).__name__}: {error}"
+        return ""
+
+
+def _reach(arm: ArmSettings, rate: float) -> Robot:
+    return connect(
+        arm.host,
+        arm.port,
+        heartbeat=arm.heartbeat or None,
+        guard="process" if arm.guard else None,
+        state_rate=rate,
+    )
+
+
+def _first(group: BaseExceptionGroup[BaseException]) -> BaseException:
+    error: BaseException = group
+    while isinstance(error, BaseExceptionGroup):
+        error = error.exceptions[0]
+    return error

@@ -1,0 +1,182 @@
+"""Zenoh, as a gateway and a client use it. Of the package, only this imports it.
+
+Its callbacks come on threads of Zenoh; they are handed on to the event loop.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+from typing import TYPE_CHECKING, Any, Final
+
+import anyio
+import anyio.from_thread
+
+from aioduco.errors import ConnectError, MissingExtra
+from aioduco.fleet.reports import LONGEST, alive_key, state_key, stop_key
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+    from types import TracebackType
+    from typing import Self
+
+    from aioduco.fleet.settings import FleetSettings
+
+__all__ = ["FleetLink"]
+
+#: how often who is not there, or is gone, is looked for [ms]
+_RETRY: Final = {
+    "period_init_ms": 250,
+    "period_max_ms": 1000,
+    "period_increase_factor": 2,
+}
+
+
+class FleetLink:
+    """A session of Zenoh, for one fleet; an asynchronous context manager.
+
+    Args:
+        settings: of the fleet.
+        listens: whether it is one that others connect to.
+    """
+
+    def __init__(self, settings: FleetSettings, *, listens: bool) -> None:
+        self._settings = settings
+        self._listens = listens
+        self._session: Any = None
+        self._portal = anyio.from_thread.BlockingPortal()
+        self._declared: list[Any] = []
+
+    async def __aenter__(self) -> Self:
+        """Open the session.
+
+        Raises:
+            MissingExtra: the extra `fleet` is not installed.
+            ConnectError: an address cannot be listened on, or Zenoh's configuration is wrong.
+        """
+        try:
+            import zenoh  # noqa: PLC0415 - of the extra
+        except ImportError as error:
+            raise MissingExtra("a fleet", "eclipse-zenoh", "fleet") from error
+        listen, connect = self._settings.listen, self._settings.connect
+        where = ", ".join((self._listens and listen) or connect)
+        try:
+            config = self._config(zenoh)
+            self._session = await anyio.to_thread.run_sync(zenoh.open, config)
+        except (zenoh.ZError, OSError, ValueError) as error:
+            raise ConnectError(where or "Zenoh", 0, str(error)) from error
+        await self._portal.__aenter__()
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        session, self._session = self._session, None
+        try:
+            await self._portal.__aexit__(kind, exc, traceback)
+        finally:
+            with anyio.CancelScope(shield=True):
+                await anyio.to_thread.run_sync(session.close)
+
+    def _config(self, zenoh: Any) -> Any:
+        settings = self._settings
+        config = zenoh.Config.from_file(settings.zenoh) if settings.zenoh else zenoh.Config()
+        # A client connects to all gateways that it knows, as the gateways do among each other.
+        connect = [*settings.connect, *(() if self._listens else settings.listen)]
+        values = {
+            # What listens nowhere is connected by a router, which also passes on what it says.
+            "mode": "peer" if settings.listen else "client",
+            "listen/endpoints": list(settings.listen) if self._listens else [],
+            "connect/endpoints": connect,
+            "connect/retry": _RETRY,
+            "scouting/multicast/enabled": settings.discover,
+            "scouting/gossip/enabled": True,
+        }
+        for name, value in values.items():
+            config.insert_json5(name, json.dumps(value))
+        return config
+
+    # -- a gateway --------------------------------------------------------------------------
+
+    def declare_alive(self, gateway: str) -> None:
+        """Let others see that a gateway is there, for as long as this session is."""
+        token = self._session.liveliness().declare_token(alive_key(self._settings.name, gateway))
+        self._declared.append(token)
+
+    def publish_state(self, gateway: str, data: bytes) -> None:
+        """Tell a gateway's state. Nobody is waited for; what cannot be sent is dropped."""
+        self._session.put(state_key(self._settings.name, gateway), data)
+
+    def answer_stops(self, gateway: str, stop: Callable[[bytes], Awaitable[bytes]]) -> None:
+        """Have stops carried out on the event loop, and answered with what that gives."""
+        key = stop_key(self._settings.name, gateway)
+
+        async def carry_out(query: Any) -> None:
+            try:
+                answer = await stop(_bytes(query.payload))
+                # Who asked may be gone: then nobody reads it.
+                with contextlib.suppress(Exception):
+                    query.reply(key, answer)
+            finally:
+                query.drop()
+
+        def asked(query: Any) -> None:
+            self._hand_on(carry_out, query)
+
+        self._declared.append(self._session.declare_queryable(key, asked))
+
+    # -- a client ---------------------------------------------------------------------------
+
+    def watch_gateways(self, seen: Callable[[str, bool], object]) -> None:
+        """Hear of gateways that come, those that are there included, and of those that go."""
+        import zenoh  # noqa: PLC0415 - it is there
+
+        def changed(sample: Any) -> None:
+            name = str(sample.key_expr).split("/")[2]
+            self._hand_on(seen, name, sample.kind == zenoh.SampleKind.PUT)
+
+        liveliness = self._session.liveliness()
+        key = alive_key(self._settings.name)
+        self._declared.append(liveliness.declare_subscriber(key, changed, history=True))
+
+    def watch_states(self, told: Callable[[str, bytes], object]) -> None:
+        """Hear what gateways tell, with the name that the key has."""
+
+        def came(sample: Any) -> None:
+            name = str(sample.key_expr).split("/")[2]
+            self._hand_on(told, name, _bytes(sample.payload))
+
+        self._declared.append(
+            self._session.declare_subscriber(state_key(self._settings.name), came)
+        )
+
+    def ask_for_stop(
+        self, gateway: str, data: bytes, timeout: float, answered: Callable[[str, bytes], object]
+    ) -> None:
+        """Ask one gateway for a stop; its answer comes later, or none."""
+
+        def came(reply: Any) -> None:
+            if reply.ok is not None:
+                self._hand_on(answered, gateway, _bytes(reply.ok.payload))
+
+        key = stop_key(self._settings.name, gateway)
+        # At least so long that it is not cut off before who asks gives up.
+        self._session.get(key, came, payload=data, timeout=math.ceil(timeout * 10) / 10)
+
+    def _hand_on(self, function: Callable[..., Any], *args: Any) -> None:
+        with contextlib.suppress(RuntimeError):  # the session is closing
+            self._portal.start_task_soon(function, *args)
+
+
+def _bytes(payload: Any) -> bytes:
+    """The content of a message; a byte more than is read of one that is too long."""
+    if payload is None:
+        return b""
+    if len(payload) > LONGEST:
+        return b"\0" * (LONGEST + 1)
+    content: bytes = payload.to_bytes()
+    return content

@@ -1,0 +1,262 @@
+"""What gateways and clients say to each other: keys, JSON, and how it is read. Pure.
+
+Whatever comes over the network may be anything: what cannot be read is `MessageRefused`, except a
+stop. Its key says what is wanted; so a stop that cannot be read stops all arms of the gateway.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from typing import Any, Final
+
+from aioduco.fleet.settings import is_name
+
+__all__ = [
+    "LONGEST",
+    "ArmReport",
+    "ArmStopped",
+    "GatewayReport",
+    "MessageRefused",
+    "StopReport",
+    "StopRequest",
+    "alive_key",
+    "state_key",
+    "stop_key",
+]
+
+#: of the schemas below
+VERSION: Final = 1
+#: bytes of a message that is read
+LONGEST: Final = 1024 * 1024
+#: arms and joints that a message may name
+_MOST: Final = 1024
+_TEXT: Final = 2000
+#: how a gateway stands to an arm
+LINKS: Final = ("opening", "up", "lost")
+
+
+class MessageRefused(ValueError):
+    """A message is not what its key says; the text says why."""
+
+
+def state_key(fleet: str, gateway: str = "*") -> str:
+    """Where a gateway tells its state; it is published there, and answers questions."""
+    return f"aioduco/{fleet}/{gateway}/state"
+
+
+def alive_key(fleet: str, gateway: str = "*") -> str:
+    """Where Zenoh shows that a gateway is there (its liveliness)."""
+    return f"aioduco/{fleet}/{gateway}/alive"
+
+
+def stop_key(fleet: str, gateway: str = "*") -> str:
+    """Where a gateway is asked for a stop, by a query."""
+    return f"aioduco/{fleet}/{gateway}/stop"
+
+
+@dataclass(frozen=True, slots=True)
+class StopRequest:
+    """Stop arms.
+
+    Attributes:
+        arms: their names; None for all. Names that a gateway does not have are others'.
+    """
+
+    arms: frozenset[str] | None = None
+
+    def encode(self) -> bytes:
+        """As a message: `{"version": 1, "arms": null}`."""
+        return _encoded(arms=None if self.arms is None else sorted(self.arms))
+
+    @classmethod
+    def decode(cls, data: bytes) -> StopRequest:
+        """Read a message; one without content stops all.
+
+        Raises:
+            MessageRefused: it is none.
+        """
+        if not data:
+            return cls()
+        arms = _decoded(data).get("arms")
+        if arms is None:
+            return cls()
+        if not isinstance(arms, list) or len(arms) > _MOST or not all(map(is_name, arms)):
+            raise MessageRefused("arms is no list of names")
+        return cls(frozenset(arms))
+
+
+@dataclass(frozen=True, slots=True)
+class ArmStopped:
+    """What became of the stop of one arm.
+
+    Attributes:
+        name: of the arm.
+        error: why it is not known that it stands; empty if it stands.
+    """
+
+    name: str
+    error: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class StopReport:
+    """A gateway's answer to a stop.
+
+    Attributes:
+        gateway: its name.
+        arms: those that were to be stopped.
+        note: what was wrong with the request; empty if nothing was.
+    """
+
+    gateway: str
+    arms: tuple[ArmStopped, ...]
+    note: str = ""
+
+    def encode(self) -> bytes:
+        """As a message."""
+        arms = [{"name": arm.name, "error": arm.error} for arm in self.arms]
+        return _encoded(gateway=self.gateway, arms=arms, note=self.note)
+
+    @classmethod
+    def decode(cls, data: bytes) -> StopReport:
+        """Read a message.
+
+        Raises:
+            MessageRefused: it is none.
+        """
+        table = _decoded(data)
+        arms = [ArmStopped(_name(each), _text(each, "error")) for each in _tables(table, "arms")]
+        return cls(_name(table, "gateway"), tuple(arms), _text(table, "note"))
+
+
+@dataclass(frozen=True, slots=True)
+class ArmReport:
+    """What a gateway knows of an arm.
+
+    Attributes:
+        name: of the arm.
+        link: "opening", "up", or "lost": then what follows is of before.
+        error: why it is lost.
+        robot, program, safety, mode: names of the controller's states; empty if not known.
+        joints: actual positions [rad]; empty if not known.
+        seconds: age of what is known [s]; 0 if nothing is.
+    """
+
+    name: str
+    link: str = "opening"
+    error: str = ""
+    robot: str = ""
+    program: str = ""
+    safety: str = ""
+    mode: str = ""
+    joints: tuple[float, ...] = ()
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class GatewayReport:
+    """A gateway's state.
+
+    Attributes:
+        gateway: its name.
+        number: of this report, from 1 since the gateway began.
+        arms: what it knows of each.
+    """
+
+    gateway: str
+    number: int
+    arms: tuple[ArmReport, ...]
+
+    def encode(self) -> bytes:
+        """As a message."""
+        arms = [
+            {
+                **{name: getattr(arm, name) for name in _TEXTS},
+                "name": arm.name,
+                "joints": [round(value, 6) for value in arm.joints],
+                "seconds": round(arm.seconds, 3),
+            }
+            for arm in self.arms
+        ]
+        return _encoded(gateway=self.gateway, number=self.number, arms=arms)
+
+    @classmethod
+    def decode(cls, data: bytes) -> GatewayReport:
+        """Read a message.
+
+        Raises:
+            MessageRefused: it is none.
+        """
+        table = _decoded(data)
+        number = table.get("number")
+        if type(number) is not int or number < 0:
+            raise MessageRefused("number is no count")
+        arms = []
+        for each in _tables(table, "arms"):
+            texts = {name: _text(each, name) for name in _TEXTS}
+            if texts["link"] not in LINKS:
+                raise MessageRefused(f"link is {texts['link']!r}")
+            joints = each.get("joints")
+            if not isinstance(joints, list) or len(joints) > _MOST:
+                raise MessageRefused("joints is no list")
+            values = tuple(_number(value) for value in joints)
+            seconds = _number(each.get("seconds"))
+            arms.append(ArmReport(_name(each), joints=values, seconds=seconds, **texts))
+        return cls(_name(table, "gateway"), number, tuple(arms))
+
+
+_TEXTS: Final = ("link", "error", "robot", "program", "safety", "mode")
+
+
+def _encoded(**table: Any) -> bytes:
+    return json.dumps({"version": VERSION, **table}, ensure_ascii=False).encode()
+
+
+def _decoded(data: bytes) -> dict[str, Any]:
+    if len(data) > LONGEST:
+        raise MessageRefused(f"it has {len(data)} bytes, more than {LONGEST}")
+    try:
+        table = json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise MessageRefused(f"it is no JSON: {error}"[:_TEXT]) from error
+    if not isinstance(table, dict):
+        raise MessageRefused("it is no object")
+    if table.get("version") != VERSION:
+        raise MessageRefused(f"its version is not {VERSION}")
+    return table
+
+
+def _tables(table: dict[str, Any], name: str) -> list[dict[str, Any]]:
+    found = table.get(name)
+    if (
+        not isinstance(found, list)
+        or len(found) > _MOST
+        or not all(isinstance(each, dict) for each in found)
+    ):
+        raise MessageRefused(f"{name} is no list of objects")
+    return found
+
+
+def _name(table: dict[str, Any], key: str = "name") -> str:
+    found = table.get(key)
+    if not isinstance(found, str) or not is_name(found):
+        raise MessageRefused(f"{key} is no name")
+    return found
+
+
+def _text(table: dict[str, Any], key: str) -> str:
+    found = table.get(key)
+    if not isinstance(found, str):
+        raise MessageRefused(f"{key} is no text")
+    return "".join(letter if letter.isprintable() else "�" for letter in found[:_TEXT])
+
+
+def _number(found: object) -> float:
+    try:
+        if isinstance(found, int | float) and not isinstance(found, bool) and math.isfinite(found):
+            return float(found)
+    except OverflowError:
+        pass
+    raise MessageRefused("a number is expected")

@@ -1,0 +1,174 @@
+"""What `fleet.toml` says: the fleet, this computer's gateway, and its arms."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any, Final
+
+from aioduco.errors import DucoError
+
+if TYPE_CHECKING:
+    from os import PathLike
+
+__all__ = ["LOOPBACK", "ArmSettings", "FleetFileError", "FleetSettings", "is_name"]
+
+#: where a gateway listens unless it is told otherwise
+LOOPBACK: Final = "tcp/127.0.0.1:7447"
+#: names are parts of Zenoh's key expressions, in which `/`, `*`, `$`, `?` and `#` mean something
+_NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
+
+
+class FleetFileError(DucoError, ValueError):
+    """A fleet's settings are wrong; the text says what. Nothing was started."""
+
+
+def is_name(text: object) -> bool:
+    """Whether a value is a name of a fleet, a gateway or an arm."""
+    return isinstance(text, str) and _NAME.fullmatch(text) is not None
+
+
+@dataclass(frozen=True, slots=True)
+class ArmSettings:
+    """One arm of a gateway.
+
+    Attributes:
+        name: what the fleet calls it; letters, digits, `_`, `.` and `-`.
+        host: name or address of its controller.
+        port: TCP port of the controller.
+        heartbeat: time within which the controller must hear of the gateway, or it stops the arm
+            [s]; 0 for none: then another program is to keep the heartbeat.
+        guard: whether a process of its own stops the arms when the gateway dies; Linux only.
+    """
+
+    name: str
+    host: str
+    port: int = 7003
+    heartbeat: float = 1.0
+    guard: bool = False
+
+    def __post_init__(self) -> None:
+        _named("name of an arm", self.name)
+        _typed(self, host=str, port=int, heartbeat=(int, float), guard=bool)
+        if not 0 < self.port < 65536:
+            raise FleetFileError(f"port of the arm {self.name} is {self.port}")
+        if not 0 <= self.heartbeat <= 60:
+            raise FleetFileError(
+                f"heartbeat of the arm {self.name} is {self.heartbeat} s, and must be 0 to 60"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class FleetSettings:
+    """A fleet, as one of its computers sees it.
+
+    Attributes:
+        name: of the fleet: gateways of another name are not seen.
+        gateway: name of this computer's gateway, once in the fleet; empty for one that only looks.
+        listen: Zenoh's endpoints to listen on. An address other than loopback lets every computer
+            of that network see and stop the arms.
+        connect: endpoints of other gateways or, where `listen` is empty, of a router.
+        discover: whether to look for gateways by multicast in the local network too.
+        expect: gateways without which the fleet is not whole: a stop that one of them does not
+            answer is not confirmed.
+        rate: how often a gateway tells its state [Hz].
+        zenoh: file with Zenoh's own configuration, such as certificates and access control; empty
+            for none. What stands above goes before it.
+        arms: this gateway's.
+    """
+
+    name: str
+    gateway: str = ""
+    listen: tuple[str, ...] = (LOOPBACK,)
+    connect: tuple[str, ...] = ()
+    discover: bool = False
+    expect: tuple[str, ...] = ()
+    rate: float = 5.0
+    zenoh: str = ""
+    arms: tuple[ArmSettings, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        _named("name of the fleet", self.name)
+        if self.gateway:
+            _named("name of the gateway", self.gateway)
+        _typed(self, discover=bool, rate=(int, float), zenoh=str)
+        for name in ("listen", "connect", "expect"):
+            if not all(isinstance(each, str) for each in getattr(self, name)):
+                raise FleetFileError(f"{name} must be a list of strings")
+        for each in self.expect:
+            _named("expected gateway", each)
+        if not 0.1 <= self.rate <= 100:
+            raise FleetFileError(f"rate is {self.rate} Hz, and must be 0.1 to 100")
+        names = [arm.name for arm in self.arms]
+        if twice := sorted({name for name in names if names.count(name) > 1}):
+            raise FleetFileError(f"arms of the same name: {', '.join(twice)}")
+
+    @classmethod
+    def read(cls, path: str | PathLike[str]) -> FleetSettings:
+        """Read a file.
+
+        Raises:
+            FleetFileError: it is no such file; says what is wrong.
+            OSError: it cannot be read.
+        """
+        with open(path, "rb") as file:  # noqa: PTH123 - any path
+            try:
+                return cls.of(tomllib.load(file))
+            except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+                raise FleetFileError(f"{path}: {error}") from error
+
+    @classmethod
+    def of(cls, table: dict[str, Any]) -> FleetSettings:
+        """The settings in a table that was read: `[fleet]` and a list of `[[arm]]`.
+
+        Raises:
+            FleetFileError: it has something else, or lacks something.
+        """
+        _only("the file", table, {"fleet", "arm"})
+        fleet, arms = table.get("fleet", {}), table.get("arm", [])
+        if not isinstance(fleet, dict) or not isinstance(arms, list):
+            raise FleetFileError("[fleet] must be a table, and [[arm]] a list of tables")
+        known = {each.name for each in fields(cls)} - {"arms"}
+        _only("[fleet]", fleet, known)
+        values = dict(fleet)
+        for name in ("listen", "connect", "expect"):
+            if name in values:
+                if not isinstance(values[name], list):
+                    raise FleetFileError(f"{name} must be a list of strings")
+                values[name] = tuple(values[name])
+        made = []
+        for arm in arms:
+            if not isinstance(arm, dict):
+                raise FleetFileError("[[arm]] must be a list of tables")
+            _only("[[arm]]", arm, {each.name for each in fields(ArmSettings)})
+            _complete("[[arm]]", arm, "name", "host")
+            made.append(ArmSettings(**arm))
+        _complete("[fleet]", values, "name")
+        return cls(**values, arms=tuple(made))
+
+
+def _complete(where: str, table: dict[str, Any], *needed: str) -> None:
+    if lack := [name for name in needed if name not in table]:
+        raise FleetFileError(f"{where} lacks {' and '.join(lack)}")
+
+
+def _only(where: str, table: dict[str, Any], known: set[str]) -> None:
+    if unknown := sorted(set(table) - known):
+        raise FleetFileError(
+            f"{where} has no {', '.join(unknown)}; there are {', '.join(sorted(known))}"
+        )
+
+
+def _named(what: str, text: object) -> None:
+    if not is_name(text):
+        raise FleetFileError(
+            f"the {what} is {text!r}: letters, digits, '_', '.' and '-' only, 64 at most"
+        )
+
+
+def _typed(settings: object, **types: type | tuple[type, ...]) -> None:
+    for name, kind in types.items():
+        value = getattr(settings, name)
+        if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
+            raise FleetFileError(f"{name} is {value!r}, which is of the wrong type")

@@ -1,0 +1,37 @@
+"""Grippers: one interface, drivers for those of Robotiq and DH, for outputs, and for suction.
+
+    async with Robotiq.at_tool(robot, "robotiq_2f85") as gripper:
+        await gripper.activate()
+        await gripper.close(force=40.0)
+        async with gripper.carrying():  # stops the arm if the part is lost
+            await robot.motion.movel(there, v=0.2, a=0.5)
+        await gripper.open()
+
+`robotiq_registers` and `dh_registers` are the makers' register maps, without I/O. The drivers use
+a robot by its public interface alone, and never the lane of its motions. May be imported by
+`sync` and `cli`.
+"""
+
+from __future__ import annotations
+
+from aioduco.grippers.dh import DhGripper
+from aioduco.grippers.digital import DigitalGripper
+from aioduco.grippers.gripper import Gripper, GripperState, PolledGripper
+from aioduco.grippers.modbus_gripper import ModbusGripper
+from aioduco.grippers.robotiq import Robotiq
+from aioduco.grippers.vacuum import VacuumGripper
+from aioduco.models.gripper_models import GRIPPERS, GripperModel, gripper_model
+
+__all__ = [
+    "GRIPPERS",
+    "DhGripper",
+    "DigitalGripper",
+    "Gripper",
+    "GripperModel",
+    "GripperState",
+    "ModbusGripper",
+    "PolledGripper",
+    "Robotiq",
+    "VacuumGripper",
+    "gripper_model",
+]

@@ -1,0 +1,142 @@
+"""Grippers of DH: AG-95, PGE, over Modbus RTU."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, ClassVar
+
+import anyio
+
+from aioduco.errors import GripperNotActivated, GripperTimeout, ModbusGarbled
+from aioduco.grippers import dh_registers as registers
+from aioduco.grippers.gripper import GripperState
+from aioduco.grippers.modbus_gripper import ModbusGripper
+from aioduco.supervision.concurrency import every
+
+if TYPE_CHECKING:
+    from aioduco.bus import ModbusRtu
+    from aioduco.grippers.dh_registers import DhState
+    from aioduco.models.gripper_models import GripperModel
+
+__all__ = ["DhGripper"]
+
+#: seconds after which what the gripper says is of this motion, even if it was not seen moving
+_SETTLED = 0.3
+#: of the largest force and speed, in hundredths
+_FORCES, _SPEEDS = (20, 100), (1, 100)
+
+
+class DhGripper(ModbusGripper):
+    """A gripper of DH's series AG or PGE.
+
+        async with DhGripper.at_tool(robot, "dh_ag95") as gripper:
+            await gripper.activate()
+            await gripper.close(force=60.0)
+
+    The tool's port must have the gripper's bit rate, 115200 from the factory. Forces are set in
+    hundredths, 20 to 100: these are taken for the least and the largest of the model.
+
+    Args:
+        modbus: the device; number 1 from the factory.
+        model: "dh_ag95", "dh_pge", or a model of its own; None for the first.
+        poll: seconds from one look at its state to the next.
+        timeout: seconds in which a movement must have ended.
+
+    Raises:
+        ParameterError: an argument is out of range.
+    """
+
+    usual_model: ClassVar[str] = "dh_ag95"
+    usual_unit: ClassVar[int] = 1
+
+    def __init__(
+        self,
+        modbus: ModbusRtu,
+        model: str | GripperModel | None = None,
+        *,
+        poll: float = 0.05,
+        timeout: float = 10.0,
+    ) -> None:
+        super().__init__(modbus, model, poll=poll, timeout=timeout)
+        self._seen_moving = True
+        self._sent_at = 0.0
+
+    async def status(self) -> DhState:
+        """Read what the gripper says of itself, as it says it.
+
+        Raises:
+            ModbusGarbled: it says what its manual does not list.
+        """
+        read = await self._modbus.read_registers(registers.STATE, registers.STATE_COUNT)
+        try:
+            return registers.state(read)
+        except ValueError as error:
+            raise ModbusGarbled(f"the state of {self!r} is none: {error}") from error
+
+    async def activate(self) -> None:
+        """Find the ends of the stroke, unless that is done already.
+
+        The fingers go through all of the stroke: what they hold falls.
+
+        Raises:
+            GripperTimeout: it did not become ready.
+        """
+        async with self._turn:
+            if (await self.status()).initialization is registers.Initialization.DONE:
+                return
+            self._held = self._lost = False
+            await self._modbus.write_register(registers.INITIALIZE, 1)
+            ready = False
+            with anyio.move_on_after(self._timeout):
+                async for _ in every(self._poll):
+                    found = await self.status()
+                    if found.initialization is registers.Initialization.DONE:
+                        ready = True
+                        break
+            if not ready:
+                raise GripperTimeout(
+                    f"{self!r} was not ready within {self._timeout:g} s; it may still move"
+                )
+        await self.read()
+
+    async def _read(self) -> GripperState:
+        at = time.monotonic()
+        found = await self.status()
+        if found.initialization is not registers.Initialization.DONE:
+            if self._going:
+                raise GripperNotActivated(f"{self!r} is not initialized any more: activate it")
+            under_way = found.initialization is registers.Initialization.UNDER_WAY
+            return GripperState(None, None, under_way, at)
+        moving = found.grip is registers.DhGrip.MOVING
+        # At first it may still tell of the motion before.
+        self._seen_moving |= moving or at > self._sent_at + _SETTLED
+        stale = not self._seen_moving
+        caught = found.grip is registers.DhGrip.CAUGHT
+        width = found.position / registers.OPEN * self._model.stroke
+        return GripperState(width, caught and not stale, moving or stale, at)
+
+    async def _go(self, width: float, speed: float, force: float) -> None:
+        if (await self.status()).initialization is not registers.Initialization.DONE:
+            raise GripperNotActivated(
+                f"{self!r} is not initialized: call activate(), which moves the fingers. Nothing "
+                "was moved"
+            )
+        write = self._modbus.write_register
+        await write(registers.FORCE, _hundredths(force, self._model.force, _FORCES))
+        if self._model.speed is not None:
+            await write(registers.SPEED, _hundredths(speed, self._model.speed, _SPEEDS))
+        await self._send(round(width / self._model.stroke * registers.OPEN))
+
+    async def _send(self, position: int) -> None:
+        self._seen_moving, self._sent_at = False, time.monotonic()
+        await self._modbus.write_register(registers.POSITION, position)
+
+    async def _halt(self) -> None:
+        found = await self.status()
+        if found.grip is not registers.DhGrip.CAUGHT:  # there is no register that stops it
+            await self._send(min(found.position, registers.OPEN))
+
+
+def _hundredths(value: float, limits: tuple[float, float], register: tuple[int, int]) -> int:
+    part = (value - limits[0]) / (limits[1] - limits[0])
+    return round(register[0] + part * (register[1] - register[0]))

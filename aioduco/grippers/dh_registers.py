@@ -1,0 +1,75 @@
+"""Registers of DH's grippers of the series AG, PGE and PGI, without I/O.
+
+Source: DH-Robotics, AG-95 short manual (Modbus-RTU) and PGE series short manual, section 2.3,
+tables of basic control registers. The AG-95 has no register for the speed.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = [
+    "FORCE",
+    "INITIALIZE",
+    "OPEN",
+    "POSITION",
+    "SPEED",
+    "STATE",
+    "STATE_COUNT",
+    "DhGrip",
+    "DhState",
+    "Initialization",
+    "state",
+]
+
+INITIALIZE, FORCE, POSITION, SPEED = 0x0100, 0x0101, 0x0103, 0x0104
+#: first of: state of the initialization, state of the grip, position
+STATE = 0x0200
+STATE_COUNT = 3
+#: position with the fingers open; 0 with the fingers closed
+OPEN = 1000
+
+
+class Initialization(IntEnum):
+    """Whether the ends of the stroke are known."""
+
+    NONE = 0
+    DONE = 1
+    UNDER_WAY = 2
+
+
+class DhGrip(IntEnum):
+    """How the last motion ended."""
+
+    MOVING = 0
+    REACHED = 1
+    CAUGHT = 2
+    DROPPED = 3
+
+
+class DhState(NamedTuple):
+    """What the three registers of the state say.
+
+    Attributes:
+        initialization: whether the gripper is ready.
+        grip: how the last motion ended.
+        position: 0 closed to 1000 open.
+    """
+
+    initialization: Initialization
+    grip: DhGrip
+    position: int
+
+
+def state(registers: Sequence[int]) -> DhState:
+    """Take the registers of the state apart, three of them from `STATE` on.
+
+    Raises:
+        ValueError: one says what the manual does not list.
+    """
+    ready, grip, position = registers
+    return DhState(Initialization(ready), DhGrip(grip), position)

@@ -1,0 +1,374 @@
+"""What all grippers have in common: the interface, its state, and a base for drivers.
+
+Guarantees:
+- `state` takes no time: it is what the gripper said last, with its age. A task of its own asks it,
+  over connections that no motion uses.
+- A movement that is cancelled, or takes too long, halts the gripper, except that it goes on
+  holding what it holds.
+- Nothing is sent on an argument that is out of range.
+"""
+
+from __future__ import annotations
+
+import time
+from abc import ABC, abstractmethod
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+import anyio
+
+from aioduco.errors import DucoError, GripperError, GripperTimeout, ObjectLost, ParameterError
+from aioduco.models import ranges
+from aioduco.models.rules import Number
+from aioduco.reporting import BackgroundLogger
+from aioduco.supervision.concurrency import BackgroundTasks, every
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from contextlib import AbstractAsyncContextManager
+    from types import TracebackType
+    from typing import Self
+
+    from aioduco.models.gripper_models import GripperModel
+
+__all__ = ["Gripper", "GripperState", "PolledGripper"]
+
+_log = BackgroundLogger(__name__)
+
+#: seconds in which a gripper that is to halt must have answered
+_HALTING = 2.0
+
+
+class GripperState(NamedTuple):
+    """What a gripper said of itself.
+
+    Attributes:
+        width: opening between the fingers [m]; None if the gripper does not tell.
+        holding: whether it holds something; None if it cannot tell.
+        moving: whether its fingers move, or its vacuum builds up.
+        read_at: when it was asked [s of `time.monotonic`].
+    """
+
+    width: float | None
+    holding: bool | None
+    moving: bool
+    read_at: float
+
+    @property
+    def age(self) -> float:
+        """For how long that has been known [s]."""
+        return time.monotonic() - self.read_at
+
+
+class Gripper(Protocol):
+    """What every gripper does; lengths in m, speeds in m/s, forces in N."""
+
+    @property
+    def model(self) -> GripperModel:
+        """Its stroke, forces and speeds."""
+        ...
+
+    @property
+    def state(self) -> GripperState:
+        """What it said last; takes no time."""
+        ...
+
+    async def read(self) -> GripperState:
+        """Ask it now."""
+        ...
+
+    async def activate(self) -> None:
+        """Make it ready, if it has to be: its fingers may go through all of their stroke."""
+        ...
+
+    async def move(
+        self, width: float, *, speed: float | None = None, force: float | None = None
+    ) -> GripperState:
+        """Move the fingers, and return when they stand: at the width, or at what they hold."""
+        ...
+
+    async def open(self, *, speed: float | None = None, force: float | None = None) -> GripperState:
+        """Open as far as it goes."""
+        ...
+
+    async def close(
+        self, *, speed: float | None = None, force: float | None = None
+    ) -> GripperState:
+        """Close until it holds something, or as far as it goes."""
+        ...
+
+    async def halt(self) -> None:
+        """Stop the fingers where they are."""
+        ...
+
+    def check_held(self) -> None:
+        """Raise `ObjectLost` unless what was gripped is still held."""
+        ...
+
+    def carrying(self) -> AbstractAsyncContextManager[None]:
+        """Cancel what is awaited within, and raise `ObjectLost`, when the part is lost."""
+        ...
+
+
+class PolledGripper(ABC):
+    """A gripper that is asked for its state again and again; a base for drivers.
+
+    A driver of one's own says how the gripper is asked (`_read`), sent somewhere (`_go`) and halted
+    (`_halt`): see `examples/gripper_of_your_own.py`.
+
+    Args:
+        model: stroke, forces and speeds of the gripper.
+        poll: seconds from one look at its state to the next.
+        timeout: seconds in which a movement must have ended.
+
+    Raises:
+        ParameterError: a time is out of range.
+    """
+
+    def __init__(self, model: GripperModel, *, poll: float = 0.05, timeout: float = 10.0) -> None:
+        self._model = model
+        self._poll = ranges.TIMEOUT("poll", poll)
+        self._timeout = ranges.TIMEOUT("timeout", timeout)
+        self._width = Number(0.0, model.stroke, "m", source=model.source)
+        self._force = Number(*model.force, "N", source=model.source)
+        self._speed = None if model.speed is None else Number(
+            *model.speed, "m/s", source=model.source
+        )  # fmt: skip
+        self._state: GripperState | None = None
+        self._turn = anyio.Lock()
+        self._background = BackgroundTasks(self._poll_failed)
+        self._held = self._lost = self._going = False
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self._model.title}>"
+
+    # -- what a driver says ---------------------------------------------------------------------
+
+    @abstractmethod
+    async def _read(self) -> GripperState:
+        """Ask the gripper for its state."""
+
+    @abstractmethod
+    async def _go(self, width: float, speed: float, force: float) -> None:
+        """Send the fingers to a width [m] at a speed [m/s], with a force [N]."""
+
+    @abstractmethod
+    async def _halt(self) -> None:
+        """Stop the fingers; what is held must stay held."""
+
+    async def activate(self) -> None:
+        """Make the gripper ready; one that always is, is only asked for its state.
+
+        Raises:
+            GripperTimeout: it did not become ready.
+        """
+        await self.read()
+
+    # -- life -----------------------------------------------------------------------------------
+
+    async def start(self) -> Self:
+        """Ask the gripper for its state, and go on doing so. Nothing moves.
+
+        Raises:
+            ModbusError: the gripper does not answer as it should.
+        """
+        await self.read()
+        self._background.start(self._watch(), f"aioduco gripper {self._model.name}")
+        return self
+
+    async def aclose(self) -> None:
+        """End asking. The gripper stays as it is, with what it holds."""
+        await self._background.aclose()
+
+    async def __aenter__(self) -> Self:
+        return await self.start()
+
+    async def __aexit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        await self.aclose()
+
+    async def _watch(self) -> None:
+        silent = False
+        async for _ in every(self._poll):
+            try:
+                await self.read()
+            except DucoError as error:
+                if not silent:
+                    _log.warning("%r was not read: %s", self, error)
+                silent = True
+            else:
+                silent = False
+
+    def _poll_failed(self, error: BaseException) -> None:
+        _log.error("%r is not read any more: %r", self, error)
+
+    # -- what programs use ----------------------------------------------------------------------
+
+    @property
+    def model(self) -> GripperModel:
+        """Its stroke, forces and speeds."""
+        return self._model
+
+    @property
+    def state(self) -> GripperState:
+        """What the gripper said last; takes no time. Its `age` grows while it does not answer.
+
+        Raises:
+            GripperError: it was not started.
+        """
+        if self._state is None:
+            raise GripperError(f"{self!r} was not started: write `async with` it. Nothing was sent")
+        return self._state
+
+    async def read(self) -> GripperState:
+        """Ask the gripper for its state now.
+
+        Raises:
+            ModbusTimeout: it does not answer.
+            ModbusGarbled: its answer has a wrong checksum, or is none.
+            GripperFault: it has a fault.
+        """
+        state = await self._read()
+        if self._held and state.holding is False and not self._going:
+            self._held, self._lost = False, True
+        self._state = state
+        return state
+
+    async def open(self, *, speed: float | None = None, force: float | None = None) -> GripperState:
+        """Open as far as it goes; as `move`."""
+        return await self.move(self._model.stroke, speed=speed, force=force)
+
+    async def close(
+        self, *, speed: float | None = None, force: float | None = None
+    ) -> GripperState:
+        """Close until it holds something, or as far as it goes; as `move`."""
+        return await self.move(0.0, speed=speed, force=force)
+
+    async def move(
+        self, width: float, *, speed: float | None = None, force: float | None = None
+    ) -> GripperState:
+        """Move the fingers, and return when they stand: at the width, or at what they hold.
+
+        Cancelled, it halts the fingers; what is held stays held.
+
+        Args:
+            width: opening between the fingers, from 0 to the model's stroke [m].
+            speed: of the opening, within the model's range [m/s]; None for half of the fastest.
+            force: within the model's range [N]; None for the middle of it.
+
+        Returns:
+            The state at the end: `holding` says whether something was gripped.
+
+        Raises:
+            ParameterError: an argument is out of range, or cannot be set; nothing was sent.
+            GripperNotActivated: `activate` was not called since power on; nothing moved.
+            GripperFault: the gripper has a fault.
+            GripperTimeout: the fingers did not come to rest; they were halted.
+            ModbusTimeout: the gripper does not answer: what it does is not known.
+            ModbusGarbled: an answer has a wrong checksum, or is none.
+        """
+        width_ = self._width("width", width)
+        low, high = self._model.force
+        force_ = 0.5 * (low + high) if force is None else self._force("force", force)
+        speed_ = 0.5 * self._model.fastest
+        if speed is not None:
+            if self._speed is None:
+                self._cannot("speed", speed)
+            else:
+                speed_ = self._speed("speed", speed)
+        elif self._speed is not None:
+            speed_ = max(speed_, self._speed.low)
+        async with self._turn:
+            return await self._carry_out(width_, speed_, force_)
+
+    def _cannot(self, name: str, value: float) -> None:
+        raise ParameterError(name, value, f"None: that of a {self._model.title} cannot be set")
+
+    async def _carry_out(self, width: float, speed: float, force: float) -> GripperState:
+        self._held = self._lost = False
+        self._going = True
+        try:
+            with anyio.fail_after(self._timeout):
+                await self._go(width, speed, force)
+                state = await self._at_rest()
+        except TimeoutError as error:
+            if isinstance(error, DucoError):  # it did not answer: nothing more is sent
+                raise
+            await self._halt_for_good()
+            raise GripperTimeout(
+                f"{self!r} did not come to rest within {self._timeout:g} s; it was halted"
+            ) from error
+        except anyio.get_cancelled_exc_class():
+            await self._halt_for_good()
+            raise
+        finally:
+            self._going = False
+        self._held = state.holding is True
+        return state
+
+    async def _at_rest(self) -> GripperState:
+        async for _ in every(self._poll):
+            if not (state := await self.read()).moving:
+                return state
+        raise AssertionError("a schedule without end has ended")
+
+    async def _halt_for_good(self) -> None:
+        with anyio.move_on_after(_HALTING, shield=True):
+            try:
+                await self._halt()
+            except DucoError as error:
+                _log.warning("%r may go on: it was not halted: %s", self, error)
+
+    async def halt(self) -> None:
+        """Stop the fingers where they are, also while another task moves them.
+
+        Raises:
+            ModbusError: it did not answer as it should: it may go on.
+        """
+        await self._halt()
+
+    def check_held(self) -> None:
+        """Check by what the gripper said last that it holds what it gripped.
+
+        Raises:
+            ObjectLost: it does not, or it gripped nothing.
+        """
+        if self._lost:
+            raise ObjectLost(f"{self!r} lost what it held: look where it lies. The arm goes on")
+        if self.state.holding is False:
+            raise ObjectLost(f"{self!r} holds nothing: what it was to grip was not there")
+
+    @asynccontextmanager
+    async def carrying(self) -> AsyncIterator[None]:
+        """Watch what is held: an awaited motion within is stopped when it is lost.
+
+            async with gripper.carrying():
+                await robot.motion.movel(there, v=0.2, a=0.5)
+
+        Raises:
+            ObjectLost: it was lost, or nothing is held; what was awaited within was cancelled.
+        """
+        self.check_held()
+        error: Exception | None = None
+        async with anyio.create_task_group() as watching:
+            watching.start_soon(self._cancel_when_lost, watching.cancel_scope)
+            # Carried out of the group by hand, which would wrap it.
+            try:
+                yield
+            except Exception as raised:
+                error = raised
+            watching.cancel_scope.cancel()
+        if error is not None:
+            raise error
+        if self._lost:
+            self.check_held()
+
+    async def _cancel_when_lost(self, scope: anyio.CancelScope) -> None:
+        async for _ in every(self._poll):
+            if self._lost:
+                scope.cancel()
+                return

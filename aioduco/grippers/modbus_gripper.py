@@ -1,0 +1,76 @@
+"""What grippers on Modbus RTU have in common: their model, their device, the tool's port."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from aioduco.bus import ModbusRtu, Port
+from aioduco.grippers.gripper import PolledGripper
+from aioduco.models.gripper_models import gripper_model
+
+if TYPE_CHECKING:
+    from typing import Self
+
+    from aioduco.models.gripper_models import GripperModel
+    from aioduco.robot import Robot
+
+__all__ = ["ModbusGripper"]
+
+
+class ModbusGripper(PolledGripper):
+    """A gripper that is a device on Modbus RTU; a base for drivers.
+
+    A driver has the name of its usual model and the number of its device from the factory as
+    `usual_model` and `usual_unit`.
+
+    Args:
+        modbus: the device.
+        model: name of a model, or one of its own; None for the usual one.
+        poll: seconds from one look at its state to the next.
+        timeout: seconds in which a movement must have ended.
+
+    Raises:
+        ParameterError: an argument is out of range.
+    """
+
+    usual_model: ClassVar[str]
+    usual_unit: ClassVar[int]
+
+    def __init__(
+        self,
+        modbus: ModbusRtu,
+        model: str | GripperModel | None = None,
+        *,
+        poll: float = 0.05,
+        timeout: float = 10.0,
+    ) -> None:
+        wanted = self.usual_model if model is None else model
+        known = gripper_model(wanted) if isinstance(wanted, str) else wanted
+        super().__init__(known, poll=poll, timeout=timeout)
+        self._modbus = modbus
+
+    @classmethod
+    def at_tool(
+        cls,
+        robot: Robot,
+        model: str | GripperModel | None = None,
+        *,
+        unit: int | None = None,
+        answer_timeout: float = 0.5,
+        timeout: float = 10.0,
+    ) -> Self:
+        """The gripper at the tool's RS-485 port of a robot.
+
+        Args:
+            robot: the robot.
+            model: as for the class.
+            unit: number of the device; None for that from the factory.
+            answer_timeout: seconds in which it must answer a request.
+            timeout: seconds in which a movement must have ended.
+
+        Raises:
+            ParameterError: an argument is out of range.
+        """
+        number = cls.usual_unit if unit is None else unit
+        modbus = ModbusRtu(Port.tool(robot.bus), number, timeout=answer_timeout)
+        return cls(modbus, model, timeout=timeout)

@@ -1,0 +1,266 @@
+"""The environment that Gymnasium makes: actions, observations, rewards."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+
+from aioduco.errors import ParameterError, Unreachable
+from aioduco.integrations.gym.arms import ControllerArm, PhysicsArm
+from aioduco.integrations.gym.names import TASKS
+from aioduco.integrations.gym.tasks import task_of
+from aioduco.kinematics import arm as arm_of
+from aioduco.sim.simulator import READY
+from aioduco.sim.view.camera import Camera, PictureMark
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from aioduco.integrations.gym.arms import EpisodeArm, TaskReading
+
+    Vector = NDArray[np.float64]
+
+__all__ = ["ArmEnv"]
+
+_STEP = 0.015  # of the tip, by the largest action [m]
+_TURN = 0.04  # of a joint, by the largest action [rad]
+_JUMP = 0.5  # of a joint between two targets of the tip; more is another configuration [rad]
+_MOST = 1e6  # of any number of an observation, which Gymnasium asks for
+_REACH = 0.817  # of the arm whose lengths the tasks have [m]
+
+
+class ArmEnv(gymnasium.Env[dict[str, Any], Any]):
+    """A simulated arm with a task, one step of 40 ms after the other.
+
+    An observation is a dict, as environments with goals have it: "observation" (joints [rad], their
+    speeds [rad/s], the tip [m]; then, where the task has a use for it, the force at the tip [N],
+    whether the gripper holds something, the thing's place [m] and quaternion, and the way from the
+    tip to it [m]), "achieved_goal",
+    "desired_goal". Pictures are "pixels", with "joints" (positions and speeds).
+
+    Args:
+        task: "Reach", "Push", "PickPlace" or "Press".
+        wire: whether it goes through the whole simulated controller.
+        actions: "cartesian": by how much the tip goes on along x, y, z, where 1 is 15 mm, the tool
+            upright; or "joints", where 1 is 0.04 rad. Targets outside of the space of the task
+            are not gone to. With a gripper there is one number more: above 0 it opens, below it
+            closes.
+        observations: "state", "pixels", or "both".
+        reward: "sparse": 0 at the goal, else -1; or "dense": less by the distance to the goal.
+        model: the arm; `aioduco.kinematics.models()` lists them.
+        size: of pictures, height and width [pixels].
+        camera: from where pictures are taken; None for in front of the table.
+        render_mode: "rgb_array", for `render`; or None.
+
+    Raises:
+        ParameterError: an argument is none of these.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 25}  # noqa: RUF012 - Gymnasium's
+
+    _SHOWN: ClassVar[tuple[int, int]] = (480, 480)
+
+    def __init__(
+        self,
+        task: str,
+        *,
+        wire: bool = False,
+        actions: Literal["cartesian", "joints"] = "cartesian",
+        observations: Literal["state", "pixels", "both"] = "state",
+        reward: Literal["sparse", "dense"] = "sparse",
+        model: str = "gcr5_910",
+        size: tuple[int, int] = (84, 84),
+        camera: Camera | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        _one_of("task", task, TASKS)
+        _one_of("actions", actions, ("cartesian", "joints"))
+        _one_of("observations", observations, ("state", "pixels", "both"))
+        _one_of("reward", reward, ("sparse", "dense"))
+        _one_of("render_mode", render_mode, (None, "rgb_array"))
+        self.render_mode = render_mode
+        self._arm = arm_of(model)
+        scale = self._scale = self._arm.reach / _REACH
+        self._task = task_of(task, scale)
+        self._by_joints = actions == "joints"
+        self._observed = observations
+        self._dense = reward == "dense"
+        self._size = size
+        self._camera = camera or Camera(
+            target=(0.5 * scale, 0.0, 0.2 * scale), distance=0.95 * scale,
+            azimuth=np.pi, elevation=-0.6,
+        )  # fmt: skip
+        self._upright = self._arm.fkine(np.array(READY))[:3, :3]
+        self._home = self._joints(self._task.home, np.array(READY), None)
+        self._backend: EpisodeArm = (ControllerArm if wire else PhysicsArm)(
+            self._arm, self._task, self._home
+        )
+        self._target, self._tip = self._home, self._task.home
+        self._goal = np.zeros(self._task.size)
+        self._begun = self._closed = False
+        count = (6 if self._by_joints else 3) + bool(self._task.gripper)
+        self.action_space: spaces.Space[Any] = spaces.Box(-1.0, 1.0, (count,), np.float32)
+        self.observation_space: spaces.Space[Any] = spaces.Dict(self._spaces())
+
+    def reset(
+        self,
+        *,
+        seed: int | None = None,
+        options: dict[str, Any] | None = None,  # noqa: ARG002 - there are none yet
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Begin an episode; one seed begins the same episode each time.
+
+        Args:
+            seed: as Gymnasium has it.
+            options: none.
+        """
+        super().reset(seed=seed)
+        setup = self._task.begin(self.np_random)
+        self._goal = setup.goal
+        self._target, self._tip = self._home, self._task.home
+        self._closed = False
+        self._backend.restart(setup.things)
+        self._begun = True
+        reading = self._backend.reading()
+        return self._observation(reading), self._info(reading, "")
+
+    def step(self, action: Any) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+        """Go on by 40 ms.
+
+        Args:
+            action: from -1 to 1; what is beyond counts as that.
+
+        Returns:
+            Observation, reward, whether the arm was stopped, False, and more: "is_success", and
+            with an arm that was stopped "stopped", why.
+
+        Raises:
+            ParameterError: the action is none; nothing was done.
+        """
+        given = np.asarray(action, dtype=np.float64)
+        if given.shape != self.action_space.shape or not np.isfinite(given).all():
+            raise ParameterError("action", action, f"finite, of shape {self.action_space.shape}")
+        if not self._begun:
+            raise RuntimeError("there is no episode: call reset() first")
+        self._aim(np.clip(given, -1.0, 1.0))
+        if self._task.gripper and given[-1]:
+            self._closed = bool(given[-1] < 0.0)
+        stopped = self._backend.follow(self._target, closed=self._closed)
+        reading = self._backend.reading()
+        info = self._info(reading, stopped)
+        achieved = self._task.achieved(reading)
+        reward = float(self.compute_reward(achieved, self._goal, info))
+        return self._observation(reading), reward, bool(stopped), False, info
+
+    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:  # noqa: ARG002 - as environments with goals have it
+        """Give the reward for what was achieved, also of many steps at once.
+
+        Args:
+            achieved_goal: shape (..., n).
+            desired_goal: shape (..., n).
+            info: of the steps; not used.
+
+        Returns:
+            Shape (...,).
+        """
+        distance = self._task.distance(np.asarray(achieved_goal), np.asarray(desired_goal))
+        if self._dense:
+            return -distance
+        return np.where(distance < self._task.tolerance, 0.0, -1.0)
+
+    def render(self) -> Any:
+        """Draw the arm and its goal: red, green, blue. Shape (480, 480, 3).
+
+        Raises:
+            RenderError: this computer has no OpenGL that draws off screen.
+        """
+        if self.render_mode is None:
+            raise RuntimeError('nothing is drawn: make it with render_mode="rgb_array"')
+        return self._picture(self._SHOWN)
+
+    def close(self) -> None:
+        """End what it has started."""
+        self._begun = False
+        self._backend.close()
+
+    # -- inside --------------------------------------------------------------------------------
+
+    def _aim(self, action: Vector) -> None:
+        """Where the arm is to go; a target that is out of the task's space changes nothing."""
+        task, arm = self._task, self._arm
+        if self._by_joints:
+            q = np.clip(self._target + _TURN * action[:6], arm.lower, arm.upper)
+            flange = arm.fkine(q)
+            tip = flange[:3, 3] + task.tip * flange[:3, 2]
+            if ((tip >= task.low) & (tip <= task.high)).all():
+                self._target, self._tip = q, tip
+            return
+        tip = np.clip(self._tip + _STEP * self._scale * action[:3], task.low, task.high)
+        try:
+            self._target = self._joints(tip, self._target, _JUMP)
+        except Unreachable:
+            return
+        self._tip = tip
+
+    def _joints(self, tip: Vector, near: Vector, most: float | None) -> Vector:
+        flange = np.eye(4)
+        flange[:3, :3] = self._upright
+        flange[:3, 3] = tip - self._task.tip * self._upright[:, 2]
+        return self._arm.ikine(flange, near, max_jump=most)
+
+    def _observation(self, reading: TaskReading) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        if self._observed != "pixels":
+            found["observation"] = self._state(reading)
+            found["achieved_goal"] = np.array(self._task.achieved(reading))
+            found["desired_goal"] = self._goal.copy()
+        if self._observed != "state":
+            found["joints"] = np.concatenate([reading.q, reading.qd])
+            found["pixels"] = self._picture(self._size)
+        return found
+
+    def _state(self, reading: TaskReading) -> Vector:
+        parts = [reading.q, reading.qd, reading.tip]
+        if self._task.feels:
+            parts.append(reading.force)
+        if self._task.gripper:
+            parts.append(np.array((reading.holds,)))
+        if self._task.moved:
+            parts += [reading.thing, reading.thing[:3] - reading.tip]
+        return np.concatenate(parts)
+
+    def _spaces(self) -> dict[str, spaces.Space[Any]]:
+        task = self._task
+
+        def numbers(count: int) -> spaces.Box:
+            return spaces.Box(-_MOST, _MOST, (count,), np.float64)
+
+        found: dict[str, spaces.Space[Any]] = {}
+        if self._observed != "pixels":
+            count = 15 + 3 * task.feels + bool(task.gripper) + 10 * bool(task.moved)
+            found["observation"] = numbers(count)
+            found["achieved_goal"] = found["desired_goal"] = numbers(task.size)
+        if self._observed != "state":
+            found["joints"] = numbers(12)
+            found["pixels"] = spaces.Box(0, 255, (*self._size, 3), np.uint8)
+        return found
+
+    def _info(self, reading: TaskReading, stopped: str) -> dict[str, Any]:
+        distance = self._task.distance(self._task.achieved(reading), self._goal)
+        info: dict[str, Any] = {"is_success": bool(distance < self._task.tolerance)}
+        if stopped:
+            info["stopped"] = stopped
+        return info
+
+    def _picture(self, size: tuple[int, int]) -> Any:
+        at = self._task.mark(self._goal)
+        marks = () if at is None else (PictureMark(at=at, radius=0.015 * self._scale),)
+        return self._backend.picture(size[1], size[0], self._camera, marks)
+
+
+def _one_of(name: str, value: object, allowed: tuple[object, ...]) -> None:
+    if value not in allowed:
+        raise ParameterError(name, value, f"one of {allowed}")

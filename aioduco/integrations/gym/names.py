@@ -1,0 +1,12 @@
+"""The names of the tasks, and how long an episode is."""
+
+from __future__ import annotations
+
+from typing import Final
+
+__all__ = ["EPISODE", "TASKS"]
+
+TASKS: Final = ("Reach", "Push", "PickPlace", "Press")
+
+EPISODE: Final = 100
+"""Steps of an episode, each of 40 ms."""

@@ -1,0 +1,233 @@
+"""What the trace hook and the events of a robot tell, as spans and metrics."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import anyio
+from opentelemetry import metrics, trace
+from opentelemetry.trace import SpanKind, StatusCode
+
+from aioduco import RobotStateError, TaskState
+from aioduco.events import ConnectionBack, LoopBlocked
+from aioduco.trace import CallFinished, ConnectionOpened, ProcedureFinished
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Collection, Iterable
+
+    from opentelemetry.metrics import CallbackOptions, MeterProvider, Observation
+    from opentelemetry.trace import Span, TracerProvider
+
+    from aioduco import Robot, StreamStatistics
+    from aioduco.trace import TraceEvent
+
+__all__ = ["Telemetry"]
+
+_NAME: Final = "aioduco"
+#: the lane on which motions are started, and the question for how they go on
+_MOTIONS: Final = "motion"
+_ASK: Final = "get_noneblock_taskstate"
+
+
+class _Motion(NamedTuple):
+    span: Span
+    function: str
+    began: float
+
+
+class Telemetry:
+    """Spans and metrics of one robot.
+
+        telemetry = Telemetry("arm-1")
+        async with aioduco.connect(host, trace=telemetry) as robot, telemetry.watching(robot):
+            ...
+
+    As a trace hook it runs on the thread of the hooks, so that it delays no call and no stop.
+
+    Args:
+        robot: name of the arm: the attribute `duco.robot` of all spans and metrics.
+        without_lanes: lanes whose calls give no span, such as `feed`, `poll` and `heartbeat`,
+            which ask many times a second; their latency is measured all the same.
+        tracer_provider: where spans go; None for OpenTelemetry's global one.
+        meter_provider: where metrics go; None for OpenTelemetry's global one.
+    """
+
+    def __init__(
+        self,
+        robot: str = "",
+        *,
+        without_lanes: Collection[str] = (),
+        tracer_provider: TracerProvider | None = None,
+        meter_provider: MeterProvider | None = None,
+    ) -> None:
+        self._robot = robot
+        self._without = frozenset(without_lanes)
+        self._tracer = trace.get_tracer(_NAME, tracer_provider=tracer_provider)
+        meter = metrics.get_meter(_NAME, meter_provider=meter_provider)
+        self._latency = meter.create_histogram("duco.call.duration", "s", "from begin to answer")
+        self._tasks = meter.create_counter("duco.tasks", "{task}", "motions that have ended")
+        self._times = meter.create_histogram("duco.task.duration", "s", "from start to end")
+        self._stops = meter.create_counter("duco.stops", "{stop}", "stops that were sent")
+        self._opened = meter.create_counter("duco.connections", "{connection}", "opened")
+        self._reconnects = meter.create_counter(
+            "duco.reconnects", "{reconnect}", "times at which the controller answered again"
+        )
+        self._stalls = meter.create_histogram(
+            "duco.loop.stall", "s", "times in which the event loop did not run"
+        )
+        self._lateness = meter.create_histogram(
+            "duco.stream.lateness", "s", "p99 of how late a stream's ticks began, one per stream"
+        )
+        self._missed = meter.create_counter(
+            "duco.stream.missed", "{tick}", "ticks of streams that were skipped"
+        )
+        self._watched: Robot | None = None
+        meter.create_observable_gauge(
+            "duco.heartbeat.longest_gap",
+            [self._longest_gap],
+            "s",
+            "longest time between two answered beats",
+        )
+        #: what the wall's clock shows when the monotonic one shows 0 [ns]
+        self._epoch = time.time_ns() - time.monotonic_ns()
+        #: motions that have not ended, by task id
+        self._motions: dict[int, _Motion] = {}
+        self._lock = threading.Lock()
+
+    def __call__(self, event: TraceEvent) -> None:
+        """Take what happened; `connect(trace=...)` has it called, on the thread of the hooks."""
+        if isinstance(event, CallFinished):
+            self._call(event)
+        elif isinstance(event, ConnectionOpened):
+            self._opened.add(1, self._named(lane=event.lane))
+        elif isinstance(event, ProcedureFinished):
+            span = self._span(f"duco.{event.name}", event.at - event.duration)
+            self._end(span, event.at, _outcome(event.error), event.error)
+
+    @asynccontextmanager
+    async def watching(self, robot: Robot) -> AsyncIterator[None]:
+        """Measure stalls, reconnects and the heartbeat of an open robot meanwhile.
+
+        What moves on at the end gives its span then, with the outcome `unknown`.
+        """
+        self._watched = robot
+        try:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(self._follow, robot)
+                yield
+                tasks.cancel_scope.cancel()
+        finally:
+            self._watched = None
+            self.close()
+
+    def stream_ended(self, statistics: StreamStatistics, name: str = "") -> None:
+        """Take the figures of a stream: `telemetry.stream_ended(stream.statistics())`."""
+        attributes = self._named(stream=name)
+        self._lateness.record(statistics.lateness.p99, attributes)
+        self._missed.add(statistics.missed, attributes)
+
+    def close(self) -> None:
+        """End the spans of motions whose end was not seen; their outcome is `unknown`."""
+        with self._lock:
+            left, self._motions = self._motions, {}
+        for motion in left.values():
+            self._settle(motion, time.monotonic(), "unknown")
+
+    async def _follow(self, robot: Robot) -> None:
+        with contextlib.suppress(RobotStateError), robot.events.subscribe() as events:
+            async for event in events:
+                if isinstance(event, LoopBlocked):
+                    self._stalls.record(event.seconds, self._named())
+                elif isinstance(event, ConnectionBack):
+                    self._reconnects.add(1, self._named())
+
+    def _longest_gap(self, _: CallbackOptions) -> Iterable[Observation]:
+        beat = None if self._watched is None else self._watched.heartbeat
+        return [] if beat is None else [metrics.Observation(beat.longest_gap, self._named())]
+
+    def _call(self, event: CallFinished) -> None:
+        outcome = _outcome(event.error)
+        attributes = self._named(function=event.function, lane=event.lane, outcome=outcome)
+        self._latency.record(event.duration, attributes)
+        if event.function == "stop":
+            self._stops.add(1, self._named(outcome=outcome))
+        began = event.at - event.duration
+        motion = self._begun(event, began)
+        if event.lane not in self._without:
+            span = self._span(f"duco.{event.function}", began, motion, SpanKind.CLIENT)
+            span.set_attribute("duco.lane", event.lane)
+            self._end(span, event.at, outcome, event.error)
+        if event.function == _ASK and event.arguments:
+            self._ended(int(event.arguments[0]), event)
+
+    def _begun(self, event: CallFinished, began: float) -> _Motion | None:
+        """The motion that a call started."""
+        number = event.result
+        if event.lane != _MOTIONS or type(number) is not int or number <= 0:
+            return None
+        span = self._span(f"duco.motion {event.function}", began)
+        span.set_attribute("duco.task.id", number)
+        motion = _Motion(span, event.function, began)
+        with self._lock:
+            before = self._motions.pop(number, None)
+            self._motions[number] = motion
+        if before is not None:
+            self._settle(before, began, "unknown")
+        return motion
+
+    def _ended(self, number: int, event: CallFinished) -> None:
+        try:
+            state = TaskState(event.result)
+        except ValueError:
+            return
+        if not state.ended:
+            return
+        with self._lock:
+            motion = self._motions.pop(number, None)
+        if motion is not None:
+            self._settle(motion, event.at, state.name.lower())
+
+    def _settle(self, motion: _Motion, at: float, outcome: str) -> None:
+        attributes = self._named(function=motion.function, outcome=outcome)
+        self._tasks.add(1, attributes)
+        self._times.record(at - motion.began, attributes)
+        self._end(motion.span, at, outcome, None)
+
+    def _span(
+        self,
+        name: str,
+        began: float,
+        motion: _Motion | None = None,
+        kind: SpanKind = SpanKind.INTERNAL,
+    ) -> Span:
+        context = None if motion is None else trace.set_span_in_context(motion.span)
+        attributes = self._named()
+        return self._tracer.start_span(
+            name, context, kind, attributes=attributes, start_time=self._wall(began)
+        )
+
+    def _end(self, span: Span, at: float, outcome: str, error: BaseException | None) -> None:
+        span.set_attribute("duco.outcome", outcome)
+        if error is not None:
+            span.set_status(StatusCode.ERROR, str(error))
+        elif outcome in ("error", "illegal", "parameter_mismatch"):
+            span.set_status(StatusCode.ERROR)
+        span.end(self._wall(at))
+
+    def _wall(self, at: float) -> int:
+        return self._epoch + int(at * 1e9)
+
+    def _named(self, **attributes: Any) -> dict[str, Any]:
+        return {
+            "duco.robot": self._robot,
+            **{f"duco.{name}": value for name, value in attributes.items()},
+        }
+
+
+def _outcome(error: BaseException | None) -> str:
+    """How a call or a procedure ended: `ok`, or the class of its error."""
+    return "ok" if error is None else type(error).__name__

@@ -1,0 +1,215 @@
+"""Follows joint positions as they come, such as those of ros2_control or of a teleoperation.
+
+Guarantees:
+- The arm goes to no command before one has come that is close to where it stands.
+- When commands cease, the arm stands at the last one; its stream ends, unless it is to be held.
+- What a stop ended is not taken up again by the commands that go on coming: not before they have
+  ceased, or the arm was brought up or recovered.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from typing import TYPE_CHECKING
+
+import anyio
+
+from aioduco import RobotState
+from aioduco.errors import DucoError, SetPointTooFar
+from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from aioduco import LaneOptions, Robot
+    from aioduco.integrations.ros.trajectory_goals import ArmProfile
+
+__all__ = ["JointCommands", "check_command"]
+
+_log = logging.getLogger(__name__)
+_LOOK = 0.1  # seconds between two looks at the arm, or at whether commands have ceased
+_SAY_AGAIN = 2.0  # seconds before the same is logged again
+
+
+def check_command(
+    names: Sequence[str], positions: Sequence[float], profile: ArmProfile
+) -> tuple[float, ...]:
+    """A command in the arm's order of joints.
+
+    Args:
+        names: of the joints; others than this arm's are left out.
+        positions: theirs [rad].
+        profile: names and limits of the arm.
+
+    Raises:
+        GoalRefused: a joint is missing or named twice, or a position is none, or beyond a limit.
+    """
+    if len(names) != len(positions):
+        raise GoalRefused(
+            ErrorCode.INVALID_GOAL, f"{len(names)} names and {len(positions)} positions"
+        )
+    given = dict(zip(names, positions, strict=True))
+    if len(given) != len(names):
+        raise GoalRefused(ErrorCode.INVALID_JOINTS, "a joint is named twice")
+    missing = [name for name in profile.joint_names if name not in given]
+    if missing:
+        raise GoalRefused(ErrorCode.INVALID_JOINTS, f"{', '.join(missing)} missing")
+    found = tuple(float(given[name]) for name in profile.joint_names)
+    for name, place, low, high in zip(
+        profile.joint_names, found, profile.lower, profile.upper, strict=True
+    ):
+        if not (math.isfinite(place) and low <= place <= high):
+            text = f"{name} at {place:.4g} rad, {low:.4g} to {high:.4g} allowed"
+            raise GoalRefused(ErrorCode.INVALID_GOAL, text)
+    return found
+
+
+class JointCommands:
+    """Joint positions for one arm, followed by a servo stream that is open while they come.
+
+    Args:
+        robot: the robot, open.
+        profile: names and limits of its arm.
+        busy: whether something else has the arm, such as a trajectory goal.
+        rate: commands a second [Hz]: what comes between two is interpolated.
+        timeout: how long commands may be missing before the stream ends [s].
+        hold: whether the stream is open all the time, also without commands.
+        reach: how far a joint may be from the first command [rad].
+        options: how the stream runs; None: in a process of its own.
+
+    Attributes:
+        following: whether the stream is open.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        profile: ArmProfile,
+        *,
+        busy: Callable[[], bool],
+        rate: float,
+        timeout: float,
+        hold: bool,
+        reach: float,
+        options: LaneOptions | None = None,
+    ) -> None:
+        self._robot = robot
+        self._profile = profile
+        self._busy = busy
+        self._rate = rate
+        self._timeout = timeout
+        self._hold = hold
+        self._reach = reach
+        self._options = options
+        self.following: bool = False
+        self._newest: tuple[float, ...] | None = None
+        self._came = -math.inf
+        self._blocked = False
+        self._changed = anyio.Event()
+        self._said: dict[str, float] = {}
+
+    def take(self, names: Sequence[str], positions: Sequence[float]) -> bool:
+        """Take a command; only the newest counts. Gives back whether it may be followed.
+
+        Args:
+            names: of the joints.
+            positions: theirs [rad].
+        """
+        try:
+            target = check_command(names, positions, self._profile)
+        except GoalRefused as refusal:
+            self._say("refused", "joint command refused: %s", refusal)
+            return False
+        now = anyio.current_time()
+        if now - self._came > self._timeout:
+            self._blocked = False
+        self._came = now
+        if self._blocked:
+            self._say("blocked", "joint commands are ignored until they cease, or a recovery")
+            return False
+        if not self.following and self._busy():
+            self._say("busy", "joint command ignored: a trajectory goal is carried out")
+            return False
+        self._newest = target
+        self._changed.set()
+        return True
+
+    def allow(self) -> None:
+        """Take commands again: the arm was brought up or recovered."""
+        self._blocked = False
+
+    async def run(self) -> None:
+        """Follow commands until this is cancelled; the arm then comes to rest."""
+        while True:
+            await self._wait()
+            if self._hold or self._newest is not None:
+                try:
+                    await self._begin()
+                except DucoError as error:
+                    self._blocked = True
+                    _log.warning("joint commands: %s", error)
+                self._newest = None
+
+    async def _wait(self) -> None:
+        """Wait for a command, or until it is time to look again."""
+        if self._newest is None:
+            self._changed = anyio.Event()
+            with anyio.move_on_after(_LOOK):
+                await self._changed.wait()
+
+    async def _begin(self) -> None:
+        """Follow commands if the arm can, and the first is close to where it is."""
+        if not (self._blocked or self._busy()):
+            states = await self._robot.state.get_robot_state()
+            if states.robot is RobotState.ENABLE:
+                place = tuple(await self._robot.state.get_actual_joints_position())
+                if self._hold or self._is_close(self._newest, place):
+                    await self._follow(place)
+                    return
+        await anyio.sleep_until(anyio.current_time() + _LOOK)
+
+    def _is_close(self, newest: tuple[float, ...] | None, place: tuple[float, ...]) -> bool:
+        if newest is None:
+            return False
+        away = max(abs(a - b) for a, b in zip(newest, place, strict=True))
+        if away > self._reach:
+            self._say(
+                "far",
+                "joint command ignored: %.3g rad from where the arm is, %.3g allowed at first",
+                away,
+                self._reach,
+            )
+        return away <= self._reach
+
+    async def _follow(self, target: tuple[float, ...]) -> None:
+        """Follow commands in one stream, from where the arm stands, until they cease."""
+        try:
+            async with self._robot.servo.joints(
+                v=max(self._profile.velocity),
+                a=self._profile.acceleration,
+                latest=True,
+                upsample="linear",
+                source_rate=self._rate,
+                options=self._options,
+            ) as stream:
+                self.following, near = True, False
+                await stream.send(target)
+                while self._hold or anyio.current_time() - self._came < self._timeout:
+                    newest, self._newest = self._newest, None
+                    near = near or self._is_close(newest, target)
+                    try:
+                        await stream.send(newest if near and newest else target)
+                        target = newest if near and newest else target
+                    except SetPointTooFar as error:
+                        self._say("step", "joint command left out: %s", error)
+                    await self._wait()
+        finally:
+            self.following = False  # and the arm is free: the stream is gone
+
+    def _say(self, what: str, text: str, *values: object) -> None:
+        """Log something that may happen with every command, now and then."""
+        now = anyio.current_time()
+        if now - self._said.get(what, -math.inf) > _SAY_AGAIN:
+            self._said[what] = now
+            _log.warning(text, *values)

@@ -1,0 +1,64 @@
+"""A driver's settings from parameters, by the names that every shell offers. No I/O."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import Any
+
+from aioduco.errors import ParameterError
+from aioduco.integrations.ros.arm_node import NodeSettings
+from aioduco.integrations.ros.trajectory_goals import GoalRules
+
+__all__ = ["parameter_defaults", "settings_of"]
+
+_RULES = {"path": "path_tolerance", "goal": "goal_tolerance", "goal_time": "goal_time_tolerance"}
+_RULES |= {"start": "start_tolerance", "late": "stamp_tolerance"}
+_DEFAULTS = NodeSettings(host="-")
+
+
+def parameter_defaults() -> dict[str, Any]:
+    """All parameters by name, with their defaults; `robot_ip`, the same as `host`, is not in."""
+    found: dict[str, Any] = {
+        each.name: getattr(_DEFAULTS, each.name) for each in fields(NodeSettings)
+    }
+    del found["rules"]
+    found["host"] = ""
+    return found | {said: getattr(GoalRules(), name) for name, said in _RULES.items()}
+
+
+def settings_of(parameters: dict[str, Any]) -> NodeSettings:
+    """The driver's settings from its parameters.
+
+    Args:
+        parameters: by name. `robot_ip`, the manual's name of the launch argument, is `host`;
+            tolerances of goals are `path_tolerance`, `goal_tolerance`, `goal_time_tolerance`,
+            `start_tolerance` and `stamp_tolerance`.
+
+    Raises:
+        ParameterError: one is missing, unknown, of a wrong kind or out of range.
+    """
+    given = dict(parameters)
+    if "robot_ip" in given:
+        given.setdefault("host", given.pop("robot_ip"))
+        given.pop("robot_ip", None)
+    known = parameter_defaults()
+    for name, value in given.items():
+        if name not in known:
+            raise ParameterError(name, value, f"one of {', '.join([*known, 'robot_ip'])}")
+    if not given.get("host"):
+        raise ParameterError("host", given.get("host"), "the controller's address")
+    made = {name: _as(name, value, known[name]) for name, value in given.items()}
+    kept = {name: made.pop(said) for name, said in _RULES.items() if said in made}
+    return NodeSettings(**made, rules=replace(GoalRules(), **kept))
+
+
+def _as(name: str, value: Any, default: Any) -> Any:
+    """A parameter in the kind of its default."""
+    if isinstance(default, tuple) and isinstance(value, (list, tuple)):
+        return tuple(str(each) for each in value)
+    if isinstance(default, float) and type(value) in (int, float):
+        return float(value)
+    if type(value) is type(default):
+        return value
+    kind = "list of texts" if isinstance(default, tuple) else type(default).__name__
+    raise ParameterError(name, value, f"a {kind}")

@@ -1,0 +1,614 @@
+"""The driver as a managed node of ROS 2.
+
+The main thread runs the event loop with the robot. rclpy's executor runs on a thread of its own and
+waits for nothing but transitions: goals and services are handed to the loop, and answered when it
+is done with them. A stop has a node and a thread of its own, and goes to the controller from there.
+
+    unconfigured ──configure──> inactive ──activate──> active
+       no arm      connected, services     states, goals, commands
+"""
+
+# pyright: reportMissingImports=false
+# ROS 2 and its messages come with the system or a workspace, and have no types.
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+from typing import TYPE_CHECKING, Any
+
+import anyio
+from aioduco_msgs.msg import IOState, RobotState
+from aioduco_msgs.srv import MoveJ, MoveL, SetLoad, SetOutput, SetSpeed, SetTool
+from control_msgs.action import FollowJointTrajectory
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import WrenchStamped
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.task import Future
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+from tf2_msgs.msg import TFMessage
+from trajectory_msgs.msg import JointTrajectory
+
+from aioduco.errors import DucoError
+from aioduco.integrations.ros.arm_node import ArmNode, NodeSettings, arm_node
+from aioduco.integrations.ros.arm_services import ServiceReply
+from aioduco.integrations.ros.node_parameters import parameter_defaults, settings_of
+from aioduco.integrations.ros.ros2 import conversions
+from aioduco.integrations.ros.trajectory_goals import ErrorCode, GoalRefused
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Iterator
+
+    from anyio.abc import TaskStatus
+    from anyio.from_thread import BlockingPortal
+
+    from aioduco import Snapshot
+    from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
+    from aioduco.integrations.ros.trajectory_goals import TrajectoryGoal
+    from aioduco.integrations.ros.trajectory_server import PathFeedback
+
+__all__ = ["DriverNode"]
+
+_log = logging.getLogger(__name__)
+
+#: for subscribers that ask for sensor data, and for those that ask for reliable ones
+_STATES = QoSProfile(depth=5)
+_TRANSFORMS = QoSProfile(depth=100)
+#: the newest also for those who come later
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+_NEXT = 0.5  # a trajectory of one point that is due sooner is a command, not a goal [s]
+_CANCEL_PERIOD = 0.002  # seconds between two looks at whether rclpy has noted a cancellation
+_CANCEL_LOOKS = 500  # and the most of them
+_SUCCESS, _FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
+
+_OFF = ServiceReply(False, "the driver is not configured: configure it first. Nothing was sent")
+_ENDS = ServiceReply(False, "the driver ends; nothing was sent")
+
+#: of the node itself, beside those of the driver
+_OWN = {"autostart": True, "watch_clients": True}
+
+
+class _ActionGoal:
+    """A goal of an action client, as the driver's core handles goals."""
+
+    def __init__(self, node: DriverNode, handle: Any) -> None:
+        self._node = node
+        self._handle = handle
+        self._seen: set[bytes] = set()
+        self._goal = conversions.goal(handle.request)
+        #: the result, for rclpy
+        self.done = Future()
+
+    @property
+    def goal(self) -> TrajectoryGoal:
+        return self._goal
+
+    def alive(self) -> bool:
+        # A client may be noticed later than its goal. Whose a goal is, rclpy does not tell: any
+        # client that was there and is gone may have been the one.
+        here = self._node.action_clients()
+        self._seen |= here
+        return self._seen <= here
+
+    def accepted(self) -> None:
+        """rclpy has told the client already."""
+
+    def feedback(self, feedback: PathFeedback) -> None:
+        node = self._node
+        self._handle.publish_feedback(conversions.feedback(node.names, feedback, node.wall()))
+
+    async def cancellation_noted(self) -> None:
+        """Wait until rclpy has noted the cancellation that it has just told of."""
+        start = anyio.current_time()
+        for number in range(_CANCEL_LOOKS):
+            if self._handle.is_cancel_requested:
+                return
+            await anyio.sleep_until(start + number * _CANCEL_PERIOD)
+
+    def succeeded(self) -> None:
+        self._end(self._handle.succeed, ErrorCode.SUCCESSFUL, "")
+
+    def cancelled(self, text: str) -> None:
+        if self._handle.is_cancel_requested:
+            self._end(self._handle.canceled, ErrorCode.SUCCESSFUL, text)
+        else:  # superseded, or left by its client: nobody asked for it
+            self._end(self._handle.abort, ErrorCode.INVALID_GOAL, text)
+
+    def rejected(self, code: ErrorCode, text: str) -> None:
+        # A refusal of ROS 2 has no code and no reason, the end of an accepted goal has both.
+        self._end(self._handle.abort, code, text)
+
+    def aborted(self, code: ErrorCode, text: str) -> None:
+        self._end(self._handle.abort, code, text)
+
+    def _end(self, change: Callable[[], None], code: ErrorCode, text: str) -> None:
+        try:
+            change()
+        finally:
+            self._node.answer(self.done, conversions.result(code, text))
+
+
+class _TopicGoal:
+    """A trajectory from a topic: nobody waits for what comes of it, so that it is logged."""
+
+    def __init__(self, goal: TrajectoryGoal) -> None:
+        self.goal = goal
+
+    def alive(self) -> bool:
+        return True
+
+    def accepted(self) -> None:
+        """It is not told."""
+
+    def feedback(self, feedback: PathFeedback) -> None:
+        """It is not told."""
+
+    def succeeded(self) -> None:
+        _log.info("trajectory: the arm is there")
+
+    def cancelled(self, text: str) -> None:
+        _log.info("trajectory: %s", text)
+
+    def rejected(self, code: ErrorCode, text: str) -> None:
+        _log.warning("trajectory refused, %s: %s", code.name, text)
+
+    def aborted(self, code: ErrorCode, text: str) -> None:
+        _log.warning("trajectory ended, %s: %s", code.name, text)
+
+
+class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
+    """Topics, services, actions and transitions of one arm; the sink of its state.
+
+    Args:
+        portal: to the event loop with the robot.
+        fail: takes what ended the driver unexpectedly; called on the loop.
+        parameters: that go before those of the command line.
+
+    Attributes:
+        names: of the joints.
+        error: why the last configuration failed; None if it did not.
+    """
+
+    def __init__(
+        self,
+        portal: BlockingPortal,
+        fail: Callable[[BaseException], None],
+        parameters: dict[str, Any],
+    ) -> None:
+        super().__init__(
+            "duco",
+            parameter_overrides=[Parameter(name, value=v) for name, v in parameters.items()],
+            automatically_declare_parameters_from_overrides=True,
+        )
+        self._portal = portal
+        self._fail = fail
+        self.names: tuple[str, ...] = ()
+        self.error: DucoError | None = None
+        self._arm: ArmNode | None = None
+        self._settings: NodeSettings | None = None
+        self._released = anyio.Event()
+        self._left = anyio.Event()
+        self._running: anyio.CancelScope | None = None
+        self._stopped = anyio.Event()
+        #: from the clock of samples to that of the messages [s]
+        self._ahead = 0.0
+        self._topics: dict[str, Any] = {}
+        self._incoming: list[Any] = []
+        self._action: Any = None
+        self._feedback_topic = ""
+        self._group = ReentrantCallbackGroup()
+        self._known = parameter_defaults() | _OWN
+        for name, default in self._known.items():
+            if not self.has_parameter(name):
+                kind = ParameterDescriptor(dynamic_typing=True)
+                # An empty list has no kind of its own: of one empty text it is one of texts.
+                self.declare_parameter(name, [""] if default == () else default, kind)
+        self.add_on_set_parameters_callback(self._check_parameters)
+        self._offer_services()
+
+    # -- parameters ------------------------------------------------------------------------------
+
+    def _values(self) -> dict[str, Any]:
+        """The driver's parameters; of ROS's own there are others."""
+        found = {}
+        for name in self.get_parameters_by_prefix(""):
+            if name in _OWN or name.startswith(("use_sim_time", "qos_overrides", "start_type_")):
+                continue
+            value = self.get_parameter(name).value
+            if isinstance(value, (list, tuple)):
+                value = tuple(each for each in value if each != "")
+            found[name] = value
+        if found.get("robot_ip"):
+            found.pop("host", None)
+        return found
+
+    def _check_parameters(self, parameters: list[Any]) -> Any:
+        late = [each.name for each in parameters if each.name in self._known]
+        if late and self._arm is not None:
+            text = f"{', '.join(late)}: read when the driver is configured; clean it up first"
+            return SetParametersResult(successful=False, reason=text)
+        return SetParametersResult(successful=True)
+
+    # -- transitions: on rclpy's thread, or that which starts the node ---------------------------
+
+    def start(self) -> None:
+        """Configure and activate.
+
+        Raises:
+            DucoError: it could not be configured; says why.
+        """
+        if self.trigger_configure() is not _SUCCESS:
+            raise self.error or DucoError("the driver could not be configured; nothing was sent")
+        self.trigger_activate()
+
+    def on_configure(self, state: Any) -> Any:
+        """Read the parameters, connect to the arm, and offer topics and the action."""
+        del state
+        try:
+            self._settings = settings_of(self._values())
+            self.names = self._settings.profile.joint_names
+            self._portal.start_task(self._hold_arm, self._settings)
+        except DucoError as error:
+            self.error = error
+            self.get_logger().error(f"not configured: {error}")
+            return _FAILURE
+        self.error = None
+        self._offer_topics(self._settings)
+        return _SUCCESS
+
+    def on_activate(self, state: Any) -> Any:
+        """Publish states, and take goals and commands."""
+        found = super().on_activate(state)
+        self._portal.start_task(self._run_arm)
+        return found
+
+    def on_deactivate(self, state: Any) -> Any:
+        """Take none any more; the arm comes to rest."""
+        self._portal.call(self._end_running)
+        return super().on_deactivate(state)
+
+    def on_cleanup(self, state: Any) -> Any:
+        """Leave the arm."""
+        del state
+        self._portal.call(self.release)
+        self._withdraw_topics()
+        return _SUCCESS
+
+    def on_shutdown(self, state: Any) -> Any:
+        """Leave the arm, whatever it does: it comes to rest."""
+        return self.on_cleanup(state)
+
+    def on_error(self, state: Any) -> Any:
+        """Leave the arm after a transition that failed."""
+        return self.on_cleanup(state)
+
+    # -- the arm: on the loop --------------------------------------------------------------------
+
+    async def _hold_arm(
+        self, settings: NodeSettings, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED
+    ) -> None:
+        """Stay connected until the arm is released."""
+        self._released, self._left = anyio.Event(), anyio.Event()
+        try:
+            async with arm_node(settings, wall=self.wall) as arm:
+                self._arm = arm
+                self._ahead = self.wall() - time.monotonic()
+                task_status.started()
+                await self._released.wait()
+        finally:
+            self._arm = None
+            self._left.set()
+
+    async def _run_arm(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Publish and carry out until the node is deactivated."""
+        arm = self._arm
+        assert arm is not None
+        self._stopped = anyio.Event()
+        try:
+            with anyio.CancelScope() as scope:
+                self._running = scope
+                task_status.started()
+                async with anyio.create_task_group() as tasks:
+                    tasks.start_soon(arm.run, self)
+                    tasks.start_soon(self._publish_speed, arm)
+        except Exception as error:  # whatever it was: a driver that half works is none
+            self._fail(error)
+        finally:
+            self._running = None
+            self._stopped.set()
+
+    async def _end_running(self) -> None:
+        if self._running is not None:
+            self._running.cancel()
+            await self._stopped.wait()
+
+    async def release(self) -> None:
+        """Let the arm come to rest, and leave it."""
+        await self._end_running()
+        if self._arm is not None:
+            self._released.set()
+            await self._left.wait()
+
+    # -- topics ----------------------------------------------------------------------------------
+
+    def _offer_topics(self, settings: NodeSettings) -> None:
+        controller = f"{settings.prefix}joint_trajectory_controller"
+        for topic, kind, quality in (
+            ("joint_states", JointState, _STATES),
+            ("/tf", TFMessage, _TRANSFORMS),
+            ("wrench", WrenchStamped, _STATES),
+            ("robot_state", RobotState, _LATCHED),
+            ("io_states", IOState, _LATCHED),
+            ("speed_scaling", Float64, _LATCHED),
+            ("/diagnostics", DiagnosticArray, QoSProfile(depth=10)),
+        ):
+            self._topics[topic] = self.create_lifecycle_publisher(kind, topic, quality)
+        self._listen(JointState, f"{settings.prefix}joint_commands", self._take_command, _NEWEST)
+        if settings.hold_commands:
+            return  # ros2_control has an action of this name, and carries out its goals itself
+        self._listen(JointTrajectory, f"{controller}/joint_trajectory", self._take_trajectory, 5)
+        self._action = ActionServer(
+            self,
+            FollowJointTrajectory,
+            f"{controller}/follow_joint_trajectory",
+            self._execute_goal,
+            goal_callback=self._judge_goal,
+            cancel_callback=self._cancel_goal,
+            callback_group=self._group,
+        )
+        self._feedback_topic = f"{controller}/follow_joint_trajectory/_action/feedback"
+
+    def _listen(self, kind: Any, topic: str, take: Callable[[Any], None], quality: Any) -> None:
+        self._incoming.append(self.create_subscription(kind, topic, take, quality))
+
+    def _withdraw_topics(self) -> None:
+        for publisher in self._topics.values():
+            self.destroy_lifecycle_publisher(publisher)
+        for subscription in self._incoming:
+            self.destroy_subscription(subscription)
+        if self._action is not None:
+            self._action.destroy()
+        self._topics, self._incoming, self._action = {}, [], None
+
+    def wall(self) -> float:
+        """The node's clock [s]."""
+        return float(self.get_clock().now().nanoseconds) * 1e-9
+
+    def _publish(self, topic: str, message: Any) -> None:
+        publisher = self._topics.get(topic)
+        if publisher is not None:
+            publisher.publish(message)
+
+    # The sink, on the loop.
+
+    def wants_frames(self) -> bool:
+        """Whether anybody listens to frames."""
+        publisher = self._topics.get("/tf")
+        return publisher is not None and publisher.get_subscription_count() > 0
+
+    def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
+        """Publish joint states, and frames for those who want them."""
+        stamp = at + self._ahead
+        self._publish("joint_states", conversions.joint_state(self.names, reading, stamp))
+        if frames and self._settings is not None:
+            base = self._settings.base_frame
+            self._publish("/tf", conversions.transforms(base, frames, stamp))
+
+    def wrench(self, at: float, force: list[float]) -> None:
+        """Publish the force at the tool."""
+        prefix = "" if self._settings is None else self._settings.prefix
+        frame = f"{prefix}tcp_controller"
+        self._publish("wrench", conversions.wrench(frame, force, at + self._ahead))
+
+    def states(self, snapshot: Snapshot) -> None:
+        """Publish states, inputs and outputs."""
+        stamp = snapshot.received_at + self._ahead
+        self._publish("robot_state", conversions.robot_state(snapshot, stamp))
+        self._publish("io_states", conversions.io_state(snapshot, stamp))
+
+    def diagnosis(self, found: Diagnosis) -> None:
+        """Publish how the arm is."""
+        now = self.wall()
+        self._ahead = now - time.monotonic()  # a clock that was set, or that is simulated
+        host = "" if self._settings is None else self._settings.host
+        name = self.get_fully_qualified_name()
+        self._publish("/diagnostics", conversions.diagnostics(name, host, found, now))
+
+    async def _publish_speed(self, arm: ArmNode) -> None:
+        """The global speed, which motions are scaled by [percent]."""
+        start, number, period = anyio.current_time(), 0, 1.0 / arm.settings.slow_rate
+        while True:
+            try:
+                percent = await arm.robot.settings.get_global_speed()
+                self._publish("speed_scaling", Float64(data=float(percent)))
+            except DucoError as error:
+                _log.debug("no speed: %s", error)
+            number = max(number + 1, math.ceil((anyio.current_time() - start) / period))
+            await anyio.sleep_until(start + number * period)
+
+    # -- commands and goals: on rclpy's thread ---------------------------------------------------
+
+    def _hand_over(self, function: Callable[..., object], *values: object) -> bool:
+        """Call something on the loop, without waiting for it. Gives back whether it will be."""
+        try:
+            self._portal.start_task_soon(function, *values)
+        except RuntimeError:
+            return False
+        return True
+
+    def _take_trajectory(self, message: Any) -> None:
+        goal = conversions.trajectory(message)
+        self._hand_over(self._follow_trajectory, goal)
+
+    def _take_command(self, message: Any) -> None:
+        self._hand_over(self._follow_command, list(message.name), list(message.position))
+
+    def _judge_goal(self, request: Any) -> Any:
+        del request
+        if self._running is None:
+            self.get_logger().warning("a goal was refused: the driver is not active")
+            return GoalResponse.REJECT
+        return GoalResponse.ACCEPT
+
+    async def _execute_goal(self, handle: Any) -> Any:
+        try:
+            goal = _ActionGoal(self, handle)
+        except GoalRefused as refusal:
+            handle.abort()
+            return conversions.result(refusal.code, str(refusal))
+        except Exception as error:  # whatever a client sent: the node goes on
+            handle.abort()
+            text = f"the goal cannot be read: {error!r}; nothing was sent"
+            return conversions.result(ErrorCode.INVALID_GOAL, text)
+        handle.driver_goal = goal
+        if not self._hand_over(self._submit, goal):
+            handle.abort()
+            return conversions.result(ErrorCode.INVALID_GOAL, _ENDS.message)
+        return await goal.done
+
+    def _cancel_goal(self, handle: Any) -> Any:
+        goal = getattr(handle, "driver_goal", None)
+        if goal is None or not self._hand_over(self._cancel, goal):
+            return CancelResponse.REJECT
+        return CancelResponse.ACCEPT
+
+    def action_clients(self) -> set[bytes]:
+        """Clients of the action that ROS knows of; none if they are not to be watched."""
+        if not self.get_parameter("watch_clients").value:
+            return set()
+        found = self.get_subscriptions_info_by_topic(self._feedback_topic)
+        return {bytes(each.endpoint_gid) for each in found}
+
+    # -- and on the loop -------------------------------------------------------------------------
+
+    async def _submit(self, goal: _ActionGoal) -> None:
+        if self._arm is None or self._running is None:
+            goal.rejected(ErrorCode.INVALID_GOAL, "the driver is not active; nothing was sent")
+        else:
+            self._arm.goals.submit(goal)
+
+    async def _cancel(self, goal: _ActionGoal) -> None:
+        await goal.cancellation_noted()
+        if self._arm is not None:
+            self._arm.goals.cancel(goal)
+
+    async def _follow_trajectory(self, goal: TrajectoryGoal) -> None:
+        arm = self._arm
+        if arm is None or self._running is None:
+            return
+        if len(goal.points) == 1 and goal.points[0].time <= _NEXT:
+            arm.commands.take(goal.joint_names, goal.points[0].positions)
+        else:
+            arm.goals.submit(_TopicGoal(goal))
+
+    async def _follow_command(self, names: list[str], positions: list[float]) -> None:
+        if self._arm is not None and self._running is not None:
+            self._arm.commands.take(names, positions)
+
+    def answer(self, future: Any, value: object) -> None:
+        """Give rclpy what it waits for."""
+        future.set_result(value)
+        executor = self.executor
+        if executor is not None:
+            executor.wake()
+
+    # -- services --------------------------------------------------------------------------------
+
+    def _offer_services(self) -> None:
+        for name, kind, call in _services():
+            self.create_service(
+                kind, f"~/{name}", self._server(name, call), callback_group=self._group
+            )
+
+    def _server(
+        self, name: str, call: Callable[[ArmNode, Any], Awaitable[ServiceReply]]
+    ) -> Callable[[Any, Any], Awaitable[Any]]:
+        async def run(request: Any, done: Any) -> None:
+            reply = _ENDS
+            try:
+                arm = self._arm
+                reply = _OFF if arm is None else await call(arm, request)
+                if arm is not None and reply.success and name in ("bring_up", "recover"):
+                    arm.commands.allow()
+            finally:
+                self.answer(done, reply)
+
+        async def serve(request: Any, response: Any) -> Any:
+            done = Future()
+            if not self._hand_over(run, request, done):
+                done.set_result(_ENDS)
+            response.success, response.message = await done
+            return response
+
+        return serve
+
+    def stop(self, request: Any, response: Any) -> Any:
+        """Stop the arm: on the stop's own thread, which waits behind nothing."""
+        del request
+        arm = self._arm
+        if arm is None:
+            response.success, response.message = _OFF
+            return response
+        try:
+            arm.robot.stop_now()
+        except DucoError as error:
+            response.success, response.message = False, str(error)
+            return response
+        try:
+            response.success, response.message = self._portal.call(arm.services.stop)
+        except RuntimeError:
+            response.success, response.message = True, "the stop was accepted; the driver ends"
+        return response
+
+
+def _services() -> Iterator[tuple[str, Any, Callable[[ArmNode, Any], Awaitable[ServiceReply]]]]:
+    """Names, kinds and what they do; `stop` is none of them."""
+    yield "bring_up", Trigger, lambda arm, _: arm.services.bring_up()
+    yield "recover", Trigger, lambda arm, _: arm.services.recover()
+    yield "pause", Trigger, lambda arm, _: arm.services.pause()
+    yield "resume", Trigger, lambda arm, _: arm.services.resume()
+    yield (
+        "set_digital_output",
+        SetOutput,
+        lambda arm, asked: arm.services.set_digital_output(asked.number, asked.value),
+    )
+    yield (
+        "set_tool_output",
+        SetOutput,
+        lambda arm, asked: arm.services.set_tool_output(asked.number, asked.value),
+    )
+    yield "set_speed", SetSpeed, lambda arm, asked: arm.services.set_speed(asked.percent)
+    yield (
+        "set_tool",
+        SetTool,
+        lambda arm, asked: arm.services.set_tool(
+            asked.name, list(asked.offset), asked.mass, list(asked.centre)
+        ),
+    )
+    yield (
+        "set_load",
+        SetLoad,
+        lambda arm, asked: arm.services.set_load(asked.mass, list(asked.centre)),
+    )
+    yield (
+        "movej",
+        MoveJ,
+        lambda arm, asked: arm.services.movej(list(asked.joints), asked.v, asked.a),
+    )
+    yield (
+        "movel",
+        MoveL,
+        lambda arm, asked: arm.services.movel(
+            list(asked.pose), asked.v, asked.a, asked.tool, asked.wobj
+        ),
+    )

@@ -1,0 +1,171 @@
+"""Messages of ROS 2 from the driver's values, and its values from messages. No I/O."""
+
+# pyright: reportMissingImports=false
+# ROS 2 and its messages come with the system or a workspace, and have no types.
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from aioduco_msgs.msg import IOState, RobotState
+from builtin_interfaces.msg import Duration, Time
+from control_msgs.action import FollowJointTrajectory
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import TransformStamped, WrenchStamped
+from sensor_msgs.msg import JointState
+from tf2_msgs.msg import TFMessage
+from trajectory_msgs.msg import JointTrajectoryPoint
+
+from aioduco.integrations.ros.arm_readings import io_state_fields, robot_state_fields
+from aioduco.integrations.ros.trajectory_goals import (
+    ErrorCode,
+    GoalPoint,
+    GoalRefused,
+    NamedTolerance,
+    TrajectoryGoal,
+)
+
+if TYPE_CHECKING:
+    from aioduco import Snapshot
+    from aioduco.integrations.ros.arm_readings import ArmReading, Diagnosis, PlacedFrame
+    from aioduco.integrations.ros.trajectory_server import PathFeedback
+
+__all__ = [
+    "diagnostics",
+    "feedback",
+    "goal",
+    "io_state",
+    "joint_state",
+    "result",
+    "robot_state",
+    "trajectory",
+    "transforms",
+    "wrench",
+]
+
+_NANO = 1_000_000_000
+
+
+def _time(seconds: float) -> Any:
+    return Time(sec=int(seconds // 1), nanosec=int(seconds % 1.0 * _NANO))
+
+
+def _seconds(message: Any) -> float:
+    """Of a time or a duration."""
+    return float(message.sec + message.nanosec / _NANO)
+
+
+def trajectory(message: Any) -> TrajectoryGoal:
+    """A trajectory with the default tolerances, unchecked."""
+    return TrajectoryGoal(
+        joint_names=list(message.joint_names),
+        points=[
+            GoalPoint(
+                point.positions.tolist(),
+                point.velocities.tolist(),
+                point.accelerations.tolist(),
+                point.effort.tolist(),
+                _seconds(point.time_from_start),
+            )
+            for point in message.points
+        ],
+        stamp=_seconds(message.header.stamp),
+    )
+
+
+def goal(message: Any) -> TrajectoryGoal:
+    """A goal of FollowJointTrajectory, unchecked.
+
+    Raises:
+        GoalRefused: it asks for what an arm has not: joints of more than one axis.
+    """
+    if message.multi_dof_trajectory.points:
+        raise GoalRefused(ErrorCode.INVALID_JOINTS, "the arm has no joint of more than one axis")
+    if message.component_path_tolerance or message.component_goal_tolerance:
+        raise GoalRefused(ErrorCode.INVALID_GOAL, "tolerances of components are not looked at")
+    found = trajectory(message.trajectory)
+    return TrajectoryGoal(
+        found.joint_names,
+        found.points,
+        found.stamp,
+        [_tolerance(each) for each in message.path_tolerance],
+        [_tolerance(each) for each in message.goal_tolerance],
+        _seconds(message.goal_time_tolerance),
+    )
+
+
+def _tolerance(message: Any) -> NamedTolerance:
+    return NamedTolerance(message.name, message.position, message.velocity, message.acceleration)
+
+
+def result(code: ErrorCode, text: str) -> Any:
+    """A result of FollowJointTrajectory."""
+    return FollowJointTrajectory.Result(error_code=int(code), error_string=text)
+
+
+def feedback(names: tuple[str, ...], found: PathFeedback, stamp: float) -> Any:
+    """A feedback of FollowJointTrajectory, its joints in the arm's order."""
+    message = FollowJointTrajectory.Feedback(joint_names=list(names))
+    message.header.stamp = _time(stamp)
+    at = _time(found.time)
+    time = Duration(sec=at.sec, nanosec=at.nanosec)
+    for part in ("desired", "actual", "error"):
+        point = JointTrajectoryPoint(positions=getattr(found, part).tolist(), time_from_start=time)
+        setattr(message, part, point)
+    return message
+
+
+def joint_state(names: tuple[str, ...], reading: ArmReading, stamp: float) -> Any:
+    """Joint states."""
+    message = JointState(name=names, position=reading.position)
+    message.velocity, message.effort = reading.velocity, reading.effort
+    message.header.stamp = _time(stamp)
+    return message
+
+
+def transforms(base: str, frames: list[PlacedFrame], stamp: float) -> Any:
+    """Frames in that of the base."""
+    at = _time(stamp)
+    found = []
+    for frame in frames:
+        message = TransformStamped(child_frame_id=frame.name)
+        message.header.frame_id, message.header.stamp = base, at
+        place, turn = message.transform.translation, message.transform.rotation
+        place.x, place.y, place.z = frame.position
+        turn.x, turn.y, turn.z, turn.w = frame.quaternion
+        found.append(message)
+    return TFMessage(transforms=found)
+
+
+def wrench(frame: str, force: list[float], stamp: float) -> Any:
+    """Force and torque at the tool."""
+    message = WrenchStamped()
+    message.header.frame_id, message.header.stamp = frame, _time(stamp)
+    push, twist = message.wrench.force, message.wrench.torque
+    push.x, push.y, push.z, twist.x, twist.y, twist.z = force
+    return message
+
+
+def robot_state(snapshot: Snapshot, stamp: float) -> Any:
+    """States of robot, program, safety and mode."""
+    message = RobotState(**robot_state_fields(snapshot))
+    message.header.stamp = _time(stamp)
+    return message
+
+
+def io_state(snapshot: Snapshot, stamp: float) -> Any:
+    """Inputs and outputs; the first of each list has the number 1."""
+    message = IOState(**io_state_fields(snapshot))
+    message.header.stamp = _time(stamp)
+    return message
+
+
+def diagnostics(name: str, host: str, found: Diagnosis, stamp: float) -> Any:
+    """How the arm is."""
+    status = DiagnosticStatus(
+        level=bytes([found.level]), name=name, message=found.message, hardware_id=host
+    )
+    status.values = [KeyValue(key=key, value=value) for key, value in found.values.items()]
+    message = DiagnosticArray(status=[status])
+    message.header.stamp = _time(stamp)
+    return message

@@ -1,0 +1,270 @@
+"""The arm and what is around it in 3D, served by viser on a port of its own.
+
+Pages only look at it: it has no controls, and what they send to it has no effect. Shapes are those
+of `aioduco.kinematics`: lengths of the arm, thickness as on photographs, nothing of the vendor's.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import math
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+import viser
+from viser import transforms
+
+from aioduco.envelope import Zone
+from aioduco.kinematics.bodies import bodies
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from xml.etree import ElementTree as ET
+
+    from numpy.typing import NDArray
+
+    from aioduco.envelope import Envelope
+    from aioduco.kinematics import Arm
+    from aioduco.planning import Scene
+
+    Array = NDArray[np.float64]
+    Colour = tuple[int, int, int]
+
+__all__ = ["ArmScene"]
+
+_TUBE: Final = (214, 219, 226)
+_HOUSING: Final = (57, 110, 165)
+_TOLD: Final = (255, 170, 40)
+_AIM: Final = (60, 190, 120)
+_KEEP_OUT: Final = (215, 60, 60)
+_KEEP_IN: Final = (70, 150, 230)
+#: of joints, below which two arms are drawn as one [rad]
+_SAME: Final = 0.01
+#: edges of a round thing
+_ROUND: Final = 24
+
+
+class _SilentViser(viser.ViserServer):
+    """Viser that prints nothing, and opens no way to it from the internet."""
+
+    def __init__(self, host: str, port: int) -> None:
+        with contextlib.redirect_stdout(io.StringIO()):  # its banner, whatever `verbose` says
+            super().__init__(host=host, port=port, verbose=False)
+
+    def request_share_url(self, verbose: bool = True) -> str | None:  # noqa: ARG002 - viser's
+        """Refuse it: any page could ask for a tunnel through viser's servers."""
+        return None
+
+    def stop(self) -> None:
+        with contextlib.redirect_stdout(io.StringIO()):
+            super().stop()
+
+
+class ArmScene:
+    """Draws one arm for every page that looks.
+
+    Args:
+        arm: the arm.
+        host: address of this computer to listen on.
+        port: the first port to try; the next free one is taken.
+        scene: what stands around it; None for nothing.
+        envelope: its zones; None for none.
+    """
+
+    def __init__(
+        self, arm: Arm, host: str, port: int, scene: Scene | None, envelope: Envelope | None
+    ) -> None:
+        self._server = _SilentViser(host, port)
+        draw = self._server.scene
+        self._server.gui.configure_theme(
+            dark_mode=True, show_logo=False, show_share_button=False, control_width="small"
+        )
+        self._server.initial_camera.position = (1.15, -1.0, 0.85)
+        self._server.initial_camera.look_at = (0.12, 0.0, 0.36)
+        draw.configure_default_lights(cast_shadow=True)
+        draw.add_grid(
+            "/floor", width=4.0, height=4.0, cell_size=0.1, section_size=0.5,
+            cell_color=(52, 62, 76), section_color=(84, 97, 116), plane_color=(24, 30, 39),
+            plane_opacity=1.0, shadow_opacity=0.35, position=(0.0, 0.0, -0.001),
+        )  # fmt: skip
+        mounting = np.eye(4) if scene is None else np.asarray(scene.mounting.matrix)
+        draw.add_frame(
+            "/base", axes_length=0.16, axes_radius=0.004,
+            wxyz=_quaternion(mounting[:3, :3]), position=mounting[:3, 3],
+        )  # fmt: skip
+        self._turns = [np.asarray(body.rotation) for body in bodies(arm)[1:]]
+        self._arms = {
+            "is": self._add_arm(arm, "is", None, None),
+            "told": self._add_arm(arm, "told", _TOLD, 0.35),
+            "aim": self._add_arm(arm, "aim", _AIM, 0.45),
+        }
+        draw.add_frame("/base/is/1/2/3/4/5/6/flange", axes_length=0.12, axes_radius=0.004)
+        for thing in scene or ():
+            self._add_body(f"/things/{thing.name or id(thing)}", thing.mjcf(free=False))
+        for number, limit in enumerate(() if envelope is None else envelope.limits):
+            if isinstance(limit, Zone):
+                self._add_zone(f"/base/zones/{number}", limit)
+
+    @property
+    def port(self) -> int:
+        """The port that it listens on."""
+        return int(self._server.get_port())
+
+    def show(
+        self, joints: Sequence[float], told: Sequence[float], aim: Sequence[float] | None
+    ) -> None:
+        """Draw the arm.
+
+        Args:
+            joints: where it is [rad], six.
+            told: where it was told to be [rad], six; drawn where that is elsewhere.
+            aim: where the sliders point [rad], six; None for nowhere.
+        """
+        with self._server.atomic():
+            self._turn("is", joints)
+            self._turn("told", None if _near(joints, told) else told)
+            self._turn("aim", None if aim is None or _near(joints, aim) else aim)
+
+    def close(self) -> None:
+        """End it: pages see it no more."""
+        self._server.stop()
+
+    # -- how it is drawn -------------------------------------------------------------------------
+
+    def _turn(self, which: str, joints: Sequence[float] | None) -> None:
+        root, links = self._arms[which]
+        shown = joints is not None and all(map(math.isfinite, joints))
+        if root.visible != shown:
+            root.visible = shown
+        if joints is None or not shown:
+            return
+        for link, turn, angle in zip(links, self._turns, joints, strict=True):
+            link.wxyz = _quaternion(turn @ _about_z(angle))
+
+    def _add_arm(
+        self, arm: Arm, which: str, colour: Colour | None, opacity: float | None
+    ) -> tuple[Any, list[Any]]:
+        """A frame for each link in that of the link before, and its parts in it."""
+        draw = self._server.scene
+        path = f"/base/{which}"
+        root = draw.add_frame(path, show_axes=False, visible=colour is None)
+        links = []
+        for number, body in enumerate(bodies(arm)):
+            if number:
+                path = f"{path}/{number}"
+                links.append(
+                    draw.add_frame(
+                        path,
+                        show_axes=False,
+                        position=body.position,
+                        wxyz=_quaternion(np.asarray(body.rotation)),
+                    )
+                )
+            for part, capsule in enumerate(body.parts):
+                vertices, faces = _capsule(capsule.start, capsule.end, capsule.radius)
+                draw.add_mesh_simple(
+                    f"{path}/part{part}", vertices, faces, opacity=opacity,
+                    color=colour or (_HOUSING if capsule.joint else _TUBE),
+                    cast_shadow=colour is None, receive_shadow=False,
+                )  # fmt: skip
+        return root, links
+
+    def _add_body(self, path: str, body: ET.Element) -> None:
+        """A thing as MJCF gives it: bodies in bodies, and simple shapes in them."""
+        draw = self._server.scene
+        draw.add_frame(path, show_axes=False, **_placed(body))
+        for number, child in enumerate(body):
+            name = f"{path}/{number}"
+            if child.tag == "body":
+                self._add_body(name, child)
+            elif child.tag == "geom":
+                size = _floats(child, "size")
+                red, green, blue = (int(255 * part) for part in _floats(child, "rgba")[:3])
+                look: dict[str, Any] = {"color": (red, green, blue), **_placed(child)}
+                kind = child.get("type")
+                if kind == "box":
+                    draw.add_box(name, dimensions=2.0 * np.array(size), **look)
+                elif kind == "sphere":
+                    draw.add_icosphere(name, radius=size[0], **look)
+                elif kind == "cylinder":
+                    draw.add_cylinder(name, radius=size[0], height=2 * size[1], **look)
+
+    def _add_zone(self, path: str, zone: Zone) -> None:
+        draw = self._server.scene
+        colour = _KEEP_IN if zone.keep == "in" else _KEEP_OUT
+        # double-sided: one stands in a zone to be kept in
+        look: dict[str, Any] = {"color": colour, "opacity": 0.14, "side": "double",
+                                "cast_shadow": False, "receive_shadow": False}  # fmt: skip
+        if zone.shape == "sphere":
+            draw.add_icosphere(path, radius=zone.size[0], position=np.array(zone.at), **look)
+            return
+        size: tuple[float, ...] = zone.size
+        turn = np.array(zone.turn).reshape(3, 3)
+        if zone.shape == "plane":
+            size, turn = (2.4, 2.4, 0.002), _towards(np.array(zone.size))
+        where: dict[str, Any] = {"position": zone.at, "wxyz": _quaternion(turn)}
+        draw.add_box(path, dimensions=np.array(size), **look, **where)
+        edge: dict[str, Any] = {"color": colour, "wireframe": True, "cast_shadow": False}
+        draw.add_box(f"{path}/edges", dimensions=np.array(size), **edge)
+
+
+def _near(one: Sequence[float], other: Sequence[float]) -> bool:
+    return all(abs(a - b) < _SAME for a, b in zip(one, other, strict=True))
+
+
+def _floats(element: ET.Element, name: str) -> list[float]:
+    return [float(word) for word in element.get(name, "").split()]
+
+
+def _placed(element: ET.Element) -> dict[str, Any]:
+    """Where an element of MJCF is, as viser takes it."""
+    position, quaternion = _floats(element, "pos"), _floats(element, "quat")
+    return {"position": position or (0.0, 0.0, 0.0), "wxyz": quaternion or (1.0, 0.0, 0.0, 0.0)}
+
+
+def _quaternion(rotation: Array) -> Array:
+    """As viser takes it: w, x, y, z. Shape (4,)."""
+    return np.asarray(transforms.SO3.from_matrix(rotation).wxyz, dtype=np.float64)
+
+
+def _about_z(angle: float) -> Array:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _towards(axis: Array) -> Array:
+    """A rotation whose z axis points that way. Shape (3, 3)."""
+    z = axis / np.linalg.norm(axis)
+    x = np.cross([0.0, 1.0, 0.0] if abs(z[1]) < 0.9 else [1.0, 0.0, 0.0], z)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])
+
+
+def _capsule(
+    start: Sequence[float], end: Sequence[float], radius: float
+) -> tuple[Array, NDArray[np.uint32]]:
+    """A cylinder with round ends as vertices and triangles: rings along its axis."""
+    along = np.subtract(end, start)
+    length = float(np.linalg.norm(along))
+    frame = _towards(along) if length else np.eye(3)
+    bend = np.linspace(-math.pi / 2, math.pi / 2, _ROUND // 2 + 2)
+    middle = len(bend) // 2
+    heights = radius * np.sin(bend) + np.where(np.arange(len(bend)) >= middle, length, 0.0)
+    around = np.linspace(0.0, 2 * math.pi, _ROUND, endpoint=False)
+    wide = radius * np.cos(bend)[:, None]
+    rings = np.stack(
+        [
+            wide * np.cos(around),
+            wide * np.sin(around),
+            np.broadcast_to(heights[:, None], (len(bend), _ROUND)),
+        ],
+        axis=-1,
+    )
+    vertices = rings.reshape(-1, 3) @ frame.T + np.asarray(start)
+    faces = []
+    for ring in range(len(bend) - 1):
+        for edge in range(_ROUND):
+            a, b = ring * _ROUND + edge, ring * _ROUND + (edge + 1) % _ROUND
+            faces += [(a, b, b + _ROUND), (a, b + _ROUND, a + _ROUND)]
+    return vertices, np.array(faces, dtype=np.uint32)

@@ -1,0 +1,262 @@
+"""Who commands the arm from the panel, and for how long: a state machine without I/O or a clock.
+
+Guarantees:
+- At most one page commands: the one that showed the token while nobody else did.
+- Nothing moves but while a button is held down. A hold lives for `hold_limit` after the moment that
+  the page last confirmed to have seen: a page that is silent, slow, or late by more ends it.
+- What ends a lease ends what moves by it, and no lease is given before that is seen through.
+- A stop is never refused, and what was held is not taken up again after it.
+"""
+
+from __future__ import annotations
+
+import enum
+import hmac
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from aioduco.panel.page_requests import HoldMotion
+
+__all__ = [
+    "BeginLease",
+    "BeginMotion",
+    "ControlLease",
+    "EndLease",
+    "EndMotion",
+    "LeasePhase",
+    "RefusePage",
+]
+
+
+class LeasePhase(enum.Enum):
+    """What has become of the lease."""
+
+    FREE = "free"
+    OPENING = "opening"
+    HELD = "held"
+    ENDING = "ending"
+
+
+@dataclass(frozen=True, slots=True)
+class RefusePage:
+    """Nothing is done; the page is told why.
+
+    Attributes:
+        page: the page.
+        reason: what it is told.
+        wrong_token: whether it showed a wrong token, which is logged.
+    """
+
+    page: int
+    reason: str
+    wrong_token: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class BeginLease:
+    """Open a robot to command: a page holds the lease."""
+
+    page: int
+
+
+@dataclass(frozen=True, slots=True)
+class EndLease:
+    """Stop what moves by the lease, and close its robot.
+
+    Attributes:
+        reason: why, as pages are told.
+    """
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class BeginMotion:
+    """Start what a button is held down for."""
+
+    motion: HoldMotion
+
+
+@dataclass(frozen=True, slots=True)
+class EndMotion:
+    """End what a button was held down for.
+
+    Attributes:
+        reason: why, as pages are told; empty where the button was let go.
+    """
+
+    reason: str = ""
+
+
+LeaseEffect: TypeAlias = RefusePage | BeginLease | EndLease | BeginMotion | EndMotion
+
+_NOT_YOURS = "this page does not command: take control first"
+
+
+class ControlLease:
+    """The lease of one panel.
+
+    Args:
+        token: what a page has to show to command; empty if none may.
+        hold_limit: seconds for which a hold lives on what the page last confirmed to have seen.
+        page_limit: seconds without a sign of its page after which a lease ends.
+
+    Attributes:
+        phase: what has become of the lease.
+        holder: the page that has it; None for nobody.
+        motion: what a button is held down for, until its end is seen; None for nothing.
+    """
+
+    def __init__(self, token: str, *, hold_limit: float, page_limit: float) -> None:
+        self._token = token.encode()
+        self._hold_limit = hold_limit
+        self._page_limit = page_limit
+        self.phase: LeasePhase = LeasePhase.FREE
+        self.holder: int | None = None
+        self.motion: HoldMotion | None = None
+        self._ending_motion = False
+        self._heard_at = 0.0
+        self._seen_at = 0.0
+        self._stops = 0
+
+    def __repr__(self) -> str:  # never with the token
+        return f"<ControlLease {self.phase.value}, page {self.holder}>"
+
+    # -- the lease -------------------------------------------------------------------------------
+
+    def take(self, page: int, token: str, now: float) -> LeaseEffect:
+        """A page asks for the lease.
+
+        Args:
+            page: the page.
+            token: what it shows; compared in a time that does not depend on it.
+            now: the time [s].
+        """
+        if not self._token:
+            return RefusePage(page, "this panel only watches")
+        # as bytes: of strings, only ASCII would be compared
+        if not hmac.compare_digest(token.encode("utf-8", "replace"), self._token):
+            return RefusePage(page, "wrong token: nothing was moved", wrong_token=True)
+        if self.phase is LeasePhase.ENDING:
+            return RefusePage(page, "the lease before is ending: try again when the arm stands")
+        if self.phase is not LeasePhase.FREE:
+            return RefusePage(page, "another page commands")
+        self.phase, self.holder = LeasePhase.OPENING, page
+        self._heard_at = now
+        return BeginLease(page)
+
+    def opened(self) -> None:
+        """The robot of the lease is open."""
+        if self.phase is LeasePhase.OPENING:
+            self.phase = LeasePhase.HELD
+
+    def give_back(self, page: int, reason: str = "control was given back") -> LeaseEffect | None:
+        """A page gives the lease back, or is gone."""
+        return self._end(reason) if page == self.holder else None
+
+    def closed(self) -> None:
+        """What moved by the lease stands, and its robot is closed."""
+        self.phase, self.holder, self.motion = LeasePhase.FREE, None, None
+        self._ending_motion = False
+
+    def lost(self, reason: str) -> LeaseEffect | None:
+        """The robot of the lease cannot go on."""
+        return self._end(reason)
+
+    def _end(self, reason: str) -> EndLease | None:
+        if self.phase in {LeasePhase.FREE, LeasePhase.ENDING}:
+            return None
+        self.phase = LeasePhase.ENDING
+        self.holder = None
+        return EndLease(reason)
+
+    # -- what its page does ----------------------------------------------------------------------
+
+    def refusal(self, page: int) -> RefusePage | None:
+        """Why a page may not command now; None if it may."""
+        if page != self.holder:
+            return RefusePage(page, _NOT_YOURS)
+        if self.phase is not LeasePhase.HELD:
+            return RefusePage(page, "the robot is still being opened")
+        return None
+
+    def press(self, page: int, motion: HoldMotion, seen_at: float, now: float) -> LeaseEffect:
+        """A page presses a button that moves the arm while it is held down.
+
+        Args:
+            page: the page.
+            motion: what the button is for.
+            seen_at: when that was sent which the page last saw [s].
+            now: the time [s].
+        """
+        refused = self.refusal(page)
+        if refused is not None:
+            return refused
+        if self._stops:
+            return RefusePage(page, "the arm is being stopped")
+        if self.motion is not None:
+            return RefusePage(page, "the motion before has not ended yet")
+        if now - seen_at > self._hold_limit:
+            return RefusePage(page, "what this page shows is too old to move by")
+        self.motion, self._ending_motion = motion, False
+        self._heard_at, self._seen_at = now, seen_at
+        return BeginMotion(motion)
+
+    def beat(self, page: int, seen_at: float, now: float, *, down: bool) -> LeaseEffect | None:
+        """A page gives a sign of life.
+
+        Args:
+            page: the page.
+            seen_at: when that was sent which the page last saw [s].
+            now: the time [s].
+            down: whether its button is still held down.
+        """
+        if page != self.holder:
+            return None
+        self._heard_at = now
+        if not down:
+            return self.let_go(page)
+        self._seen_at = max(self._seen_at, seen_at)
+        return None
+
+    def let_go(self, page: int) -> LeaseEffect | None:
+        """A page lets its button go."""
+        return self._end_motion("") if page == self.holder else None
+
+    def motion_ended(self) -> None:
+        """What a button was held down for has ended: the arm stands, or was told to."""
+        self.motion, self._ending_motion = None, False
+
+    def _end_motion(self, reason: str) -> EndMotion | None:
+        if self.motion is None or self._ending_motion:
+            return None
+        self._ending_motion = True
+        return EndMotion(reason)
+
+    # -- stops, and the time ---------------------------------------------------------------------
+
+    def stop(self) -> LeaseEffect | None:
+        """Anybody stops the arm: until `stop_ended`, nothing starts.
+
+        Returns:
+            The end of what a button is held down for, if one is.
+        """
+        self._stops += 1
+        return self._end_motion("the arm was stopped")
+
+    def stop_ended(self) -> None:
+        """A stop was seen through, or failed."""
+        self._stops -= 1
+
+    def due(self, now: float) -> LeaseEffect | None:
+        """What the time has brought about.
+
+        Args:
+            now: the time [s].
+        """
+        if self.holder is not None and now - self._heard_at > self._page_limit:
+            return self._end("its page was silent")
+        if self.motion is not None and now - self._seen_at > self._hold_limit:
+            return self._end_motion("its page was silent or late: hold the button again")
+        return None

@@ -1,0 +1,339 @@
+"""What a page may ask for: its messages as checked values. No I/O."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, get_args
+
+from aioduco import Jog, JogFrame
+from aioduco.errors import ParameterError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+__all__ = [
+    "GiveBack",
+    "HoldMotion",
+    "JogMotion",
+    "JointMotion",
+    "LetGo",
+    "LineMotion",
+    "PageAim",
+    "PageBeat",
+    "PageRequest",
+    "PageStop",
+    "Press",
+    "RobotAction",
+    "SetOutput",
+    "SimulatorLine",
+    "TakeControl",
+    "page_request",
+]
+
+#: joint speed of a motion to a target at 100 % [rad/s], and its acceleration [rad/s²]
+JOINT_SPEED: Final = 1.0
+JOINT_ACCELERATION: Final = 1.0
+#: tool speed of a motion to a target at 100 % [m/s], and its acceleration [m/s²]
+LINE_SPEED: Final = 0.25
+LINE_ACCELERATION: Final = 0.5
+#: no message of the page is longer [bytes]
+LONGEST: Final = 4096
+
+_AXES: Final = ("x", "y", "z", "rx", "ry", "rz")
+
+RobotVerb: TypeAlias = Literal["bring_up", "recover", "pause", "resume"]
+
+
+@dataclass(frozen=True, slots=True)
+class JogMotion:
+    """A jog, for as long as its button is held down."""
+
+    jog: Jog
+
+    def __str__(self) -> str:
+        sign = "+" if self.jog.direction > 0 else "−"
+        if self.jog.joint_space:
+            return f"jog of joint {self.jog.axis + 1} {sign}"
+        frame = self.jog.frame.name.lower().replace("_", " ")
+        return f"jog along {_AXES[self.jog.axis]} {sign} of the {frame}"
+
+
+@dataclass(frozen=True, slots=True)
+class JointMotion:
+    """To joint angles, as long as the button is held down.
+
+    Attributes:
+        joints: the target [rad], six.
+        speed: of the joints [rad/s].
+    """
+
+    joints: tuple[float, ...]
+    speed: float
+
+    def __str__(self) -> str:
+        return "move to joint angles"
+
+
+@dataclass(frozen=True, slots=True)
+class LineMotion:
+    """To a pose on a line, as long as the button is held down.
+
+    Attributes:
+        pose: the target of the tool in the work object [m, rad], six.
+        speed: of the tool [m/s].
+    """
+
+    pose: tuple[float, ...]
+    speed: float
+
+    def __str__(self) -> str:
+        return "move on a line"
+
+
+HoldMotion: TypeAlias = JogMotion | JointMotion | LineMotion
+
+
+@dataclass(frozen=True, slots=True)
+class PageStop:
+    """Stop the arm. It needs no lease."""
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class TakeControl:
+    """Give this page the lease. Its `repr` does not show the token.
+
+    Attributes:
+        token: what the page shows for it.
+    """
+
+    token: str
+
+    def __repr__(self) -> str:
+        return "TakeControl(…)"
+
+
+@dataclass(frozen=True, slots=True)
+class GiveBack:
+    """End this page's lease."""
+
+
+@dataclass(frozen=True, slots=True)
+class Press:
+    """A button that moves the arm is held down.
+
+    Attributes:
+        motion: what it is for.
+        seen: number of the state that the page saw last.
+    """
+
+    motion: HoldMotion
+    seen: int
+
+
+@dataclass(frozen=True, slots=True)
+class LetGo:
+    """It was let go."""
+
+
+@dataclass(frozen=True, slots=True)
+class PageBeat:
+    """A sign of life.
+
+    Attributes:
+        seen: number of the state that the page saw last.
+        down: whether a button is held down.
+    """
+
+    seen: int
+    down: bool
+
+
+@dataclass(frozen=True, slots=True)
+class PageAim:
+    """Show where the sliders point.
+
+    Attributes:
+        joints: the angles [rad], six; None to show nothing.
+    """
+
+    joints: tuple[float, ...] | None
+
+
+@dataclass(frozen=True, slots=True)
+class RobotAction:
+    """Lead the arm's states."""
+
+    verb: RobotVerb
+
+
+@dataclass(frozen=True, slots=True)
+class SetOutput:
+    """Set a digital output.
+
+    Attributes:
+        num: its number, from 1.
+        on: whether it is to be on.
+        tool: whether it is one of the tool, rather than of the cabinet.
+    """
+
+    num: int
+    on: bool
+    tool: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatorLine:
+    """What a person at a simulated machine does, as `aioduco sim-do` takes it."""
+
+    line: str
+
+
+PageRequest: TypeAlias = (
+    PageStop
+    | TakeControl
+    | GiveBack
+    | Press
+    | LetGo
+    | PageBeat
+    | PageAim
+    | RobotAction
+    | SetOutput
+    | SimulatorLine
+)
+
+
+def page_request(text: str | bytes) -> PageRequest:
+    """Read a message of a page.
+
+    Args:
+        text: an object of JSON; its `ask` says what for.
+
+    Raises:
+        ParameterError: it is none, or a value is not of its kind or range.
+    """
+    try:
+        return _read(text)
+    except RecursionError:  # of the text that says what is wrong, too
+        raise ParameterError("message", "…", "an object of JSON") from None
+
+
+def _read(text: str | bytes) -> PageRequest:
+    try:
+        data = json.loads(text)
+    except ValueError:
+        raise ParameterError("message", "…", "an object of JSON") from None
+    if not isinstance(data, dict):
+        raise ParameterError("message", "…", "an object of JSON")
+    ask = data.get("ask")
+    make = _REQUESTS.get(ask) if isinstance(ask, str) else None
+    if make is None:
+        raise ParameterError("ask", ask, f"one of {', '.join(_REQUESTS)}")
+    return make(data)
+
+
+def _token(data: dict[str, Any]) -> TakeControl:
+    token = data.get("token")
+    if not isinstance(token, str):  # and its value is never told
+        raise ParameterError("token", "…", "a string")
+    return TakeControl(token)
+
+
+def _press(data: dict[str, Any]) -> Press:
+    motion = data.get("motion")
+    if not isinstance(motion, dict):
+        raise ParameterError("motion", motion, "an object")
+    kind = motion.get("kind")
+    percent = _number("percent", motion.get("percent"), 1.0, 100.0)
+    made: HoldMotion
+    if kind == "jog":
+        made = JogMotion(_jog(motion, percent))
+    elif kind == "joints":
+        made = JointMotion(_six("joints", motion.get("to")), JOINT_SPEED * percent / 100)
+    elif kind == "line":
+        speed = max(0.01, LINE_SPEED * percent / 100)
+        made = LineMotion(_six("pose", motion.get("to")), speed)
+    else:
+        raise ParameterError("kind", kind, "jog, joints or line")
+    return Press(made, _whole("seen", data.get("seen")))
+
+
+def _jog(motion: dict[str, Any], percent: float) -> Jog:
+    axis, direction = motion.get("axis"), motion.get("direction")
+    if direction not in (-1, 1) or type(direction) is not int:
+        raise ParameterError("direction", direction, "1 or -1")
+    if isinstance(axis, str) and axis in _AXES:
+        frames = {frame.name.lower(): frame for frame in JogFrame}
+        name = motion.get("frame", "base")
+        if not isinstance(name, str) or name not in frames:
+            raise ParameterError("frame", name, f"one of {', '.join(frames)}")
+        named: Any = axis
+        return Jog.cartesian(named, direction, percent, frame=frames[name])
+    return Jog.joint(_whole("axis", axis), direction, percent)
+
+
+def _beat(data: dict[str, Any]) -> PageBeat:
+    return PageBeat(_whole("seen", data.get("seen")), _flag("down", data.get("down")))
+
+
+def _aim(data: dict[str, Any]) -> PageAim:
+    given = data.get("joints")
+    return PageAim(None if given is None else _six("joints", given))
+
+
+def _action(data: dict[str, Any]) -> RobotAction:
+    verb: Any = data.get("verb")
+    if verb not in get_args(RobotVerb):
+        raise ParameterError("verb", verb, f"one of {', '.join(get_args(RobotVerb))}")
+    return RobotAction(verb)
+
+
+def _output(data: dict[str, Any]) -> SetOutput:
+    num, on = _whole("num", data.get("num")), _flag("on", data.get("on"))
+    return SetOutput(num, on, _flag("tool", data.get("tool")))
+
+
+def _line(data: dict[str, Any]) -> SimulatorLine:
+    line = data.get("line")
+    if not isinstance(line, str) or not line.isprintable() or len(line) > 200:
+        raise ParameterError("line", "…", "one printable line of at most 200 characters")
+    return SimulatorLine(line)
+
+
+_REQUESTS: Final[dict[str, Callable[[dict[str, Any]], PageRequest]]] = {
+    "stop": lambda _: PageStop(),
+    "take": _token,
+    "give_back": lambda _: GiveBack(),
+    "press": _press,
+    "let_go": lambda _: LetGo(),
+    "beat": _beat,
+    "aim": _aim,
+    "do": _action,
+    "output": _output,
+    "simulator": _line,
+}
+
+
+def _number(name: str, value: Any, low: float, high: float) -> float:
+    if type(value) not in (int, float) or not low <= value <= high:  # NaN is in no range
+        raise ParameterError(name, value, f"a number from {low:g} to {high:g}")
+    return float(value)
+
+
+def _whole(name: str, value: Any) -> int:
+    if type(value) is not int or not 0 <= value < 1 << 53:
+        raise ParameterError(name, value, "a whole number from 0")
+    return value
+
+
+def _flag(name: str, value: Any) -> bool:
+    if type(value) is not bool:
+        raise ParameterError(name, value, "true or false")
+    return value
+
+
+def _six(name: str, value: Any) -> tuple[float, ...]:
+    if not isinstance(value, list) or len(value) != 6:
+        raise ParameterError(name, value, "six numbers")
+    numbers: Sequence[Any] = value
+    return tuple(_number(name, number, -100.0, 100.0) for number in numbers)

@@ -1,0 +1,238 @@
+"""Serves the panel's page, and carries its messages: HTTP and WebSocket on one port.
+
+Guarantees:
+- A page of another site gets no connection: its browser names that site, and it is refused.
+- A message of a page is handed over as it comes, behind no other page's and behind nothing that is
+  awaited. Nothing waits for a page: what a slow one does not take is left out, and one that takes
+  nothing is cut off.
+"""
+
+from __future__ import annotations
+
+import http
+import ipaddress
+import itertools
+import json
+import logging
+from contextlib import asynccontextmanager
+from importlib import resources
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import urlsplit
+
+from websockets.asyncio.server import broadcast, serve
+from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Response
+
+from aioduco.panel.page_requests import LONGEST
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+
+    from websockets.asyncio.server import ServerConnection
+    from websockets.http11 import Request
+
+__all__ = ["PageServer"]
+
+_log = logging.getLogger("aioduco.panel")
+
+#: for what websockets says: browsers open connections that they do not use, and break others off
+_SILENT: Final = logging.Logger("aioduco.panel.pages", logging.CRITICAL)
+#: bytes that wait for a page beyond which it is left out of what is told to all
+_FULL: Final = 65_536
+#: messages in a row that a page was left out of, after which it is cut off
+_MOST_LEFT_OUT: Final = 200
+_KINDS: Final = {
+    "html": "text/html; charset=utf-8",
+    "css": "text/css; charset=utf-8",
+    "js": "text/javascript; charset=utf-8",
+}
+_FILES: Final = {"/": "panel.html", "/panel.css": "panel.css", "/panel.js": "panel.js"}
+_SCENE: Final = "/scene"
+_SOCKET: Final = "/socket"
+#: what viser's page gets besides
+_ADDED: Final = ("scene.css", "scene.js")
+#: this computer by its names, at any port
+_HERE: Final = "'self' http://127.0.0.1:* http://localhost:*"
+#: No other site may show the panel in a frame, and have clicks fall on its buttons.
+_OWN: Final = (
+    "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
+    f"frame-src {_HERE}; frame-ancestors 'self'"
+)
+#: The picture is shown by the panel, by the other name of this computer; nothing in it commands.
+_SHOWN_BY: Final = f"frame-ancestors {_HERE}"
+
+
+class PageServer:
+    """Pages that look at one panel.
+
+    Args:
+        host: address of this computer to listen on.
+        port: the port; 0 for a free one.
+        hello: gives what a page is told first, by its number; on the event loop.
+        take: called with a page's number and its message, as it comes; it must not block.
+        left: called with a page's number once it is gone.
+
+    Attributes:
+        port: the port that it listens on, once it does.
+    """
+
+    def __init__(
+        self,
+        host: str,
+        port: int,
+        hello: Callable[[int], dict[str, Any]],
+        take: Callable[[int, str | bytes], object],
+        left: Callable[[int], object],
+    ) -> None:
+        self.host = host
+        self.port: int = port
+        self._hello = hello
+        self._take = take
+        self._left = left
+        self._pages: dict[int, ServerConnection] = {}
+        self._left_out: dict[int, int] = {}
+        self._numbers = itertools.count(1)
+
+    @property
+    def pages(self) -> int:
+        """How many pages are open."""
+        return len(self._pages)
+
+    def address_of(self, page: int) -> str:
+        """Where a page comes from, for the log."""
+        connection = self._pages.get(page)
+        where = None if connection is None else connection.remote_address
+        return f"{where[0]}:{where[1]}" if where else "a page that is gone"
+
+    @asynccontextmanager
+    async def listening(self) -> AsyncIterator[None]:
+        """Listen until the block is left; pages that are open then are closed.
+
+        Raises:
+            OSError: the port is taken, or the address is none of this computer.
+        """
+        # A page is told something many times a second, and says something as often: that it is
+        # there needs no pings of its own. Compression would cost more than it saves.
+        async with serve(
+            self._page, self.host, self.port, process_request=self._answer, compression=None,
+            max_size=LONGEST, max_queue=64, ping_interval=None, close_timeout=0.5, logger=_SILENT,
+        ) as server:  # fmt: skip
+            address: tuple[str, int] = next(iter(server.sockets)).getsockname()[:2]
+            self.port = address[1]
+            yield
+
+    def tell_all(self, message: dict[str, Any]) -> None:
+        """Tell every page; one that does not take what it was told is left out."""
+        if not self._pages:
+            return
+        text = _text(message)
+        for page, connection in list(self._pages.items()):
+            self._send(page, connection, text)
+
+    def tell(self, page: int, message: dict[str, Any]) -> None:
+        """Tell one page."""
+        connection = self._pages.get(page)
+        if connection is not None:
+            self._send(page, connection, _text(message))
+
+    def _send(self, page: int, connection: ServerConnection, text: str) -> None:
+        transport = connection.transport
+        if transport.is_closing():
+            return
+        if transport.get_write_buffer_size() > _FULL:
+            self._left_out[page] = self._left_out.get(page, 0) + 1
+            if self._left_out[page] > _MOST_LEFT_OUT:
+                transport.abort()
+            return
+        self._left_out.pop(page, None)
+        broadcast([connection], text)  # nothing is awaited
+
+    async def _page(self, connection: ServerConnection) -> None:
+        page = next(self._numbers)
+        self._pages[page] = connection
+        try:
+            self._send(page, connection, _text(self._hello(page)))
+            async for message in connection:
+                self._take(page, message)
+        except ConnectionClosed:
+            pass  # it was lost, and not closed: to this server that is the same
+        except Exception:  # of this program's: websockets, which is silent, would say so
+            _log.exception("a page of the panel was cut off")
+            raise
+        finally:
+            del self._pages[page]
+            self._left_out.pop(page, None)
+            self._left(page)
+
+    # -- HTTP ------------------------------------------------------------------------------------
+
+    def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
+        """What is not a WebSocket of this page gets a file, or is refused."""
+        named = request.headers.get_all("Host")
+        asked = named[0] if len(named) == 1 else ""
+        if _is_loopback(self.host) and not _names_loopback(asked):
+            # The name of a site may lead to this computer, so that the site passes for this page.
+            return _plain(http.HTTPStatus.FORBIDDEN, "this panel is for its own computer")
+        path = urlsplit(request.path).path
+        if path == _SOCKET:
+            origin = request.headers.get("Origin")
+            if origin is not None and urlsplit(origin).netloc != asked:
+                _log.warning(
+                    "the panel refused a page of another site (%s), from %s",
+                    origin[:100], (connection.remote_address or ("unknown",))[0],
+                )  # fmt: skip
+                return _plain(http.HTTPStatus.FORBIDDEN, "this is not the panel's own page")
+            return None
+        if path == _SCENE:
+            return _page_of_viser()
+        name = _FILES.get(path)
+        if name is None:
+            return _plain(http.HTTPStatus.NOT_FOUND, "there is no such page")
+        body = (resources.files("aioduco.panel") / "page" / name).read_bytes()
+        return _response(http.HTTPStatus.OK, body, _KINDS[name.rpartition(".")[2]])
+
+
+def _page_of_viser() -> Response:
+    """Viser's page without its control panel, which has nothing in it."""
+    client = resources.files("viser") / "client" / "build" / "index.html"
+    text = client.read_text(encoding="utf-8")
+    folder = resources.files("aioduco.panel") / "page"
+    style, script = ((folder / name).read_text(encoding="utf-8") for name in _ADDED)
+    added = f"<style>{style}</style><script>{script}</script>"
+    body = text.replace("</head>", f"{added}</head>", 1).encode()
+    return _response(http.HTTPStatus.OK, body, _KINDS["html"], policy=_SHOWN_BY)
+
+
+def _text(message: dict[str, Any]) -> str:
+    return json.dumps(message, separators=(",", ":"), allow_nan=False)
+
+
+def _plain(status: http.HTTPStatus, text: str) -> Response:
+    return _response(status, f"{text}\n".encode(), "text/plain; charset=utf-8")
+
+
+def _response(status: http.HTTPStatus, body: bytes, kind: str, *, policy: str = _OWN) -> Response:
+    headers = Headers()
+    headers["Content-Type"] = kind
+    headers["Content-Length"] = str(len(body))
+    headers["Cache-Control"] = "no-store"
+    headers["X-Content-Type-Options"] = "nosniff"
+    headers["Referrer-Policy"] = "no-referrer"
+    headers["Content-Security-Policy"] = policy
+    return Response(status.value, status.phrase, headers, body)
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def _names_loopback(asked: str) -> bool:
+    try:
+        name = urlsplit(f"//{asked}").hostname or ""
+    except ValueError:
+        return False
+    return _is_loopback(name)

@@ -1,0 +1,119 @@
+"""What pages are told of an arm: plain values for JSON, made from samples of its state. No I/O.
+
+Lengths are in metres and angles in radians; a value that the controller did not send is null.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Final
+
+from aioduco import SafetyState, events
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from aioduco import Snapshot
+    from aioduco.events import Event
+
+__all__ = ["alarm_text", "event_severity", "history_point", "page_sample"]
+
+#: joint and tool speeds below which an arm counts as standing [rad/s, m/s]
+_STANDS: Final = 1e-3
+_STOPS: Final = (SafetyState.STOP0, SafetyState.STOP1, SafetyState.STOP2, SafetyState.FAIL)
+_ALARMS: Final = (
+    events.CollisionDetected,
+    events.ConnectionGone,
+    events.EmergencyStopPressed,
+    events.EnvelopeLeft,
+)
+_WARNINGS: Final = (events.SafetyStateChanged, events.ErrorsChanged, events.HeartbeatChanged)
+
+
+def page_sample(sample: Snapshot) -> dict[str, Any]:
+    """What is told of a sample, many times a second."""
+    status, io, states = sample.status, sample.io, sample.states
+    forces = sample.read_forces
+    speeds = (*status.joint_speeds.tolist(), *status.tool_speed.tolist())
+    return {
+        "joints": _rounded(status.joints, 5),
+        "told": _rounded(status.expected_joints, 5),
+        "speeds": _rounded(status.joint_speeds.tolist(), 4),
+        "pose": _rounded(status.pose, 5),
+        "tool_speed": _length(status.tool_speed.tolist()[:3]),
+        "force": None if forces is None else _rounded(forces.tool.tolist(), 2),
+        "torque": None if forces is None else _rounded(forces.external_torques.tolist(), 2),
+        "temperatures": _rounded(status.joint_temperatures.tolist(), 0),
+        "inputs": _bits(io.digital_inputs),
+        "outputs": _bits(io.digital_outputs),
+        "tool_inputs": _bits(io.tool_inputs),
+        "tool_outputs": _bits(io.tool_outputs),
+        "robot": states.robot.name,
+        "program": states.program.name,
+        "safety": states.safety.name,
+        "mode": states.mode.name,
+        "moving": any(math.isfinite(speed) and abs(speed) >= _STANDS for speed in speeds),
+    }
+
+
+def alarm_text(sample: Snapshot | None, silent_after: float, age: float) -> str:
+    """What is wrong, in capitals; empty if nothing is.
+
+    Args:
+        sample: the newest one; None before the first.
+        silent_after: seconds after which a sample is old [s].
+        age: how old this one is [s].
+    """
+    if sample is None:
+        return "NO ANSWER FROM THE CONTROLLER YET"
+    if age > silent_after:
+        return f"NO ANSWER FROM THE CONTROLLER FOR {age:.0f} s: WHAT IS SHOWN IS OLD"
+    status, states = sample.status, sample.states
+    if status.emergency_stop:
+        return "EMERGENCY STOP PRESSED"
+    if status.collision:
+        return f"COLLISION AT JOINT {status.collision_axis}"
+    if states.safety in _STOPS:
+        return f"SAFETY {states.safety.name}"
+    return ""
+
+
+def event_severity(event: Event) -> str:
+    """How much an event matters: "alarm", "warning" or "info"."""
+    if isinstance(event, _ALARMS):
+        return "alarm"
+    return "warning" if isinstance(event, _WARNINGS) else "info"
+
+
+def history_point(told: dict[str, Any]) -> list[Any]:
+    """What the plots of the last minute need of a sample.
+
+    Args:
+        told: as `page_sample` gives it.
+
+    Returns:
+        Joint speeds [rad/s], six; the tool's speed [m/s]; the force at the tool [N]; the distance
+        of the joint that is farthest from where it was told to be [rad].
+    """
+    force = None if told["force"] is None else _length(told["force"][:3])
+    late = [
+        abs(a - b)
+        for a, b in zip(told["joints"], told["told"], strict=True)
+        if a is not None and b is not None
+    ]
+    lag = round(max(late), 5) if late else None
+    return [*told["speeds"], told["tool_speed"], force, lag]
+
+
+def _rounded(values: Iterable[float], digits: int) -> list[float | None]:
+    return [round(value, digits) + 0.0 if math.isfinite(value) else None for value in values]
+
+
+def _length(values: Iterable[float | None]) -> float | None:
+    known = [value for value in values if value is not None and math.isfinite(value)]
+    return round(math.hypot(*known), 4) if len(known) == 3 else None
+
+
+def _bits(values: Iterable[bool]) -> str:
+    """Signals as a word of 0 and 1, the first one first."""
+    return "".join("1" if value else "0" for value in values)

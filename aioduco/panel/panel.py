@@ -1,0 +1,584 @@
+"""The panel: pages, a lease, and two robots: one that looks on, one for the time of a lease.
+
+Guarantees:
+- The robot that looks on sends no heartbeat and moves nothing: who moves the arm keeps its
+  supervision. A stop goes by its stop lane, for whoever asks, and waits behind nothing of a page.
+- The robot of a lease is opened with it and closed with it, and closing stops what it moves. Its
+  heartbeat has the controller stop the arm if this program dies or hangs.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import logging
+import math
+import secrets
+import time
+from collections import deque
+from typing import TYPE_CHECKING, Any, Final
+
+import anyio
+
+import aioduco
+from aioduco import JogDirections, ProgramState, events
+from aioduco.errors import DucoError, ParameterError
+from aioduco.kinematics import arm as arm_of
+from aioduco.panel.control_lease import (
+    BeginLease,
+    BeginMotion,
+    ControlLease,
+    EndLease,
+    EndMotion,
+    LeasePhase,
+    RefusePage,
+)
+from aioduco.panel.page_requests import (
+    JOINT_ACCELERATION,
+    LINE_ACCELERATION,
+    GiveBack,
+    JogMotion,
+    JointMotion,
+    LetGo,
+    PageAim,
+    PageBeat,
+    PageStop,
+    Press,
+    RobotAction,
+    SetOutput,
+    SimulatorLine,
+    TakeControl,
+    page_request,
+)
+from aioduco.panel.page_server import PageServer
+from aioduco.panel.page_state import alarm_text, event_severity, history_point, page_sample
+from aioduco.panel.simulator_port import ask_simulator
+from aioduco.playback.player import arm_named, model_named
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+    from types import TracebackType
+    from typing import Self
+
+    from anyio.abc import TaskGroup
+
+    from aioduco import Robot, Snapshot, Task
+    from aioduco.envelope import Envelope
+    from aioduco.panel.arm_scene import ArmScene
+    from aioduco.panel.control_lease import LeaseEffect
+    from aioduco.panel.page_requests import HoldMotion, PageRequest
+    from aioduco.planning import Scene
+
+__all__ = ["Panel"]
+
+_log = logging.getLogger("aioduco.panel")
+
+#: seconds between two questions for what changes seldom
+_SELDOM: Final = 1.0
+#: events that are kept for pages that open later
+_KEPT: Final = 200
+#: seconds of the plots
+_MINUTE: Final = 60.0
+#: points a second that are kept for pages that open later
+_KEPT_RATE: Final = 5.0
+#: seconds without a sample after which pages are told that nobody answers
+_SILENT: Final = 1.0
+#: the model that an arm is drawn as if its controller does not tell one that is known
+_DRAWN_AS: Final = "gcr5_910"
+
+
+class Panel:
+    """An arm in the browser: `async with Panel("192.168.1.10") as panel: print(panel.link)`.
+
+    Watching is free to whoever reaches the page, and so is stopping. To command takes the token
+    and the lease, which one page holds at a time. Nothing moves but while a button is held down,
+    and the lease ends with its page: what it moves then stands.
+
+    Args:
+        host: name or address of the controller.
+        port: its TCP port.
+        listen: port of the page; 0 for a free one. The 3D picture has the next free port above.
+        bind: address of this computer to listen on. Anything but loopback lets everybody in that
+            network watch, and stop the arm.
+        token: what a page shows to command; None for a new one, "" to let nobody command.
+        name: what the page calls the robot; empty for its address.
+        model: the arm that is drawn, such as "gcr5_910"; None for what the controller tells.
+        scene: what stands around the arm, to be drawn; None for nothing.
+        envelope: limits within which the panel keeps the arm; its zones are drawn. None for none.
+        simulator_port: a simulator's port for commands, on this computer; None for none.
+        rate: states a second that pages are told, 2 to 50 [Hz].
+        hold_limit: seconds for which a motion goes on after the moment that its page last confirmed
+            to have seen, 0.1 to 600.
+        page_limit: seconds without a sign of its page after which a lease ends, 0.5 to 600.
+        directions: what the controller understands as the directions of a jog.
+        options: others of `connect`, for both robots, such as `clock`.
+
+    Raises:
+        ParameterError: an argument is out of range.
+    """
+
+    def __init__(
+        self,
+        host: str,
+        port: int = 7003,
+        *,
+        listen: int = 8080,
+        bind: str = "127.0.0.1",
+        token: str | None = None,
+        name: str = "",
+        model: str | None = None,
+        scene: Scene | None = None,
+        envelope: Envelope | None = None,
+        simulator_port: int | None = None,
+        rate: float = 20.0,
+        hold_limit: float = 0.4,
+        page_limit: float = 3.0,
+        directions: JogDirections = JogDirections.MANUAL_3_8,
+        **options: Any,
+    ) -> None:
+        if not 2.0 <= rate <= 50.0:
+            raise ParameterError("rate", rate, "from 2 to 50 Hz")
+        if not 0.1 <= hold_limit <= 600.0:
+            raise ParameterError("hold_limit", hold_limit, "from 0.1 to 600 s")
+        if not 0.5 <= page_limit <= 600.0:
+            raise ParameterError("page_limit", page_limit, "from 0.5 to 600 s")
+        if not isinstance(directions, JogDirections):
+            raise ParameterError("directions", directions, "a member of JogDirections")
+        if model is not None:
+            arm_of(model)
+        self.token: str = secrets.token_urlsafe(18) if token is None else token
+        self.rate = rate
+        self._address = (host, port)
+        self._options = {"lag_limit": None, **options}
+        self._name = name or f"{host}:{port}"
+        self._model = model
+        self._scene_around = scene
+        self._envelope = envelope
+        self._simulator_port = simulator_port
+        self._directions = directions
+        self._hold_limit = hold_limit
+        self._lease = ControlLease(self.token, hold_limit=hold_limit, page_limit=page_limit)
+        self._server = PageServer(bind, listen, self._hello, self._take, self._left)
+        quiet = self._options | {"heartbeat": None, "state_rate": max(rate, 10.0)}
+        self._onlooker: Robot = aioduco.connect(host, port, **quiet)
+        self._onlooker.feed.forces = True
+        self._commander: Robot | None = None
+        self._stack = contextlib.AsyncExitStack()
+        self._scene: ArmScene | None = None
+        self._arm = arm_of(model or _DRAWN_AS)
+        self._all: TaskGroup | None = None
+        self._work: TaskGroup | None = None
+        self._lease_over = anyio.Event()
+        self._let_go = anyio.Event()
+        self._motion_scope: anyio.CancelScope | None = None
+        self._jog: Task | None = None
+        self._resumed = False
+        self._aim: tuple[float, ...] | None = None
+        self._busy: list[str] = []
+        self._sample: Snapshot | None = None
+        self._told: dict[str, Any] = {}
+        self._seldom: dict[str, Any] = {"tell": "seldom"}
+        self._numbers = itertools.count(1)
+        self._sent: dict[int, float] = {}
+        #: states whose time of sending is known: any that is older is too old
+        self._numbered = math.ceil(rate * (hold_limit + 1.0))
+        self._history: deque[list[Any]] = deque(maxlen=int(_MINUTE * _KEPT_RATE))
+        self._events: deque[dict[str, Any]] = deque(maxlen=_KEPT)
+
+    def __repr__(self) -> str:  # never with the token
+        return f"<Panel of {self._name} on {self.url}, {self._lease!r}>"
+
+    @property
+    def url(self) -> str:
+        """Where the page is, for whoever watches."""
+        host = self._server.host
+        shown = f"[{host}]" if ":" in host else host
+        return f"http://{shown}:{self._server.port}/"
+
+    @property
+    def link(self) -> str:
+        """Where the page is, with the token, for whoever commands.
+
+        It stands behind a #: a browser does not send that, and the page takes it out of sight.
+        """
+        return f"{self.url}#token={self.token}" if self.token else self.url
+
+    async def __aenter__(self) -> Self:
+        """Connect, and serve the page.
+
+        Raises:
+            ConnectError: there is no controller.
+            OSError: the port is taken, or the address is none of this computer.
+        """
+        async with contextlib.AsyncExitStack() as stack:
+            await stack.enter_async_context(self._onlooker)
+            await self._look_around()
+            await stack.enter_async_context(self._server.listening())
+            self._scene = await anyio.to_thread.run_sync(self._make_scene)
+            stack.push_async_callback(anyio.to_thread.run_sync, self._scene.close)
+            self._all = group = await anyio.create_task_group().__aenter__()
+            stack.push_async_callback(self._end_work, group)
+            for work in (self._samples, self._happenings, self._ask_seldom, self._tell):
+                group.start_soon(work)
+            self._stack = stack.pop_all()
+        return self
+
+    async def __aexit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """End it: what moves by a lease is stopped and seen to stand; other motions go on."""
+        await self._stack.__aexit__(exc_type, exc, traceback)
+
+    @staticmethod
+    async def _end_work(group: TaskGroup) -> None:
+        """End what runs; an error of the caller's block stays what it is."""
+        group.cancel_scope.cancel()
+        await group.__aexit__(None, None, None)
+
+    async def _look_around(self) -> None:
+        """See which arm it is, and whether there is a simulator."""
+        told = await _asked(self._onlooker.version.get_robot_type)
+        arm = "" if told is None else arm_named(told)
+        version = self._onlooker.version.controller
+        self._seldom["arm"] = f"{arm} {version}".strip()
+        found = None if self._model is not None else model_named(arm)
+        if found is not None:
+            self._arm = found
+        elif self._model is None:
+            self._note(
+                f"the controller tells no arm that is known: drawn as {_DRAWN_AS}", "warning"
+            )
+        if self._simulator_port is not None:
+            try:
+                await ask_simulator(self._simulator_port, "state")
+            except (OSError, TimeoutError) as error:
+                _log.info("no simulator takes commands: %s", error)
+                self._simulator_port = None
+
+    def _make_scene(self) -> ArmScene:
+        """On a thread: viser takes a while to load and to start."""
+        from aioduco.panel.arm_scene import ArmScene  # noqa: PLC0415
+
+        around, envelope = self._scene_around, self._envelope
+        # above the page's own, so that one may forward both
+        above = self._server.port + 1 if self._server.port < 65535 else 1024
+        return ArmScene(self._arm, self._server.host, above, around, envelope)
+
+    # -- what pages ask for, on the event loop: nothing here waits ---------------------------------
+
+    def _hello(self, page: int) -> dict[str, Any]:
+        scene = self._scene
+        return {
+            "tell": "hello",
+            "page": page,
+            "name": self._name,
+            "model": self._arm.name,
+            "lower": self._arm.lower,
+            "upper": self._arm.upper,
+            "fastest": self._arm.velocity,
+            "scene_port": None if scene is None else scene.port,
+            "watch_only": not self.token,
+            "simulator": self._simulator_port is not None,
+            "limits": () if self._envelope is None else self._envelope.titles,
+            "rate": self.rate,
+            "hold_limit": self._hold_limit,
+            "history": list(self._history),
+            "events": list(self._events),
+            "seldom": self._seldom,
+        }
+
+    def _take(self, page: int, message: str | bytes) -> None:
+        """Do what a message of a page asks for, or refuse it."""
+        try:
+            request = page_request(message)
+        except ParameterError as error:
+            self._server.tell(page, {"tell": "refused", "reason": str(error)})
+            return
+        if isinstance(request, PageStop):  # before all else
+            self._begin_stop()
+            return
+        now = time.monotonic()
+        lease = self._lease
+        if isinstance(request, TakeControl):
+            self._apply(lease.take(page, request.token, now))
+        elif isinstance(request, GiveBack):
+            self._apply(lease.give_back(page))
+        elif isinstance(request, Press):
+            self._apply(lease.press(page, request.motion, self._seen_at(request.seen), now))
+        elif isinstance(request, LetGo):
+            self._apply(lease.let_go(page))
+        elif isinstance(request, PageBeat):
+            seen_at = self._seen_at(request.seen)
+            self._apply(lease.beat(page, seen_at, now, down=request.down))
+        elif isinstance(request, PageAim):
+            self._aim = request.joints if page == lease.holder else self._aim
+        else:
+            refused = lease.refusal(page)
+            if refused is not None:
+                self._apply(refused)
+            else:
+                self._begin_action(request)
+
+    def _seen_at(self, number: int) -> float:
+        """When a state was sent [s]; for one of long ago, and for none, ever so long ago."""
+        return self._sent.get(number, -math.inf)
+
+    def _left(self, page: int) -> None:
+        self._apply(self._lease.give_back(page, "its page is gone"))
+
+    def _apply(self, effect: LeaseEffect | None) -> None:
+        """Do what the lease decided."""
+        if isinstance(effect, RefusePage):
+            self._server.tell(effect.page, {"tell": "refused", "reason": effect.reason})
+            if effect.wrong_token:
+                where = self._server.address_of(effect.page)
+                _log.warning("the panel refused a wrong token from %s; nothing was moved", where)
+                self._note(f"a wrong token was refused, from {where}", "warning")
+        elif isinstance(effect, BeginLease) and self._all is not None:
+            self._lease_over = anyio.Event()
+            self._all.start_soon(self._command)
+        elif isinstance(effect, EndLease):
+            self._note(f"the lease ends: {effect.reason}")
+            self._cancel_motion()
+            self._lease_over.set()
+        elif isinstance(effect, BeginMotion) and self._work is not None:
+            self._let_go = anyio.Event()
+            self._motion_scope = scope = anyio.CancelScope()
+            self._work.start_soon(self._move, effect.motion, scope)
+        elif isinstance(effect, EndMotion):
+            self._let_go.set()
+            # A jog is ended, where its button was let go; all else is stopped.
+            if effect.reason or self._jog is None:
+                self._cancel_motion()
+            if effect.reason:
+                self._note(f"the motion ends: {effect.reason}", "warning")
+
+    def _cancel_motion(self) -> None:
+        if self._motion_scope is not None:
+            self._motion_scope.cancel()
+
+    # -- what is done ----------------------------------------------------------------------------
+
+    def _begin_stop(self) -> None:
+        if self._all is None:
+            return
+        self._all.start_soon(self._stop)
+        self._apply(self._lease.stop())
+
+    async def _stop(self) -> None:
+        self._busy.append("stop")
+        self._resumed = False
+        try:
+            await self._onlooker.stop()
+        except DucoError as error:
+            self._note(f"stop failed: {error}", "alarm")
+        else:
+            self._note("stopped: the arm stands", "good")
+        finally:
+            self._busy.remove("stop")
+            self._lease.stop_ended()
+
+    async def _command(self) -> None:
+        """A lease, from its opening to the standstill at its end."""
+        host, port = self._address
+        over = self._lease_over
+        try:
+            async with aioduco.connect(host, port, **self._options) as robot:
+                robot.envelope = self._envelope
+                try:
+                    async with anyio.create_task_group() as work:
+                        self._commander, self._work = robot, work
+                        work.start_soon(self._hear, robot)
+                        self._lease.opened()
+                        self._note("a page commands")
+                        await over.wait()
+                        work.cancel_scope.cancel()
+                finally:
+                    self._commander = self._work = None
+                    if self._resumed:  # it is no motion of this robot, but moves by this lease
+                        self._resumed = False
+                        with anyio.CancelScope(shield=True):
+                            await robot.stop()
+        except DucoError as error:
+            self._note(f"the lease failed: {error}", "alarm")
+        finally:
+            self._aim = None
+            self._lease.closed()
+            self._note("nobody commands")
+
+    async def _hear(self, robot: Robot) -> None:
+        """What the robot that looks on does not see."""
+        with robot.events.subscribe("drop_oldest") as stream:
+            async for event in stream:
+                if isinstance(event, events.EnvelopeLeft | events.HeartbeatChanged):
+                    self._note(event.line(), event_severity(event))
+
+    async def _move(self, motion: HoldMotion, scope: anyio.CancelScope) -> None:
+        """Carry out what a button is held down for."""
+        robot = self._commander
+        assert robot is not None, "motions begin within a lease"
+        done = "ended"
+        try:
+            with scope:
+                if isinstance(motion, JogMotion):
+                    jog = robot.motion.move_jog(motion.jog, time=None, directions=self._directions)
+                    async with jog as self._jog:
+                        await self._let_go.wait()
+                elif isinstance(motion, JointMotion):
+                    await robot.motion.movej2(motion.joints, motion.speed, JOINT_ACCELERATION)
+                    done = "there"
+                else:
+                    await robot.motion.movel(motion.pose, motion.speed, LINE_ACCELERATION)
+                    done = "there"
+        except DucoError as error:
+            self._note(f"{motion}: {error}", "warning")
+        else:
+            self._note(f"{motion}: {done}")
+        finally:
+            self._jog = self._motion_scope = None
+            self._lease.motion_ended()
+
+    def _begin_action(self, request: PageRequest) -> None:
+        """Begin what is neither a motion nor a stop; for the page that commands."""
+        robot, work = self._commander, self._work
+        if robot is None or work is None or self._all is None:
+            return
+        if isinstance(request, RobotAction):
+            if request.verb not in self._busy:
+                work.start_soon(self._act, robot, request.verb)
+        elif isinstance(request, SetOutput):
+            name = f"{'tool ' if request.tool else ''}output {request.num}"
+            io = robot.io
+            put = io.set_tool_digital_out if request.tool else io.set_standard_digital_out
+            said = f"{name} {'on' if request.on else 'off'}"
+            work.start_soon(self._carry_out, name, lambda: put(request.num, request.on), said)
+        elif isinstance(request, SimulatorLine) and self._simulator_port is not None:
+            self._all.start_soon(self._simulate, request.line, self._simulator_port)
+
+    async def _act(self, robot: Robot, verb: str) -> None:
+        steps: dict[str, tuple[Callable[[], Awaitable[Any]], str]] = {
+            "bring_up": (robot.bring_up, "brought up: the arm can move"),
+            "recover": (robot.recover, "recovered: the arm can move"),
+            "pause": (robot.pause, "paused: the arm stands"),
+            "resume": (robot.resume, "resumed"),
+        }
+        step, said = steps[verb]
+        # Until it is known not to move, it counts as moving.
+        self._resumed = self._resumed or verb == "resume"
+        if await self._carry_out(verb, step, said) and verb != "resume":
+            self._resumed = False
+
+    async def _carry_out(self, name: str, step: Callable[[], Awaitable[Any]], said: str) -> bool:
+        self._busy.append(name)
+        try:
+            await step()
+        except DucoError as error:
+            self._note(f"{name.replace('_', ' ')} failed: {error}", "alarm")
+            return False
+        finally:
+            self._busy.remove(name)
+        self._note(said, "good")
+        return True
+
+    async def _simulate(self, line: str, port: int) -> None:
+        try:
+            answer = await ask_simulator(port, line)
+        except (OSError, TimeoutError) as error:
+            answer = f"error: no simulator answers: {error}"
+        severity = "warning" if answer.startswith("error") else "info"
+        self._note(f"simulator: {line}: {answer}", severity)
+
+    # -- what pages are told ---------------------------------------------------------------------
+
+    def _note(self, text: str, severity: str = "info") -> None:
+        """Show a line among the events of every page."""
+        line = {"at": time.strftime("%H:%M:%S"), "text": text, "severity": severity}
+        self._events.append(line)
+        self._server.tell_all({"tell": "event", **line})
+
+    async def _samples(self) -> None:
+        with self._onlooker.feed.subscribe("latest") as samples:
+            async for self._sample in samples:
+                if self._sample.states.program is ProgramState.STOPPED:
+                    self._resumed = self._resumed and "resume" in self._busy
+
+    async def _happenings(self) -> None:
+        with self._onlooker.events.subscribe("drop_oldest") as stream:
+            async for event in stream:
+                self._note(event.line(), event_severity(event))
+
+    async def _ask_seldom(self) -> None:
+        robot, due = self._onlooker, anyio.current_time()
+        while True:
+            pose = await _asked(robot.state.get_tcp_pose_coord)
+            errors = await _asked(robot.state.get_last_error)
+            self._seldom |= {
+                "project": await _asked(robot.program.get_current_project) or "",
+                "speed": await _asked(robot.settings.get_global_speed),
+                "errors": list(errors or ()),
+                "work_pose": None if pose is None else [*pose],
+                "pages": self._server.pages,
+            }
+            self._server.tell_all(self._seldom)
+            due = max(due + _SELDOM, anyio.current_time())
+            await anyio.sleep_until(due)
+
+    async def _tell(self) -> None:
+        """Tell every page the state, at a steady rate; and let the lease see the time."""
+        period, due = 1.0 / self.rate, anyio.current_time()
+        shown, kept_at = None, 0.0
+        while True:
+            self._apply(self._lease.due(time.monotonic()))
+            if self._jog is not None and self._jog.done:
+                self._let_go.set()  # it ended by itself
+            sample, now = self._sample, time.time()
+            if sample is not None and sample is not shown:
+                shown = sample
+                self._told = page_sample(sample)
+            if sample is not None and now - kept_at >= 1.0 / _KEPT_RATE:
+                kept_at = now
+                self._history.append([round(now, 2), *history_point(self._told)])
+            self._tell_state(sample, now)
+            due = max(due + period, anyio.current_time())
+            await anyio.sleep_until(due)
+
+    def _tell_state(self, sample: Snapshot | None, now: float) -> None:
+        number = next(self._numbers)
+        self._sent[number] = time.monotonic()
+        self._sent.pop(number - self._numbered, None)
+        if self._scene is not None and sample is not None:
+            told = sample.status
+            self._scene.show([*told.joints], [*told.expected_joints], self._aim)
+        age = math.inf if sample is None else sample.age
+        robot = self._commander
+        lease = self._lease
+        held = lease.phase is LeasePhase.HELD
+        self._server.tell_all(
+            {
+                "tell": "state",
+                "n": number,
+                "now": round(now, 3),
+                "age": None if sample is None else round(age, 3),
+                "alarm": alarm_text(sample, max(_SILENT, 3.0 / self.rate), age),
+                "holder": lease.holder,
+                "phase": lease.phase.value,
+                "motion": None if lease.motion is None else str(lease.motion),
+                "tasks": []
+                if robot is None or not held
+                else [f"{each.name} {each.state.name}" for each in robot.tasks],
+                "busy": self._busy,
+                "sample": self._told or None,
+                "late": None if sample is None else history_point(self._told)[-1],
+            }
+        )
+
+
+async def _asked(ask: Callable[[], Awaitable[Any]]) -> Any:
+    """An answer, or None from a controller that has none to give."""
+    try:
+        return await ask()
+    except DucoError:
+        return None

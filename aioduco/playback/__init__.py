@@ -1,0 +1,34 @@
+"""Motions that are kept: recordings that an arm goes through again, and waypoints that were taught.
+
+    path = RecordedPath.of(aioduco.recording.read("run.mcap"))
+    await play(robot, path)
+
+    await run_waypoints(robot, WaypointFile.read("cell.toml"))
+
+`recorded_path` makes a path of a recording, `path_check` says what speaks against it, `waypoints`
+is the file of waypoints, `envelope_file` that of limits: all four without a robot. `player` moves a
+robot by them, through its public interface alone. For programs that wait there are
+`aioduco.sync.play` and `run_waypoints`.
+"""
+
+from __future__ import annotations
+
+from aioduco.playback.envelope_file import read_envelope
+from aioduco.playback.path_check import PathFinding, check_path
+from aioduco.playback.player import check_path_on, check_waypoints_on, play, run_waypoints
+from aioduco.playback.recorded_path import RecordedOutput, RecordedPath
+from aioduco.playback.waypoints import Waypoint, WaypointFile
+
+__all__ = [
+    "PathFinding",
+    "RecordedOutput",
+    "RecordedPath",
+    "Waypoint",
+    "WaypointFile",
+    "check_path",
+    "check_path_on",
+    "check_waypoints_on",
+    "play",
+    "read_envelope",
+    "run_waypoints",
+]

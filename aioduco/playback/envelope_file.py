@@ -1,0 +1,102 @@
+"""Limits of an arm in a TOML file: an operating envelope that no program has to spell out.
+
+    arm = "gcr5_910"
+
+    [[limit]]
+    kind = "plane"
+    point = [0, 0, 0.02]
+    normal = [0, 0, 1]
+    name = "table"
+
+    [[limit]]
+    kind = "tool_speed"
+    most = 0.5
+    action = "slow"
+
+The fields are the arguments of `Zone.box`, `Zone.sphere`, `Zone.plane`, `ToolSpeed`, `JointMargin`,
+`SingularityMargin` and `ToolForce`, in their units: metres, radians, newtons.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from aioduco.envelope import (
+    Envelope,
+    EnvelopeLimit,
+    JointMargin,
+    SingularityMargin,
+    ToolForce,
+    ToolSpeed,
+    Zone,
+)
+from aioduco.errors import ParameterError
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable
+
+__all__ = ["read_envelope"]
+
+_KINDS: Final[dict[str, Callable[..., EnvelopeLimit]]] = {
+    "box": Zone.box,
+    "sphere": Zone.sphere,
+    "plane": Zone.plane,
+    "tool_speed": ToolSpeed,
+    "joint_margin": JointMargin,
+    "singularity_margin": SingularityMargin,
+    "tool_force": ToolForce,
+}
+
+
+def read_envelope(path: str | os.PathLike[str], *, arm: str | None = None) -> Envelope:
+    """Read an operating envelope from a TOML file.
+
+    Args:
+        path: the file.
+        arm: the name of the arm's model; None for what the file says by `arm`.
+
+    Returns:
+        The envelope, for `robot.envelope`.
+
+    Raises:
+        ParameterError: the file cannot be read, or a field is wrong; it says which.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as exc:
+        raise ParameterError("envelope", str(path), f"a file that can be read: {exc}") from exc
+    try:
+        found = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as exc:
+        raise ParameterError("envelope", str(path), f"TOML: {exc}") from exc
+    told = found.pop("arm", None)
+    model = arm or told
+    blocks = found.pop("limit", [])
+    if found:
+        raise ParameterError("envelope", ", ".join(found), "`arm` and blocks of [[limit]] alone")
+    if not isinstance(model, str):
+        raise ParameterError("arm", model, "the name of a model, in the file or given")
+    if arm is not None and told is not None and told != arm:
+        raise ParameterError("arm", told, f"{arm!r}, or left out of the file")
+    if not isinstance(blocks, list) or not blocks:
+        raise ParameterError("limit", blocks, "one block of [[limit]] or more")
+    return Envelope(model, *(_limit(number, block) for number, block in enumerate(blocks, 1)))
+
+
+def _limit(number: int, block: Any) -> EnvelopeLimit:
+    where = f"limit {number}"
+    if not isinstance(block, dict):
+        raise ParameterError(where, block, "a block of [[limit]]")
+    fields = dict(block)
+    kind = fields.pop("kind", None)
+    if kind not in _KINDS:
+        raise ParameterError(f"kind of {where}", kind, f"one of {', '.join(_KINDS)}")
+    try:
+        return _KINDS[kind](**fields)
+    except TypeError as exc:  # a field that there is not, or one that is missing
+        raise ParameterError(f"{where}, {kind}", fields, f"what it takes: {exc}") from exc
+    except ParameterError as exc:
+        raise ParameterError(f"{exc.parameter} of {where}", exc.value, exc.expected) from exc

@@ -1,0 +1,182 @@
+"""What speaks against a path before an arm follows it: limits, speeds, the envelope, incidents."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from aioduco.envelope.checker import EnvelopeChecker
+from aioduco.models.pose import Pose
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from aioduco.envelope import Envelope
+    from aioduco.kinematics import Arm
+    from aioduco.playback.recorded_path import RecordedPath
+    from aioduco.playback.waypoints import WaypointFile
+
+__all__ = ["PathFinding", "check_path", "check_waypoints", "fastest", "sharpest"]
+
+_LOOK = 0.004  # seconds between two looks at the path
+_WINDOW = 8  # looks over which an acceleration is taken: 32 ms
+_ACCELERATION = 15.0  # of a joint that is replayed, at most [rad/s²]
+_FASTEST = 3.93  # of a joint that streams allow [rad/s]
+
+
+@dataclass(frozen=True, slots=True)
+class PathFinding:
+    """What speaks against a path.
+
+    Attributes:
+        kind: "arm", "joint limit", "speed", "acceleration", "envelope" or "incident".
+        time: where in the recording [s].
+        text: what, in a sentence.
+    """
+
+    kind: str
+    time: float
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.kind} at {self.time:.2f} s: {self.text}"
+
+
+def check_path(
+    path: RecordedPath,
+    arm: Arm,
+    *,
+    envelope: Envelope | None = None,
+    tool: Sequence[float] = (0.0,) * 6,
+    v: float | None = None,
+    a: float = _ACCELERATION,
+) -> tuple[PathFinding, ...]:
+    """Say what speaks against leading an arm along a path: the first place of each kind.
+
+    Args:
+        path: the path.
+        arm: the arm that is to follow it.
+        envelope: the limits that it is to keep to; None for none.
+        tool: the tool's tip in the frame of the flange [m, rad], for the envelope.
+        v: largest speed of each joint [rad/s]; None for those of the arm.
+        a: largest acceleration of each joint, over 32 ms [rad/s²].
+
+    Returns:
+        What was found; empty if nothing.
+    """
+    found = [PathFinding("incident", at, f"the recorded arm had {what}")
+             for at, what in path.incidents]  # fmt: skip
+    outside = (path.positions < np.asarray(arm.lower)) | (path.positions > np.asarray(arm.upper))
+    if outside.any():
+        row, joint = (int(each[0]) for each in np.nonzero(outside))
+        text = (
+            f"joint {joint + 1} is at {path.positions[row, joint]:.3f} rad, of "
+            f"{arm.lower[joint]:.3f} to {arm.upper[joint]:.3f} rad"
+        )
+        at = path.recorded_time(float(path.times[row]))
+        return (*found, PathFinding("joint limit", at, text))
+    times, q = _looks(path)
+    most = np.minimum(arm.velocity if v is None else [v] * 6, _FASTEST)
+    found += _beyond(path, "speed", "rad/s", times[:-1], np.diff(q, axis=0) / _LOOK, most)
+    sharp = _accelerations(q)
+    found += _beyond(path, "acceleration", "rad/s²", times, sharp, np.full(6, a))
+    if envelope is not None:
+        found += _leaves(path, envelope, tool, times, q)
+    return tuple(found)
+
+
+def check_waypoints(
+    waypoints: WaypointFile,
+    arm: Arm,
+    *,
+    envelope: Envelope | None = None,
+    tool: Sequence[float] = (0.0,) * 6,
+) -> list[str]:
+    """Say which waypoints are beyond the limits of the joints, or beyond an envelope.
+
+    Args:
+        waypoints: the file.
+        arm: the arm that is to go there.
+        envelope: the limits that they are to keep to; None for none.
+        tool: the tool's tip in the frame of the flange [m, rad], for the envelope.
+    """
+    found = []
+    checker = None if envelope is None else EnvelopeChecker(envelope.packed(tool))
+    for each in waypoints.waypoints:
+        if not arm.within_limits(each.joints):
+            found.append(f"waypoint {each.name!r} is beyond the limits of the joints")
+        elif checker is not None and (crossing := checker.begin(list(each.joints))) is not None:
+            found.append(f"waypoint {each.name!r} is beyond the envelope: {crossing}")
+    return found
+
+
+def fastest(path: RecordedPath) -> float:
+    """The largest joint speed of a path [rad/s]."""
+    return float(np.abs(np.diff(_looks(path)[1], axis=0)).max(initial=0.0)) / _LOOK
+
+
+def sharpest(path: RecordedPath) -> float:
+    """The largest joint acceleration of a path, over 32 ms [rad/s²]."""
+    return float(np.abs(_accelerations(_looks(path)[1])).max(initial=0.0))
+
+
+def _looks(path: RecordedPath) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    times = np.arange(0.0, path.duration + _LOOK, _LOOK)
+    return times, path.at(np.minimum(times, path.duration))
+
+
+def _accelerations(q: NDArray[np.float64]) -> NDArray[np.float64]:
+    """By three places that lie half a window apart each."""
+    half = _WINDOW // 2
+    if len(q) <= 2 * half:
+        return np.zeros((1, 6))
+    return np.asarray((q[2 * half :] - 2 * q[half:-half] + q[: -2 * half]) / (half * _LOOK) ** 2)
+
+
+def _beyond(
+    path: RecordedPath,
+    kind: str,
+    unit: str,
+    times: NDArray[np.float64],
+    values: NDArray[np.float64],
+    most: NDArray[np.float64],
+) -> list[PathFinding]:
+    over = np.abs(values) > most * (1 + 1e-6)
+    if not over.any():
+        return []
+    row, joint = np.unravel_index(int(np.argmax(np.abs(values) / most)), values.shape)
+    return [
+        PathFinding(
+            kind,
+            path.recorded_time(float(times[row])),
+            f"joint {joint + 1} has {abs(values[row, joint]):.3g} {unit}, {most[joint]:.3g} "
+            "allowed; a lower speed factor may do",
+        )
+    ]
+
+
+def _leaves(
+    path: RecordedPath,
+    envelope: Envelope,
+    tool: Sequence[float],
+    times: NDArray[np.float64],
+    q: NDArray[np.float64],
+) -> list[PathFinding]:
+    checker = EnvelopeChecker(envelope.packed(tool))
+    tips = (envelope.arm.fkine(q) @ Pose.of(tool).matrix)[:, :3, 3]
+    speeds = np.linalg.norm(np.diff(tips, axis=0), axis=1) / _LOOK
+    points = [tuple(point) for point in q.tolist()]
+    crossing = checker.begin(points[0])
+    number = 0
+    while crossing is None and number < len(speeds):
+        speed = float(speeds[number])
+        crossing = checker.sweep(points[number], points[number + 1], speed)
+        crossing = crossing or checker.too_fast(speed)
+        number += 1
+    if crossing is None:
+        return []
+    return [PathFinding("envelope", path.recorded_time(float(times[number])), str(crossing))]

@@ -1,0 +1,373 @@
+"""Leads a robot along a recorded path, and through waypoints.
+
+Guarantees:
+- What speaks against it is found before anything is sent.
+- A path is followed by a stream, which brings the arm to rest when this is cancelled or the program
+  dies; waypoints are motions, which are stopped then. So the arm stands, whatever ends this.
+- No output is set after this was cancelled.
+"""
+
+from __future__ import annotations
+
+import re
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import numpy as np
+
+from aioduco.errors import (
+    DucoError,
+    FirstPointTooFar,
+    ParameterError,
+    PathRefused,
+    UnknownFunction,
+)
+from aioduco.kinematics import Arm, models
+from aioduco.kinematics import arm as arm_of
+from aioduco.playback.path_check import (
+    PathFinding,
+    check_path,
+    check_waypoints,
+    fastest,
+    sharpest,
+)
+from aioduco.playback.recorded_path import RecordedPath
+from aioduco.playback.waypoints import WaypointFile
+from aioduco.streaming.joint_trajectory import Tolerances
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable, Sequence
+
+    from aioduco.api.version import RobotType
+    from aioduco.envelope import Envelope
+    from aioduco.playback.recorded_path import RecordedOutput
+    from aioduco.playback.waypoints import Waypoint
+    from aioduco.robot import Robot
+    from aioduco.streaming.joint_trajectory import Feedback, TrajectoryResult
+    from aioduco.streaming.options import LaneOptions
+    from aioduco.supervision.command import MotionCommand
+
+__all__ = [
+    "arm_named",
+    "arm_there",
+    "check_path_on",
+    "check_waypoints_on",
+    "follow",
+    "model_named",
+    "play",
+    "run_waypoints",
+]
+
+_NEAR = 0.01  # how far a joint may be from the path's begin [rad]
+_ROOM = 1.5  # for the stream's limits, so that it rounds nothing
+_FASTEST, _LEAST = 3.93, 0.5  # limits of speed and acceleration that a stream is given
+_TOLERANCES = Tolerances(path=0.05, goal=0.005)
+
+
+async def play(
+    robot: Robot,
+    path: RecordedPath,
+    *,
+    approach: float | None = None,
+    outputs: bool = False,
+    arm: Arm | str | None = None,
+    through: str = "auto",
+    tolerances: Tolerances | None = None,
+    feedback: Callable[[Feedback], object] | None = None,
+    options: LaneOptions | None = None,
+) -> TrajectoryResult:
+    """Lead the arm along a recorded path, after a check; it is watched to its end.
+
+    Cancelling this brings the arm to rest on the path before it goes on.
+
+    Args:
+        robot: the robot, open and brought up.
+        path: the path.
+        approach: joint speed with which the arm is first led to the path's begin, by one joint
+            motion [rad/s]; None: it has to be there, to 0.01 rad for each joint.
+        outputs: whether digital outputs of the cabinet are set as they changed in the recording,
+            to some 0.1 s: through the realtime queue as early as its points are sent ahead. One
+            that cannot be set brings the arm to rest.
+        arm: the arm, or the name of its model; None for what the controller tells.
+        through: as for `robot.motion.follow_joint_trajectory`.
+        tolerances: how far the arm may be from the path; None: 0.05 rad, and 5 mrad at its end.
+        feedback: called about 50 times a second with where the arm is on its way.
+        options: how the stream's worker runs.
+
+    Returns:
+        How it was followed.
+
+    Raises:
+        PathRefused: another arm was recorded, or the path is beyond a limit or the envelope, or
+            something had happened to the recorded arm: nothing was sent.
+        FirstPointTooFar: the arm is not at the path's begin; nothing was sent.
+        ParameterError: an argument is not allowed; nothing was sent.
+        PathToleranceViolated: the arm strayed from the path; it was brought to rest.
+        GoalToleranceViolated: the arm did not come close enough to the path's end.
+        Refused: an output was not set; the arm was brought to rest.
+        RobotStateError: something else moves the arm; nothing was sent.
+        StreamError: the stream ended by something else; says why.
+    """
+    if not isinstance(path, RecordedPath):
+        raise ParameterError("path", path, "a RecordedPath")
+    found = await check_path_on(robot, path, arm=arm)
+    if found:
+        raise refused(path.source.name, [str(each) for each in found])
+    here = np.asarray(await robot.state.get_actual_joints_position())
+    if approach is not None and np.abs(here - path.start.array).max() > _NEAR / 10:
+        await robot.motion.movej2(path.start, v=approach, a=2.0 * approach)
+    async with _outputs(robot, path.outputs if outputs else (), feedback) as told:
+        return await follow(
+            robot.motion,
+            robot.state.get_actual_joints_position,
+            path,
+            through=through,
+            tolerances=tolerances,
+            feedback=told,
+            options=options,
+        )
+
+
+async def check_path_on(
+    robot: Robot,
+    path: RecordedPath,
+    *,
+    arm: Arm | str | None = None,
+    envelope: Envelope | None = None,
+) -> tuple[PathFinding, ...]:
+    """Say what speaks against leading a robot's arm along a path; nothing moves by this.
+
+    Args:
+        robot: the robot, open.
+        path: the path.
+        arm: the arm, or the name of its model; None for what the controller tells.
+        envelope: the limits that the path is to keep to; None: those of `robot.envelope`.
+
+    Raises:
+        ParameterError: the controller does not tell its model, and none is given.
+    """
+    told, there = await arm_there(robot)
+    found: tuple[PathFinding, ...] = ()
+    if told and path.arm and told != path.arm:
+        text = f"the recorded one is a {path.arm}, this one a {told}"
+        found += (PathFinding("arm", path.begin, text),)
+    kind = arm_of(arm) if isinstance(arm, str) else arm or there
+    if kind is None:
+        raise ParameterError("arm", told or None, "given: the controller does not tell a known one")
+    limits = envelope or robot.envelope
+    tool = [0.0] * 6 if limits is None else list(await robot.frames.get_tcp_offset())
+    return found + check_path(path, kind, envelope=limits, tool=tool)
+
+
+async def arm_there(robot: Robot) -> tuple[str, Arm | None]:
+    """The arm that a controller tells of: its name, and its model if that is known."""
+    try:
+        name = arm_named(await robot.version.get_robot_type())
+    except UnknownFunction:
+        name = ""
+    return name, model_named(name)
+
+
+def arm_named(told: RobotType) -> str:
+    """What recordings and files of waypoints call an arm."""
+    return " ".join(filter(None, told[:3]))
+
+
+def model_named(name: str) -> Arm | None:
+    """The model of an arm that a controller calls so; None if it is not known."""
+    bare = re.sub(r"[^a-z0-9]", "", name.lower())
+    fitting = [model for model in models() if re.sub(r"[^a-z0-9]", "", model) == bare]
+    return arm_of(fitting[0]) if fitting else None
+
+
+def refused(name: str, found: Sequence[str]) -> PathRefused:
+    """The error for findings."""
+    return PathRefused(
+        f"{name} was not played, and nothing was sent: {'; '.join(found)}", tuple(found)
+    )
+
+
+async def follow(
+    motion: Any,
+    read_joints: Any,
+    path: RecordedPath,
+    *,
+    through: str = "auto",
+    tolerances: Tolerances | None = None,
+    feedback: Callable[[Feedback], object] | None = None,
+    options: LaneOptions | None = None,
+    watch: None = None,
+    planner: None = None,
+) -> TrajectoryResult:
+    """Follow a path that was checked, by `robot.motion`: see `play`."""
+    if watch is not None or planner is not None:
+        raise ParameterError("watch", watch, "left out: no plan is made for a recorded path")
+    far = np.abs(np.asarray(await read_joints()) - path.start.array)
+    if far.max() > _NEAR:
+        joint = int(far.argmax())
+        raise FirstPointTooFar(
+            f"the path begins at another place: joint {joint + 1} is {far[joint]:.4f} rad from "
+            "there; nothing was sent. Move the arm to path.start, or play with approach"
+        )
+    result: TrajectoryResult = await motion.follow_joint_trajectory(
+        path.trajectory,
+        v=min(max(1.05 * fastest(path), 0.05), _FASTEST),
+        a=max(_ROOM * sharpest(path), _LEAST),
+        tolerances=_TOLERANCES if tolerances is None else tolerances,
+        feedback=feedback,
+        through=through,
+        reach=2.0 * _NEAR,
+        options=options,
+    )
+    return result
+
+
+@asynccontextmanager
+async def _outputs(
+    robot: Robot,
+    changes: Sequence[RecordedOutput],
+    feedback: Callable[[Feedback], object] | None,
+) -> AsyncIterator[Callable[[Feedback], object] | None]:
+    """Set outputs as the path is followed; gives what is told where on the path the arm is."""
+    if not changes:
+        yield feedback
+        return
+    todo = list(changes)
+    wake = anyio.Event()
+    now = 0.0
+
+    def told(at: Feedback) -> None:
+        nonlocal now, wake
+        now = at.time
+        wake.set()
+        if feedback is not None:
+            feedback(at)
+
+    async def set_due(until: float) -> None:
+        while todo and todo[0].time <= until:
+            change = todo.pop(0)
+            await robot.io.set_standard_digital_out(change.num, change.value)
+
+    error: Exception | None = None
+    async with anyio.create_task_group() as tasks:
+
+        async def watch() -> None:
+            nonlocal wake, error
+            try:
+                while True:
+                    await wake.wait()
+                    wake = anyio.Event()
+                    await set_due(now)
+            except DucoError as exc:  # raised below, outside of the group
+                error = exc
+                tasks.cancel_scope.cancel()
+
+        tasks.start_soon(watch)
+        try:
+            yield told
+        except Exception as exc:
+            error = exc
+        tasks.cancel_scope.cancel()
+    if error is not None:
+        raise error
+    await set_due(np.inf)
+
+
+# -- waypoints -----------------------------------------------------------------------------------
+
+
+async def run_waypoints(
+    robot: Robot, waypoints: WaypointFile, *, arm: Arm | str | None = None, speed: float = 1.0
+) -> int:
+    """Move the arm through the waypoints of a file, one after another.
+
+    Waypoints with a blend radius are sent ahead, so that the arm goes past them. At one with a
+    time to stay or with outputs to set it stops. Cancelling this stops the arm.
+
+    Args:
+        robot: the robot, open and brought up.
+        waypoints: the file.
+        arm: the arm, or the name of its model; None for what the controller tells.
+        speed: factor for the speeds of the file, above 0 to 1.
+
+    Returns:
+        How many waypoints were reached.
+
+    Raises:
+        PathRefused: the file is for another arm, or a waypoint is beyond a joint limit; nothing
+            was sent.
+        ParameterError: an argument is out of range; nothing was sent.
+        EnvelopeViolated: a motion would leave `robot.envelope`: it was not sent.
+        TaskError: a motion did not succeed; the arm stands.
+    """
+    if not isinstance(waypoints, WaypointFile):
+        raise ParameterError("waypoints", waypoints, "a WaypointFile")
+    if isinstance(speed, bool) or not isinstance(speed, int | float) or not 0.0 < speed <= 1.0:
+        raise ParameterError("speed", speed, "above 0 to 1")
+    found = await check_waypoints_on(robot, waypoints, arm=arm)
+    if found:
+        raise refused(waypoints.title, found)
+    # all of them first: what is not allowed is found before the arm moves
+    motions: list[MotionCommand] = []
+    for waypoint in waypoints.waypoints:
+        motions.append(await _motion(robot, waypoint, speed))
+        motions[-1].hand_over()  # one that is not sent is told of by the error that is why
+    ahead: list[MotionCommand] = []
+    for waypoint, motion in zip(waypoints.waypoints, motions, strict=True):
+        ahead.append(motion)
+        if waypoint.stops or motion is motions[-1]:
+            await robot.motion.run(*ahead)
+            ahead.clear()
+            for num, value in waypoint.outputs.items():
+                await robot.io.set_standard_digital_out(num, value)
+            if waypoint.dwell:
+                await anyio.sleep(waypoint.dwell)
+    return len(waypoints.waypoints)
+
+
+async def check_waypoints_on(
+    robot: Robot,
+    waypoints: WaypointFile,
+    *,
+    arm: Arm | str | None = None,
+    envelope: Envelope | None = None,
+) -> list[str]:
+    """Say what speaks against moving a robot's arm through waypoints; nothing moves by this.
+
+    Args:
+        robot: the robot, open.
+        waypoints: the file.
+        arm: the arm, or the name of its model; None for what the controller tells.
+        envelope: the limits that the waypoints are to keep to; None: those of `robot.envelope`.
+            The ways between them are checked motion by motion, when they are run.
+    """
+    told, there = await arm_there(robot)
+    found = []
+    if told and waypoints.arm and told != waypoints.arm:
+        found.append(f"the waypoints are those of a {waypoints.arm}, this is a {told}")
+    kind = arm_of(arm) if isinstance(arm, str) else arm or there
+    limits = envelope or robot.envelope
+    tool = [0.0] * 6 if limits is None else list(await robot.frames.get_tcp_offset())
+    if kind is not None:
+        found += check_waypoints(waypoints, kind, envelope=limits, tool=tool)
+    if not waypoints.waypoints:
+        found.append("there is no waypoint")
+    return found
+
+
+async def _motion(robot: Robot, waypoint: Waypoint, speed: float) -> MotionCommand:
+    radius = 0.0 if waypoint.stops else waypoint.blend
+    if waypoint.motion == "joints":
+        return robot.motion.movej2(
+            waypoint.joints, v=speed * waypoint.speed, a=waypoint.acceleration, r=radius
+        )
+    # as the controller computes it: its arm is measured, the one here is as designed
+    pose = await robot.kinematics.cal_fkine(waypoint.joints)
+    return robot.motion.movel(
+        pose,
+        v=speed * waypoint.line_speed,
+        a=waypoint.line_acceleration,
+        r=radius,
+        q_near=waypoint.joints,
+    )

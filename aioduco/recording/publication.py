@@ -1,0 +1,63 @@
+"""A robot published live: the channels of a recording, on a WebSocket.
+
+Foxglove and Lichtblick read it, and whatever speaks Foxglove's protocol. Nobody can command by it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from aioduco.errors import ParameterError
+from aioduco.recording.recorder import RobotObserver
+from aioduco.recording.writer import PublicationWriter
+
+if TYPE_CHECKING:
+    from aioduco.supervision.supervisor import Supervisor
+
+__all__ = ["Publication", "PublicationStatistics"]
+
+
+class PublicationStatistics(NamedTuple):
+    """Figures of a publication.
+
+    Attributes:
+        sent: samples, calls, tasks, events and lines that were given to the watchers there were.
+        dropped: those that were not, since this computer was too slow. What a watcher lost because
+            it is slow itself is not counted.
+    """
+
+    sent: int
+    dropped: int
+
+
+class Publication(RobotObserver):
+    """A robot published live: `Robot.publish` makes it, `async with` or `start` begins it."""
+
+    _KIND = "a publication"
+    _MADE_BY = "publish"
+
+    def __init__(self, supervisor: Supervisor, port: int, host: str, forces: bool) -> None:
+        if type(port) is not int or not 0 <= port <= 65535:
+            raise ParameterError("port", port, "a whole number from 0 to 65535; 0: a free one")
+        if not isinstance(host, str) or not host:
+            raise ParameterError("host", host, 'an address of this computer, such as "127.0.0.1"')
+        self._server = PublicationWriter(host, port)
+        super().__init__(supervisor, self._server, forces)
+
+    def _described(self, state: str) -> str:
+        return f"{self.url} {state}"
+
+    @property
+    def port(self) -> int:
+        """The port that it listens on; before the start, the one that was asked for."""
+        return self._server.port
+
+    @property
+    def url(self) -> str:
+        """Where watchers connect to, such as `ws://127.0.0.1:8765`."""
+        host = self._server.host
+        return f"ws://{f'[{host}]' if ':' in host else host}:{self.port}"
+
+    def statistics(self) -> PublicationStatistics:
+        """Figures since its start."""
+        return PublicationStatistics(self._server.written, self._server.dropped + self._missed)

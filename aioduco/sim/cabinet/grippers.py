@@ -1,0 +1,268 @@
+"""Grippers' own electronics: Modbus slaves with the makers' registers, or signals.
+
+What the fingers do is told by `Fingers`, which the physics have. The register maps are written
+here once more, apart from those of the drivers, so that the two cannot share a mistake.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+from aioduco.sim.cabinet.modbus import RtuSlave
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from aioduco.models.gripper_models import GripperModel
+    from aioduco.sim.cabinet.signals import Signals
+
+__all__ = ["DhSlave", "Fingers", "RobotiqSlave", "ValveGripper"]
+
+
+class FingerReading(Protocol):
+    """How the fingers are: see `physics.gripper.GripperReading`."""
+
+    @property
+    def number(self) -> int:
+        """Of the order that is carried out."""
+        ...
+
+    @property
+    def opening(self) -> float:
+        """Between the fingers [m]."""
+        ...
+
+    @property
+    def moving(self) -> bool:
+        """Whether the order is still being carried out."""
+        ...
+
+    @property
+    def caught(self) -> int:
+        """1 if something stopped them closing, -1 opening."""
+        ...
+
+    @property
+    def lost(self) -> bool:
+        """Whether what was caught is gone."""
+        ...
+
+
+class Fingers(Protocol):
+    """The fingers, as their electronics know them; from any thread."""
+
+    @property
+    def gripper(self) -> GripperModel:
+        """Which gripper it is."""
+        ...
+
+    @property
+    def reading(self) -> FingerReading:
+        """How they are."""
+        ...
+
+    def command(self, targets: Iterable[float], speed: float, force: float) -> int:
+        """Go to openings [m], one after another; none to stand. The number of the order."""
+        ...
+
+
+class RobotiqSlave(RtuSlave):
+    """The registers of a Robotiq gripper (2F-85 and 2F-140 instruction manual, section 4).
+
+    Args:
+        fingers: what it drives.
+        unit: its number.
+    """
+
+    #: counts when open and when closed, by a support article of the maker
+    OPEN, CLOSED = 3, 230
+
+    def __init__(self, fingers: Fingers, unit: int = 9) -> None:
+        super().__init__(unit, registers=dict.fromkeys((*range(1000, 1003), *range(2000, 2003)), 0))
+        self.input_registers: dict[int, int] = self.registers  # it answers both functions alike
+        self._fingers = fingers
+        self._order = self._activation = 0
+        self._fault = 0
+
+    def receive(self, data: bytes) -> bytes | None:
+        """Answer a frame, with the status of now."""
+        self._refresh()
+        return super().receive(data)
+
+    def write_registers(self, address: int, values: list[int]) -> None:
+        """Take a command."""
+        if address < 1000 or address + len(values) > 1003:
+            raise KeyError(address)  # the status is only read
+        before = [self.registers[1000 + i] for i in range(3)]
+        super().write_registers(address, values)
+        after = [self.registers[1000 + i] for i in range(3)]
+        was, now = before[0] >> 8, after[0] >> 8
+        model = self._fingers.gripper
+        if not now & 1:
+            self._fault = 7 if now & 8 else 0
+            if was & 1:
+                self._fingers.command((), 0.0, 0.0)
+        elif not was & 1:
+            middle = 0.5 * sum(model.force)
+            ends = (model.stroke, 0.0, model.stroke)
+            self._activation = self._order = self._fingers.command(ends, model.fastest, middle)
+            self._fault = 0
+        elif not self._active:
+            self._fault = 5 if now & 8 else 0
+        elif not now & 8:
+            if was & 8:
+                self._order = self._fingers.command((), 0.0, 0.0)
+        elif before != after:
+            self._go(after[1] & 0xFF, after[2] >> 8, after[2] & 0xFF)
+
+    def _go(self, position: int, speed: int, force: int) -> None:
+        model = self._fingers.gripper
+        part = (self.CLOSED - position) / (self.CLOSED - self.OPEN)
+        low, high = model.speed or (model.fastest, model.fastest)
+        self._order = self._fingers.command(
+            (part * model.stroke,),
+            low + speed / 255 * (high - low),
+            model.force[0] + force / 255 * (model.force[1] - model.force[0]),
+        )
+
+    @property
+    def _active(self) -> bool:
+        reading = self._fingers.reading
+        over = reading.number > self._activation or (
+            reading.number == self._activation and not reading.moving
+        )
+        return bool(self.registers[1000] >> 8 & 1) and over
+
+    def _refresh(self) -> None:
+        reading, model = self._fingers.reading, self._fingers.gripper
+        bits = self.registers[1000] >> 8
+        moving = reading.moving or reading.number != self._order
+        if not bits & 1:
+            state, grip = 0, 0
+        elif not self._active:
+            state, grip = 1, 0
+        else:
+            state = 3
+            grip = 0 if moving else {1: 2, -1: 1, 0: 3}[reading.caught]
+        closed = 1.0 - reading.opening / model.stroke
+        count = round(self.OPEN + closed * (self.CLOSED - self.OPEN))
+        self.registers[2000] = (grip << 6 | state << 4 | bits & 8 | bits & 1) << 8
+        self.registers[2001] = self._fault << 8 | (self.registers[1001] & 0xFF)
+        self.registers[2002] = min(max(count, 0), 255) << 8 | (0x10 if moving else 0)
+
+
+class DhSlave(RtuSlave):
+    """The basic control registers of a DH gripper (AG-95 and PGE short manuals, section 2.3).
+
+    Args:
+        fingers: what it drives.
+        unit: its number.
+    """
+
+    def __init__(self, fingers: Fingers, unit: int = 1) -> None:
+        self._settable = fingers.gripper.speed is not None
+        names = [0x0100, 0x0101, 0x0103, *([0x0104] if self._settable else [])]
+        zero = dict.fromkeys((*names, 0x0200, 0x0201, 0x0202), 0)
+        super().__init__(unit, registers=zero | {0x0101: 100, 0x0103: 1000})
+        if self._settable:
+            self.registers[0x0104] = 100
+        self.input_registers: dict[int, int] = self.registers
+        self._fingers = fingers
+        self._order = self._initialization = 0
+
+    def receive(self, data: bytes) -> bytes | None:
+        """Answer a frame, with the state of now."""
+        self._refresh()
+        return super().receive(data)
+
+    def write_registers(self, address: int, values: list[int]) -> None:
+        """Take a setting, or a position to go to.
+
+        Raises:
+            KeyError: It cannot be written.
+            ValueError: A value is out of range.
+        """
+        limits = {0x0100: (1, 0xA5), 0x0101: (20, 100), 0x0103: (0, 1000), 0x0104: (1, 100)}
+        for i, value in enumerate(values):
+            low, high = limits[address + i]
+            if not low <= value <= high:
+                raise ValueError(f"{value} is not from {low} to {high}")
+        super().write_registers(address, values)
+        written = range(address, address + len(values))
+        model = self._fingers.gripper
+        if 0x0100 in written:
+            whole = self.registers[0x0100] == 0xA5
+            ends = (0.0, model.stroke) if whole else (model.stroke,)
+            self._order = self._fingers.command(ends, model.fastest, model.force[0])
+            self._initialization = self._order
+        elif 0x0103 in written and self._initialized == 1:
+            force = (self.registers[0x0101] - 20) / 80
+            speed = self.registers[0x0104] / 100 if self._settable else 1.0
+            self._order = self._fingers.command(
+                (self.registers[0x0103] / 1000 * model.stroke,),
+                speed * model.fastest,
+                model.force[0] + force * (model.force[1] - model.force[0]),
+            )
+
+    @property
+    def _initialized(self) -> int:
+        reading = self._fingers.reading
+        if not self._initialization:
+            return 0
+        over = reading.number > self._initialization or not reading.moving
+        return 1 if reading.number >= self._initialization and over else 2
+
+    def _refresh(self) -> None:
+        reading = self._fingers.reading
+        self.registers[0x0200] = self._initialized
+        if reading.number != self._order:
+            grip = 0
+        elif reading.lost:
+            grip = 3
+        elif reading.moving:
+            grip = 0
+        else:
+            grip = 2 if reading.caught else 1
+        self.registers[0x0201] = grip
+        part = reading.opening / self._fingers.gripper.stroke
+        self.registers[0x0202] = min(max(round(1000 * part), 0), 1000)
+
+
+class ValveGripper:
+    """A gripper or a cup on general signals of the cabinet.
+
+    Fingers close while output 1 is on. Input 1 says that they hold something, input 2 that they are
+    open, input 3 that they are closed on nothing. A cup sucks while output 1 is on, and blows off
+    with output 2; input 1 is its vacuum.
+
+    Args:
+        fingers: what it drives.
+    """
+
+    CLOSE, BLOW_OFF = 1, 2
+    HOLDS, OPENED, SHUT = 1, 2, 3
+
+    def __init__(self, fingers: Fingers) -> None:
+        self._fingers = fingers
+        self._given: tuple[bool, bool] | None = None
+        self._order = 0
+
+    def tick(self, time: float, signals: Signals) -> None:
+        """One cycle of the controller, at a time [s]."""
+        model = self._fingers.gripper
+        closing = signals.standard_out.level(self.CLOSE, time)
+        blowing = not model.stroke and signals.standard_out.level(self.BLOW_OFF, time)
+        if (closing, blowing) != self._given:
+            # As it comes on it is open: nothing has to be told.
+            if self._given is not None or closing or blowing:
+                goal = 0.0 if closing else (model.stroke or 1.0)
+                speed = model.fastest if model.stroke else float(blowing)
+                self._order = self._fingers.command((goal,), speed, model.force[1])
+            self._given = closing, blowing
+        reading = self._fingers.reading
+        rests = reading.number == self._order and not reading.moving
+        inputs = signals.standard_in
+        inputs[self.HOLDS] = closing and reading.caught == 1 and reading.number == self._order
+        if model.stroke:
+            inputs[self.OPENED] = rests and reading.opening > model.stroke - 1e-3
+            inputs[self.SHUT] = rests and reading.opening < 1e-3

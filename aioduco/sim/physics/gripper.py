@@ -1,0 +1,345 @@
+"""Fingers and suction cups in MuJoCo, which hold things by friction and drop them.
+
+`FingerControl` is what a gripper's own controller does: a state machine without physics. `Hand`
+joins it to the model. Orders come from any thread; the rest belongs to the world's thread.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+from xml.etree import ElementTree as ET
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from aioduco.models.gripper_models import GripperModel
+
+__all__ = ["FingerControl", "GripperOrder", "GripperReading", "Hand", "gripper_mjcf"]
+
+#: friction between finger tips, or cup, and what they hold; an assumption, as of rubber
+FRICTION = 0.8
+#: of the drive, against the opening [N/m, N s/m], and inertia of it at each finger [kg]
+_STIFFNESS, _DAMPING, _INERTIA = 20_000.0, 100.0, 0.2
+#: mass of a finger [kg]
+_FINGER = 0.05
+#: half sizes of a finger across, its thickness, from its tip's middle up and down [m]
+_ACROSS, _THICK, _UP, _DOWN = 0.011, 0.006, 0.045, 0.008
+#: what counts as arrived, as no motion, and for how long, as moved away [m, m/s, s, m]
+_ARRIVED, _STANDING, _STALLED, _AWAY = 5e-4, 2e-3, 0.05, 3e-3
+#: how far the drive's set-point leads a finger that is stopped, beyond what its force takes [m]
+_LEAD = 0.003
+#: until a vacuum has built up, and until it is gone without blowing off [s]; assumptions
+_BUILD_UP, _FADING = 0.1, 0.2
+_CUP = 0.02  # radius of a cup [m]
+#: cosine of the angle up to which a contact is one of a finger's inner face, or a cup's lip
+_FACING = 0.7
+
+
+class GripperOrder(NamedTuple):
+    """What a gripper is told to do.
+
+    Attributes:
+        number: counts the orders.
+        targets: openings to go to, one after another [m]; none to stand. Of a cup: 0 to suck, 1 to
+            let go.
+        speed: of the opening [m/s]; of a cup 1 to blow off.
+        force: N.
+    """
+
+    number: int
+    targets: tuple[float, ...]
+    speed: float
+    force: float
+
+
+class GripperReading(NamedTuple):
+    """How a gripper is.
+
+    Attributes:
+        number: of the order that it carries out.
+        opening: between the fingers [m].
+        moving: whether the order is still being carried out.
+        caught: 1 if something stopped it closing, -1 opening, 0 if nothing did.
+        lost: whether what it had caught is gone.
+    """
+
+    number: int
+    opening: float
+    moving: bool
+    caught: int
+    lost: bool
+
+
+class FingerControl:
+    """Leads the fingers to an opening, sees what stops them, and presses. No clock, no physics.
+
+    Args:
+        opening: at the beginning [m].
+    """
+
+    def __init__(self, opening: float) -> None:
+        self._order = GripperOrder(0, (), 0.0, 0.0)
+        self._ramp = opening
+        self._index = 0
+        self._stopped = 0.0
+        self._caught_at = 0.0
+        self._direction = 0
+        self._moving = self._lost = False
+
+    def tick(self, order: GripperOrder, opening: float, rate: float, step: float) -> float:
+        """One step.
+
+        Args:
+            order: what is to be done now.
+            opening: between the fingers [m].
+            rate: its change [m/s].
+            step: s.
+
+        Returns:
+            The drive's set-point of the opening [m].
+        """
+        if order.number != self._order.number:
+            self._order = order
+            self._ramp, self._index, self._stopped = opening, 0, 0.0
+            self._direction, self._lost = 0, False
+            self._moving = bool(order.targets)
+        if not order.targets:
+            return self._ramp
+        reach = order.force / _STIFFNESS
+        if self._direction:
+            if abs(opening - self._caught_at) <= _AWAY:
+                return opening - self._direction * 1.5 * reach
+            self._direction, self._lost, self._moving = 0, True, True
+            self._ramp = opening
+        target = order.targets[self._index]
+        way = target - self._ramp
+        self._ramp += math.copysign(min(abs(way), order.speed * step), way)
+        lead = 1.5 * reach + _LEAD
+        self._ramp = min(max(self._ramp, opening - lead), opening + lead)
+        if abs(target - opening) <= _ARRIVED:
+            self._next()
+        elif abs(rate) < _STANDING and abs(self._ramp - opening) > 2.0 * _ARRIVED:
+            self._stopped += step
+            if self._stopped >= _STALLED:
+                if self._index + 1 == len(order.targets):
+                    self._direction = 1 if target < opening else -1
+                    self._caught_at, self._moving = opening, False
+                self._next()
+        else:
+            self._stopped = 0.0
+        return self._ramp
+
+    def _next(self) -> None:
+        self._stopped = 0.0
+        if self._index + 1 < len(self._order.targets):
+            self._index += 1
+        else:
+            self._moving = False
+
+    def reading(self, opening: float) -> GripperReading:
+        """How it is now, at an opening [m]."""
+        return GripperReading(
+            self._order.number, opening, self._moving, self._direction, self._lost
+        )
+
+
+class Hand:
+    """A gripper of a compiled model.
+
+    Args:
+        model, data: of MuJoCo, with what `gripper_mjcf` made as the tool.
+        gripper: which it is.
+
+    Attributes:
+        reading: how it is; a new one after each step.
+    """
+
+    def __init__(self, model: Any, data: Any, gripper: GripperModel) -> None:
+        self.gripper = gripper
+        self._data = data
+        self._model = model
+        self._order = GripperOrder(0, (), 0.0, 0.0)
+        # Firmer against creeping than the arm alone needs.
+        model.opt.impratio = 10.0
+        self._actuator: int = model.actuator("tool/grip").id
+        self._control = FingerControl(gripper.stroke)
+        self.reading: GripperReading = self._control.reading(gripper.stroke)
+        self._sucked = 0.0
+        self._fading = 0.0
+        if gripper.stroke:
+            self._at = [int(model.joint(f"tool/{side}").qposadr[0]) for side in ("left", "right")]
+            self._by = [int(model.joint(f"tool/{side}").dofadr[0]) for side in ("left", "right")]
+            # Where each of them closes to, along the axis y of its geometry.
+            self._pads = {model.geom("tool/left").id: -1.0, model.geom("tool/right").id: 1.0}
+        else:
+            self._cup: int = model.geom("tool/cup").id
+
+    def command(self, targets: Iterable[float], speed: float, force: float) -> int:
+        """Tell it what to do, from any thread; the number of the order."""
+        goals = tuple(min(max(float(goal), 0.0), self.gripper.stroke or 1.0) for goal in targets)
+        self._order = GripperOrder(self._order.number + 1, goals, speed, force)
+        return self._order.number
+
+    def reset(self) -> None:
+        """Begin anew, open and without an order; on the world's thread."""
+        self._order = GripperOrder(self._order.number, (), 0.0, 0.0)
+        self._control = FingerControl(self.gripper.stroke)
+        self.reading = self._control.reading(self.gripper.stroke)
+        self._sucked = self._fading = 0.0
+
+    @property
+    def still(self) -> bool:
+        """Whether nothing is left to be done."""
+        reading = self.reading
+        return reading.number == self._order.number and not reading.moving
+
+    def grips(self, contact: int) -> bool:
+        """Whether a contact is one by which the gripper grips, holds or lets go.
+
+        So is one of a finger's inner face with something that may move, while the fingers move or
+        press on what stopped them; and one of a cup's lip. A finger that is set down on something,
+        pushes it aside with its back, or stands and is led against it does not grip it; nor does
+        one grip what is fixed to the world.
+
+        Args:
+            contact: its number in the model's data.
+        """
+        found = self._data.contact
+        first, second = (int(geom) for geom in found.geom[contact])
+        mine, axis = (self._pads, 1) if self.gripper.stroke else ({self._cup: 1.0}, 2)
+        if (first in mine) == (second in mine):
+            return False
+        pad, thing = (first, second) if first in mine else (second, first)
+        body = int(self._model.geom_bodyid[thing])
+        if self._model.body_weldid[body] == 0:
+            return False
+        if self._model.body_rootid[body] == self._model.body_rootid[self._model.geom_bodyid[pad]]:
+            return False
+        if self.gripper.stroke and not (self.reading.moving or self.reading.caught == 1):
+            return False
+        # MuJoCo's normal leads from the first to the second.
+        normal = found.frame[contact][:3] * (1.0 if pad == first else -1.0)
+        inward = mine[pad] * self._data.geom_xmat[pad].reshape(3, 3)[:, axis]
+        return float(normal @ inward) > _FACING
+
+    def step(self, seconds: float) -> None:
+        """Drive it for the world's next step [s]."""
+        if self.gripper.stroke:
+            self._drive(seconds)
+        else:
+            self._suck(seconds)
+
+    def _drive(self, seconds: float) -> None:
+        order, stroke = self._order, self.gripper.stroke
+        qpos, qvel = self._data.qpos, self._data.qvel
+        left, right = self._at
+        opening = stroke - float(qpos[left]) - float(qpos[right])
+        rate = -float(qvel[self._by[0]]) - float(qvel[self._by[1]])
+        aim = self._control.tick(order, opening, rate, seconds)
+        if order.number != self.reading.number:
+            force = order.force or self.gripper.force[1]
+            self._model.actuator_forcerange[self._actuator] = (-force, force)
+        self._data.ctrl[self._actuator] = stroke - aim
+        self.reading = self._control.reading(opening)
+
+    def _suck(self, seconds: float) -> None:
+        order = self._order
+        sucking = order.targets == (0.0,)
+        if order.number != self.reading.number:
+            self._fading = 0.0 if sucking or order.speed else _FADING
+        touching = bool((self._data.contact.geom == self._cup).any())
+        self._fading = max(0.0, self._fading - seconds)
+        self._data.ctrl[self._actuator] = float(sucking or self._fading > 0.0)
+        before = self._sucked >= _BUILD_UP
+        self._sucked = self._sucked + seconds if sucking and touching else 0.0
+        held = self._sucked >= _BUILD_UP
+        lost = sucking and not held and (self.reading.lost or before)
+        waiting = sucking and touching and not held
+        self.reading = GripperReading(
+            order.number, 0.0, waiting or self._fading > 0.0, int(held), lost
+        )
+
+
+def gripper_mjcf(gripper: GripperModel) -> str:
+    """Give a gripper as an MJCF tool: boxes of about its size, by its stroke, length and mass."""
+    root = ET.Element("mujoco", model=gripper.name)
+    world = ET.SubElement(root, "worldbody")
+    if gripper.stroke:
+        _fingers(root, world, gripper)
+    else:
+        _cup(root, world, gripper)
+    return ET.tostring(root, encoding="unicode")
+
+
+_DARK, _PAD = "0.2 0.21 0.23 1", "0.32 0.33 0.35 1"
+#: what touches finger tips or cup touches as they do
+_GRIP = {
+    "priority": "5", "condim": "4", "friction": f"{FRICTION} 0.01 0.0005",
+    "solref": "0.004 1", "solimp": "0.99 0.999 0.0005",
+}  # fmt: skip
+
+
+def _fingers(root: ET.Element, world: ET.Element, gripper: GripperModel) -> None:
+    palm = 0.5 * (gripper.length - _UP)
+    wide = 0.5 * gripper.stroke + 2.0 * _THICK
+    base = ET.SubElement(world, "body", name="palm")
+    ET.SubElement(
+        base, "geom", name="palm", type="box", size=f"0.03 {min(wide, 0.045):.6g} {palm:.6g}",
+        pos=f"0 0 {palm:.6g}", mass=f"{gripper.mass - 2 * _FINGER:.6g}", rgba=_DARK,
+    )  # fmt: skip
+    # A rail for fingers that open wider than the palm.
+    ET.SubElement(
+        base, "geom", name="rail", type="box", size=f"0.012 {wide:.6g} 0.008", mass="0",
+        pos=f"0 0 {2 * palm - 0.008:.6g}", rgba=_DARK,
+    )  # fmt: skip
+    half = 0.5 * (_UP + _DOWN)
+    for side, sign in (("left", 1), ("right", -1)):
+        finger = ET.SubElement(
+            base, "body", name=side,
+            pos=f"0 {sign * (0.5 * gripper.stroke + _THICK):.6g} {gripper.length:.6g}",
+        )  # fmt: skip
+        ET.SubElement(
+            finger, "joint", name=side, type="slide", axis=f"0 {-sign} 0", limited="true",
+            range=f"0 {0.5 * gripper.stroke:.6g}", armature=f"{_INERTIA:g}", damping="2",
+        )  # fmt: skip
+        pad = ET.SubElement(
+            finger, "geom", name=side, type="box", size=f"{_ACROSS} {_THICK} {half:.6g}",
+            pos=f"0 0 {0.5 * (_DOWN - _UP):.6g}", mass=f"{_FINGER}", rgba=_PAD,
+        )  # fmt: skip
+        pad.attrib.update(_GRIP)
+    contact = ET.SubElement(root, "contact")
+    ET.SubElement(contact, "exclude", body1="left", body2="right")
+    equality = ET.SubElement(root, "equality")
+    ET.SubElement(
+        equality, "joint", joint1="left", joint2="right", polycoef="0 1 0 0 0",
+        solref="0.004 1", solimp="0.99 0.999 0.0005",
+    )  # fmt: skip
+    tendon = ET.SubElement(ET.SubElement(root, "tendon"), "fixed", name="closing")
+    for side in ("left", "right"):
+        ET.SubElement(tendon, "joint", joint=side, coef="1")
+    force = gripper.force[1]
+    ET.SubElement(
+        ET.SubElement(root, "actuator"), "position", name="grip", tendon="closing",
+        kp=f"{_STIFFNESS:g}", kv=f"{_DAMPING:g}", forcerange=f"{-force:g} {force:g}",
+        forcelimited="true",
+    )  # fmt: skip
+
+
+def _cup(root: ET.Element, world: ET.Element, gripper: GripperModel) -> None:
+    stem = 0.5 * (gripper.length - 0.01)
+    base = ET.SubElement(world, "body", name="stem")
+    ET.SubElement(
+        base, "geom", name="stem", type="cylinder", size=f"0.012 {stem:.6g}", rgba=_DARK,
+        pos=f"0 0 {stem:.6g}", mass=f"{gripper.mass - 0.02:.6g}",
+    )  # fmt: skip
+    cup = ET.SubElement(base, "body", name="cup", pos=f"0 0 {gripper.length - 0.005:.6g}")
+    lip = ET.SubElement(
+        cup, "geom", name="cup", type="cylinder", size=f"{_CUP} 0.005", mass="0.02", rgba=_PAD,
+        margin="0.002", gap="0.002",
+    )  # fmt: skip
+    lip.attrib.update(_GRIP)
+    ET.SubElement(
+        ET.SubElement(root, "actuator"), "adhesion", name="grip", body="cup",
+        ctrlrange="0 1", gain=f"{gripper.force[1]:g}",
+    )  # fmt: skip

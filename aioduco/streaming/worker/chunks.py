@@ -1,0 +1,237 @@
+"""Chunks of actions that overlap, brought to one set-point per tick. Nothing here reads a clock.
+
+A policy gives its actions in chunks: so many, at a fixed rate, from a time on. The next chunk comes
+before the last one is over. From its time on the newer one replaces the older one, and the way from
+one to the other is blended: what is followed has no step, neither in place nor in velocity. The
+limiter behind it keeps acceleration and jerk.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.streaming.shared.space import Config, Displacement, Space
+
+__all__ = ["ActionTimeline", "ChunkCounts"]
+
+_ZERO: Displacement = (0.0,) * 6
+_CATCH_UP = 0.25  # of a period for each tick: how fast time that was missed is made up for
+_ROUNDING = 1e-7
+
+
+class ChunkCounts(NamedTuple):
+    """What became of the chunks.
+
+    Attributes:
+        taken: chunks that were taken, dropped ones included.
+        late: of these, chunks that came when the time of some of their actions had passed.
+        dropped: of these, chunks all of whose actions came too late; what was followed goes on.
+        late_actions: actions that came too late, one by one.
+        exhausted: times at which the actions were at their end before a new chunk was there.
+    """
+
+    taken: int = 0
+    late: int = 0
+    dropped: int = 0
+    late_actions: int = 0
+    exhausted: int = 0
+
+
+class _Curve:
+    """The actions of one chunk, joined by a cubic curve that overshoots none; at rest at its end.
+
+    Slopes are reckoned where they are needed: a chunk is mostly replaced before its end.
+    """
+
+    def __init__(
+        self, space: Space, begin: float, interval: float, actions: Sequence[Config]
+    ) -> None:
+        self._space = space
+        self._actions = actions
+        self._interval = interval
+        self.begin = begin
+        self.end = begin + (len(actions) - 1) * interval
+
+    def at(self, time: float) -> Config:
+        """Where it is at a time; before and after it stands."""
+        last = len(self._actions) - 1
+        if time >= self.end:
+            return self._actions[last]
+        place = (time - self.begin) / self._interval
+        if place <= 0:
+            return self._actions[0]
+        index = min(int(place), last - 1)
+        share = place - index
+        way = self._way(index)
+        out, come = self._slope(index), self._slope(index + 1)
+        keep = share * share * (3 - 2 * share)
+        p, q = share * (1 - share) ** 2, share * share * (share - 1)
+        moved = tuple([keep * w + p * a + q * b for w, a, b in zip(way, out, come, strict=True)])
+        return self._space.moved(self._actions[index], moved)
+
+    def _way(self, index: int) -> Displacement:
+        return self._space.difference(self._actions[index], self._actions[index + 1])
+
+    def _slope(self, index: int) -> Displacement:
+        """Displacement per interval at an action."""
+        if index == len(self._actions) - 1:
+            return _ZERO
+        after = self._way(index)
+        if index == 0:
+            return after
+        return tuple(map(_between, self._way(index - 1), after))
+
+
+class _Followed(NamedTuple):
+    """A curve, and how the way to it from what was followed before fades away."""
+
+    curve: _Curve
+    since: float
+    #: what leads from the curve to what was followed, and how fast it changes [1/s]
+    gap: Displacement
+    drift: Displacement
+    blend: float
+
+    def at(self, space: Space, time: float) -> Config:
+        config = self.curve.at(time)
+        share = (time - self.since) / self.blend if self.blend else 1.0
+        if share >= 1:
+            return config
+        keep = (1 - share) ** 2 * (1 + 2 * share)
+        out = share * (1 - share) ** 2 * self.blend
+        fading = [keep * g + out * d for g, d in zip(self.gap, self.drift, strict=True)]
+        return space.moved(config, tuple(fading))
+
+
+class ActionTimeline:
+    """What is to be followed at each tick, from chunks that overlap. One call of `step` is a tick.
+
+    Args:
+        space: the space of the actions.
+        period: time between two ticks [s].
+        interval: time between two actions of a chunk [s].
+        blend: time in which a newer chunk takes over from an older one [s].
+
+    Attributes:
+        now: time of this tick [s].
+        counts: what became of the chunks.
+    """
+
+    def __init__(self, space: Space, period: float, interval: float, blend: float) -> None:
+        self._space = space
+        self._period = period
+        self._interval = interval
+        self._blend = blend
+        self._followed: _Followed | None = None
+        #: chunks whose time has not come, by their begin
+        self._coming: list[_Curve] = []
+        self._place: Config = ()
+        self._running = False
+        self._over = True
+        self.now: float = 0.0
+        self.counts: ChunkCounts = ChunkCounts()
+
+    @property
+    def ready(self) -> bool:
+        """Whether all actions have had their time."""
+        followed = self._followed
+        if self._coming:
+            return False
+        return followed is None or self.now >= max(
+            followed.curve.end, followed.since + followed.blend
+        )
+
+    def advance(self, clock: float, *, closing: bool = False) -> None:
+        """Go on to the next tick.
+
+        Time goes on by one period, so that ticks that come unevenly do not make the arm go
+        unevenly. Ticks that were missed are made up for little by little.
+
+        Args:
+            clock: what the clock says [s].
+            closing: whether no more chunks are expected.
+        """
+        if not self._running:
+            self._running, self.now = True, clock
+        else:
+            self.now += self._period
+            behind = clock - self.now
+            if behind > self._period:
+                self.now += min(behind, _CATCH_UP * self._period)
+        while self._coming and self._coming[0].begin <= self.now:
+            self._follow(self._coming.pop(0))
+        if not self._over and self.ready:
+            self._over = True
+            self.counts = self.counts._replace(exhausted=self.counts.exhausted + (not closing))
+
+    def take(self, begin: float | None, actions: Sequence[Config]) -> Config | None:
+        """Take a chunk. From its begin on it replaces what was taken before it.
+
+        Args:
+            begin: when its first action is due [s]; None: now.
+            actions: its actions, an interval apart; one or more.
+
+        Returns:
+            Where it is when it takes over; None: all of it came too late, and it was dropped.
+        """
+        counts = self.counts
+        begin = self.now if begin is None else begin
+        # An action counts as late when this tick could not have sent it in time, either.
+        passed = (self.now - self._period - begin) / self._interval
+        late = min(len(actions), max(0, -int(-passed // 1) if passed > _ROUNDING else 0))
+        dropped = late == len(actions)
+        self.counts = counts._replace(
+            taken=counts.taken + 1,
+            late=counts.late + bool(late),
+            dropped=counts.dropped + dropped,
+            late_actions=counts.late_actions + late,
+        )
+        if dropped:
+            return None
+        curve = _Curve(self._space, begin, self._interval, actions)
+        self._coming = [each for each in self._coming if each.begin < begin]
+        self._over = False
+        if begin <= self.now:
+            self._follow(curve)
+        else:
+            self._coming.append(curve)
+        return curve.at(max(begin, self.now))
+
+    def aim(self, target: Config, interval: float, duration: float) -> None:  # noqa: ARG002
+        """Take one action for now."""
+        self.take(None, [target])
+
+    def step(self) -> Config:
+        """Where the arm should be at this tick."""
+        if self._followed is None:
+            return self._place
+        return self._followed.at(self._space, self.now)
+
+    def rest(self, config: Config) -> None:
+        """Forget all chunks, and stand at a point."""
+        self._place = config
+        self._followed = None
+        self._coming.clear()
+        self._over = True
+
+    def _follow(self, curve: _Curve) -> None:
+        """Have a curve take over at this tick, from where and as fast as what went before is."""
+        space, now, soon = self._space, self.now, self.now + self._period
+        before = self._followed
+        if before is None:
+            here = there = self._place
+        else:
+            here, there = before.at(space, now), before.at(space, soon)
+        gap = space.difference(curve.at(now), here)
+        later = space.difference(curve.at(soon), there)
+        drift = tuple([(b - a) / self._period for a, b in zip(gap, later, strict=True)])
+        self._followed = _Followed(curve, now, gap, drift, self._blend)
+
+
+def _between(before: float, after: float) -> float:
+    """Slope between two displacements: their harmonic mean, or zero where they turn back."""
+    product = before * after
+    return 2 * product / (before + after) if product > 0 else 0.0

@@ -1,0 +1,185 @@
+"""Calls and answers out of the bytes that passed between clients and a controller. No I/O."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from aioduco._wire.codec import ReplyReader, decode_arguments
+from aioduco._wire.framing import Malformed
+from aioduco._wire.idl import functions
+from aioduco._wire.messages import Inbox, Message, MessageType
+from aioduco.errors import ControllerError
+from aioduco.tap.relay import CopyKind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["Conversation", "TapNote", "TappedCall"]
+
+
+class TappedCall(NamedTuple):
+    """A call that passed, when it was answered or cannot be any more.
+
+    Attributes:
+        connection: number of its connection, from 0 in the order in which clients came.
+        function: its name on the wire.
+        arguments: by the name of the parameter; what did not come is left out. Of a function that
+            the wire does not have, its bytes in hex, as `body`.
+        answer: what the controller answered; None if it did not.
+        error: what the controller answered instead, or why there is no answer; empty if there is
+            one.
+        at: when the last byte of the call came, by `time.monotonic()` [s].
+        duration: until the last byte of the answer came [s]; None if none did.
+    """
+
+    connection: int
+    function: str
+    arguments: dict[str, Any]
+    answer: Any
+    error: str
+    at: float
+    duration: float | None
+
+    def __str__(self) -> str:
+        given = ", ".join(f"{name}={value!r}" for name, value in self.arguments.items())
+        ended = f"!! {self.error}" if self.error else f"-> {self.answer!r}"
+        took = "" if self.duration is None else f"  {1e3 * self.duration:.2f} ms"
+        return f"#{self.connection} {self.function}({given}) {ended}{took}"
+
+
+class TapNote(NamedTuple):
+    """What happened to a connection.
+
+    Attributes:
+        connection: its number.
+        at: when, by `time.monotonic()` [s].
+        text: what, for people.
+    """
+
+    connection: int
+    at: float
+    text: str
+
+    def __str__(self) -> str:
+        return f"#{self.connection} {self.text}"
+
+
+@dataclass(slots=True)
+class _Talk:
+    """What one connection has said and not finished."""
+
+    calls: Inbox = field(
+        default_factory=lambda: Inbox(frozenset({MessageType.CALL, MessageType.ONEWAY}))
+    )
+    answers: Inbox = field(
+        default_factory=lambda: Inbox(frozenset({MessageType.REPLY, MessageType.EXCEPTION}))
+    )
+    #: calls without an answer, oldest first, and when each came
+    open: deque[tuple[float, Message]] = field(default_factory=deque)
+    #: what cannot be read any more
+    lost: set[CopyKind] = field(default_factory=set)
+
+
+class Conversation:
+    """Puts together what a relay has copied, whatever the bytes are and however they are cut.
+
+    An answer belongs to the oldest open call of its connection with its sequence id. Bytes that
+    are no message of the wire end what is read of their side of the connection, and that is said.
+    """
+
+    def __init__(self) -> None:
+        self._talks: dict[int, _Talk] = {}
+
+    def feed(
+        self, at: float, connection: int, kind: CopyKind, data: bytes
+    ) -> Iterator[TappedCall | TapNote]:
+        """Take in a copy; what is complete with it.
+
+        Args:
+            at: when it was made, by `time.monotonic()` [s].
+            connection: its number.
+            kind: what it is of.
+            data: the bytes.
+        """
+        talk = self._talks.setdefault(connection, _Talk())
+        if kind in (CopyKind.REQUEST, CopyKind.ANSWER):
+            if kind not in talk.lost:
+                yield from self._said(talk, at, connection, kind, data)
+            return
+        text = data.decode("utf-8", "backslashreplace")
+        if kind is CopyKind.OPENED:
+            yield TapNote(connection, at, f"opened by {text}")
+        elif kind is CopyKind.MISSED:
+            talk.lost |= {CopyKind.REQUEST, CopyKind.ANSWER}
+            yield TapNote(
+                connection, at, f"{text} bytes passed unseen: from here on it is not read"
+            )
+        else:
+            del self._talks[connection]
+            refused = kind is CopyKind.REFUSED
+            end = f"the controller was not reached: {text}" if refused else f"closed by the {text}"
+            for came, call in talk.open:
+                yield _tapped(connection, came, call, None, f"no answer: {end}", None)
+            yield TapNote(connection, at, end)
+
+    def _said(
+        self, talk: _Talk, at: float, connection: int, kind: CopyKind, data: bytes
+    ) -> Iterator[TappedCall | TapNote]:
+        inbox = talk.calls if kind is CopyKind.REQUEST else talk.answers
+        inbox.feed(data)
+        try:
+            while (message := inbox.take()) is not None:
+                if kind is CopyKind.ANSWER:
+                    yield from _answered(talk, at, connection, message)
+                elif message.kind is MessageType.ONEWAY:
+                    yield _tapped(connection, at, message, None, "", None)
+                else:
+                    talk.open.append((at, message))
+        except Malformed as error:
+            talk.lost.add(kind)
+            side = "client" if kind is CopyKind.REQUEST else "controller"
+            yield TapNote(
+                connection, at, f"the {side} says what is no message, and is not read on: {error}"
+            )
+
+
+def _answered(
+    talk: _Talk, at: float, connection: int, message: Message
+) -> Iterator[TappedCall | TapNote]:
+    for index, (came, call) in enumerate(talk.open):
+        if call.seqid == message.seqid:
+            del talk.open[index]
+            answer, error = _answer(call, message)
+            yield _tapped(connection, came, call, answer, error, at - came)
+            return
+    yield TapNote(connection, at, f"an answer of {message.name} that no call waits for")
+
+
+def _answer(call: Message, message: Message) -> tuple[Any, str]:
+    known = functions()
+    if call.name not in known:
+        body = message.body.hex()
+        return (body, "") if message.kind is MessageType.REPLY else (None, f"error {body}")
+    reader = ReplyReader(known[call.name], call.seqid)
+    data = message.encode()
+    try:
+        if not reader.whole(data):
+            return None, "an answer that is cut off"
+        return reader.value(data), ""
+    except ControllerError as error:
+        return None, str(error)
+    except Malformed as error:
+        return None, f"an answer that is none: {error}"
+
+
+def _tapped(
+    connection: int, at: float, call: Message, answer: Any, error: str, duration: float | None
+) -> TappedCall:
+    known = functions()
+    if call.name in known:
+        arguments = decode_arguments(known[call.name], call.body)
+    else:
+        arguments = {"body": call.body.hex()}
+    return TappedCall(connection, call.name, arguments, answer, error, at, duration)

@@ -1,0 +1,381 @@
+"""The process that stands between clients and a controller: bytes pass, and copies of them.
+
+Guarantees:
+- Bytes are passed on as they come, before their copy, and whatever they are.
+- Who reads the copies slowly, or not at all, holds up no byte: beyond `KEPT` bytes copies are left
+  out, and that is said.
+- A connection ends on each side as it ended on the other. When the process ends, all end.
+
+It loads little, and does nothing else, so that a call is late by two switches of processes.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import selectors
+import socket
+import struct
+import time
+from enum import IntEnum
+from typing import TYPE_CHECKING, Any, Final
+
+from aioduco._linked_process import ValueChannel
+from aioduco._platform import CONNECTING
+from aioduco.scheduling import shorten_slice
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["HEAD", "KEPT", "CopyKind", "main"]
+
+#: of a copy: time of `time.monotonic` [s], number of the connection, kind, bytes that follow
+HEAD: Final = struct.Struct("<dIBI")
+#: bytes of copies that wait at most
+KEPT: Final = 64 * 1024 * 1024
+#: seconds in which copies are gathered, so that who reads them wakes up less often than bytes pass
+_GATHER: Final = 0.01
+#: of a processor [ns]: what wakes up for one call goes before what decodes a hundred
+_SLICE: Final = 100_000
+#: bytes that wait for one side at most, before the other one is read again
+_AHEAD: Final = 1024 * 1024
+_CHUNK: Final = 64 * 1024
+#: in which the program takes what is left at the end [s]
+_FAREWELL: Final = 5.0
+#: an end without a good-bye: what is not sent yet is thrown away, and the other side is told
+_RESET: Final = struct.pack("ii", 1, 0)
+
+_READ, _WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
+
+
+class CopyKind(IntEnum):
+    """What a copy is of."""
+
+    #: a client came; its address
+    OPENED = 0
+    #: from the client to the controller
+    REQUEST = 1
+    #: from the controller to the client
+    ANSWER = 2
+    #: the connection is over; which side ended it
+    CLOSED = 3
+    #: the controller could not be reached; why
+    REFUSED = 4
+    #: copies that were left out; how many bytes
+    MISSED = 5
+
+
+class _Copies:
+    """Copies on their way to the program, which may be slow.
+
+    Args:
+        link: where they go.
+        selector: waits until more can be sent.
+    """
+
+    def __init__(self, link: socket.socket, selector: selectors.BaseSelector) -> None:
+        self._link = link
+        self._selector = selector
+        self._waiting = bytearray()
+        self._missed: dict[int, int] = {}
+        self._full = False
+        self._due = 0.0
+
+    def left(self) -> float | None:
+        """Seconds until they are to be sent; None if there are none, or none that can be sent."""
+        if not self._waiting or self._full:
+            return None
+        return max(0.0, self._due - time.monotonic())
+
+    def put(self, at: float, number: int, kind: CopyKind, data: bytes = b"") -> None:
+        """Add one; `send` sends it."""
+        if len(self._waiting) + len(data) > KEPT and kind in (CopyKind.REQUEST, CopyKind.ANSWER):
+            self._missed[number] = self._missed.get(number, 0) + len(data)
+            return
+        missed = self._missed.pop(number, 0)
+        if missed:
+            self.put(at, number, CopyKind.MISSED, str(missed).encode())
+        if not self._waiting:
+            self._due = time.monotonic() + _GATHER
+        self._waiting += HEAD.pack(at, number, kind, len(data)) + data
+
+    def send(self) -> None:
+        """Send what can be sent now.
+
+        Raises:
+            OSError: the program is gone.
+        """
+        try:
+            sent = self._link.send(self._waiting)
+        except BlockingIOError:
+            sent = 0
+        del self._waiting[:sent]
+        if bool(self._waiting) is not self._full:
+            self._full = not self._full
+            self._selector.modify(self._link, _READ | _WRITE * self._full)
+
+    def finish(self) -> None:
+        """Send all that waits, unless the program does not take it.
+
+        Raises:
+            OSError: it did not.
+        """
+        self._link.settimeout(_FAREWELL)
+        self._link.sendall(self._waiting)
+
+
+class _Side:
+    """One of the two sockets of a connection.
+
+    Args:
+        sock: the socket.
+        kind: what its bytes are.
+    """
+
+    def __init__(self, sock: socket.socket, kind: CopyKind) -> None:
+        sock.setblocking(False)
+        with contextlib.suppress(OSError):
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.sock = sock
+        self.kind = kind
+        self.connected = kind is CopyKind.REQUEST
+        #: bytes that wait until it takes them
+        self.waiting = bytearray()
+        #: whether it says no more
+        self.ended = False
+        #: whether it was told that the other one says no more
+        self.told = False
+
+
+class _Link:
+    """One connection: a client's socket and one to the controller.
+
+    Args:
+        relay: whose it is.
+        number: of the connection, from 0.
+        client: its socket.
+        server: a socket that is being connected to the controller.
+    """
+
+    def __init__(
+        self, relay: _Relay, number: int, client: socket.socket, server: socket.socket
+    ) -> None:
+        self._relay = relay
+        self.number = number
+        self.client = _Side(client, CopyKind.REQUEST)
+        self.server = _Side(server, CopyKind.ANSWER)
+        self._first = ""
+        self._watch()
+
+    def other(self, side: _Side) -> _Side:
+        """The opposite side."""
+        return self.server if side is self.client else self.client
+
+    def ready(self, side: _Side, mask: int) -> None:
+        """Do what a side is ready for."""
+        try:
+            if mask & _WRITE:
+                if not side.connected:
+                    self._connected(side)
+                self._flush(side)
+            if mask & _READ:
+                self._pass_on(side)
+        except BlockingIOError:
+            pass
+        except OSError as error:
+            self._cut(side, error)
+            return
+        if self.client.told and self.server.told:
+            self._over()
+        else:
+            self._watch()
+
+    def close(self, *, reset: bool) -> None:
+        """Close both sockets."""
+        for side in (self.client, self.server):
+            self._relay.forget(side.sock)
+            if reset:
+                with contextlib.suppress(OSError):
+                    side.sock.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _RESET)
+            side.sock.close()
+
+    def _connected(self, side: _Side) -> None:
+        error = side.sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+        if error:
+            raise OSError(error, os.strerror(error))
+        side.connected = True
+
+    def _pass_on(self, side: _Side) -> None:
+        """Take what a side says, and say it to the other one; then keep a copy."""
+        data = side.sock.recv(_CHUNK)
+        at = time.monotonic()
+        other = self.other(side)
+        if data:
+            other.waiting += data
+            self._flush(other)
+            self._relay.copies.put(at, self.number, side.kind, data)
+        else:
+            side.ended = True
+            self._first = self._first or _name(side)
+            self._flush(other)
+
+    def _flush(self, side: _Side) -> None:
+        if side.waiting and side.connected:
+            sent = side.sock.send(side.waiting)
+            del side.waiting[:sent]
+        if not side.waiting and side.connected and self.other(side).ended and not side.told:
+            side.told = True
+            side.sock.shutdown(socket.SHUT_WR)
+
+    def _watch(self) -> None:
+        for side in (self.client, self.server):
+            other = self.other(side)
+            reads = not side.ended and side.connected and other.connected
+            reads = reads and len(other.waiting) < _AHEAD
+            writes = not side.connected or bool(side.waiting)
+            self._relay.watch(side.sock, _READ * reads | _WRITE * writes, (self, side))
+
+    def _cut(self, side: _Side, error: OSError) -> None:
+        """A side is gone: the other one is told in the same way."""
+        if not self.server.connected:
+            self._relay.end(self, CopyKind.REFUSED, str(error).encode())
+        else:
+            self._relay.end(self, CopyKind.CLOSED, (self._first or _name(side)).encode())
+        self.close(reset=True)
+
+    def _over(self) -> None:
+        self._relay.end(self, CopyKind.CLOSED, self._first.encode())
+        self.close(reset=False)
+
+
+def _name(side: _Side) -> str:
+    return "client" if side.kind is CopyKind.REQUEST else "controller"
+
+
+class _Relay:
+    """All connections, on one thread.
+
+    Args:
+        listener: where clients come.
+        controller: address and port of the controller.
+        family: of the controller's address.
+        link: to the program; the relay ends when the program closes it.
+    """
+
+    def __init__(
+        self,
+        listener: socket.socket,
+        controller: tuple[Any, ...],
+        family: int,
+        link: socket.socket,
+    ) -> None:
+        self.selector = selectors.DefaultSelector()
+        self._listener = listener
+        self._controller = controller
+        self._family = family
+        self._program = link
+        self._number = 0
+        self._links: set[_Link] = set()
+        self._watched: dict[socket.socket, int] = {}
+        listener.setblocking(False)
+        link.setblocking(False)
+        self.selector.register(listener, _READ)
+        self.copies = _Copies(link, self.selector)
+        self.selector.register(link, _READ)
+
+    def run(self) -> None:
+        """Pass on until the program closes its socket."""
+        while True:
+            for key, mask in self.selector.select(self.copies.left()):
+                if key.fileobj is self._program:
+                    if mask & _READ and not self._program.recv(1):
+                        return
+                    self.copies.send()
+                elif key.fileobj is self._listener:
+                    self._accept()
+                else:
+                    link, side = key.data
+                    # One that an earlier one of these ended is not looked at.
+                    if link in self._links:
+                        link.ready(side, mask)
+            if self.copies.left() == 0.0:
+                self.copies.send()
+
+    def close(self) -> None:
+        """End all connections, and tell what passed until then."""
+        for link in tuple(self._links):
+            self.end(link, CopyKind.CLOSED, b"tap")
+            link.close(reset=True)
+        self.copies.finish()
+
+    def watch(self, sock: socket.socket, events: int, data: tuple[_Link, _Side]) -> None:
+        """Wait for other events of a socket."""
+        if self._watched.get(sock) == events:
+            return
+        if self._watched.get(sock):
+            self.selector.unregister(sock)
+        if events:
+            self.selector.register(sock, events, data)
+        self._watched[sock] = events
+
+    def forget(self, sock: socket.socket) -> None:
+        """Wait for nothing more of a socket."""
+        if self._watched.pop(sock, 0):
+            self.selector.unregister(sock)
+
+    def end(self, link: _Link, kind: CopyKind, why: bytes) -> None:
+        """A connection is over."""
+        self._links.discard(link)
+        self.copies.put(time.monotonic(), link.number, kind, why)
+
+    def _accept(self) -> None:
+        try:
+            client, address = self._listener.accept()
+        except OSError:
+            return  # it went away before it was accepted
+        number, self._number = self._number, self._number + 1
+        where = f"{address[0]}:{address[1]}".encode()
+        self.copies.put(time.monotonic(), number, CopyKind.OPENED, where)
+        server = socket.socket(self._family, socket.SOCK_STREAM)
+        server.setblocking(False)
+        code = server.connect_ex(self._controller)
+        link = _Link(self, number, client, server)
+        self._links.add(link)
+        if code not in (0, *CONNECTING):
+            self.end(link, CopyKind.REFUSED, os.strerror(code).encode())
+            link.close(reset=True)
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Relay between clients and a controller until the program closes its socket.
+
+    What it is told first are the controller's host and port, and where to listen; it answers with
+    the address that it listens on, or with the text of what is wrong.
+
+    Args:
+        arguments: of the process: the descriptor of the socket to the program.
+
+    Returns:
+        Status of the process.
+    """
+    channel = ValueChannel.of(arguments)
+    host, port, listen = channel.receive()
+    try:
+        family, _, _, _, controller = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        own = socket.AF_INET6 if ":" in listen[0] else socket.AF_INET
+        listener = socket.create_server(listen, family=own, backlog=128)
+    except OSError as error:
+        channel.send(str(error))
+        return 1
+    channel.send(listener.getsockname()[:2])
+    shorten_slice(_SLICE)
+    link = channel.copy()
+    relay = _Relay(listener, controller, family, link)
+    try:
+        try:
+            relay.run()
+        finally:
+            relay.close()
+    except OSError:
+        return 1  # the program is gone
+    return 0

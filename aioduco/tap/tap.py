@@ -1,0 +1,129 @@
+"""A relay, and what passed through it."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+from typing import TYPE_CHECKING
+
+from aioduco._linked_process import LinkedProcess
+from aioduco._spawn import Unstartable
+from aioduco.errors import ConnectError
+from aioduco.tap.conversation import Conversation, TapNote, TappedCall
+from aioduco.tap.relay import HEAD, CopyKind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from types import TracebackType
+    from typing import Self
+
+__all__ = ["Tap"]
+
+#: until the relay says where it listens [s]
+_START = 60.0
+_CHUNK = 256 * 1024
+
+
+class Tap:
+    """Stands between clients and a controller, and tells each call that passes.
+
+        with Tap("192.168.1.10", listen=("127.0.0.1", 7003)) as tap:
+            for item in tap:              # clients connect to tap.host, tap.port
+                print(item)
+
+    Any client and any controller may be at its ends: it passes on bytes as they come, in a process
+    of its own, and reads a copy of them. A call is late by some tenths of a millisecond. Without
+    heartbeats of its own, it takes no part: if it ends, the connections through it end, as if the
+    cable had been cut, and the controller does what its heartbeat has it do.
+
+    Args:
+        host: address of the controller.
+        port: its TCP port.
+        listen: address and port for clients; port 0 takes a free one. An address other than
+            loopback lets every computer of that network drive the arm.
+
+    Attributes:
+        host: address that it listens on.
+        port: its TCP port.
+    """
+
+    def __init__(
+        self, host: str, port: int = 7003, *, listen: tuple[str, int] = ("127.0.0.1", 0)
+    ) -> None:
+        self._controller = (host, port)
+        self._listen = listen
+        self._linked: LinkedProcess | None = None
+        self._link: socket.socket | None = None
+        self._conversation = Conversation()
+        self.host: str = ""
+        self.port: int = 0
+
+    def __enter__(self) -> Self:
+        """Start the relay.
+
+        Raises:
+            ConnectError: the address cannot be listened on, or the controller's name is unknown.
+            RuntimeError: no process can be started.
+        """
+        try:
+            linked = LinkedProcess("aioduco.tap.relay")
+        except Unstartable as error:
+            raise RuntimeError(f"the relay was not started: {error}") from error
+        try:
+            linked.channel.send((*self._controller, self._listen))
+            ready = linked.channel.receive(_START)
+        except (EOFError, TimeoutError, OSError) as error:
+            linked.close()
+            raise RuntimeError(f"the relay did not start: {linked.last_words}") from error
+        except BaseException:
+            linked.close()
+            raise
+        if isinstance(ready, str):
+            linked.close()
+            raise ConnectError(*self._controller, ready)
+        self._link = linked.channel.copy()
+        self._link.setblocking(True)
+        self._linked = linked
+        self.host, self.port = ready
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        link, self._link = self._link, None
+        if link is not None:
+            with contextlib.suppress(OSError):
+                link.shutdown(socket.SHUT_RDWR)
+            link.close()
+        linked, self._linked = self._linked, None
+        if linked is not None:
+            linked.close()
+
+    def end(self) -> None:
+        """End all connections through it; what passed until then is told yet. From any thread."""
+        link = self._link
+        if link is not None:
+            with contextlib.suppress(OSError):
+                link.shutdown(socket.SHUT_WR)
+
+    def __iter__(self) -> Iterator[TappedCall | TapNote]:
+        """What passes, as it passes, until `end`."""
+        link = self._link
+        if link is None:
+            raise RuntimeError("the tap is not open: use it in a `with` block")
+        data = bytearray()
+        while chunk := link.recv(_CHUNK):
+            data += chunk
+            done = 0
+            while len(data) - done >= HEAD.size:
+                at, connection, kind, size = HEAD.unpack_from(data, done)
+                begin = done + HEAD.size
+                if len(data) < begin + size:
+                    break
+                done = begin + size
+                copied = bytes(data[begin:done])
+                yield from self._conversation.feed(at, connection, CopyKind(kind), copied)
+            del data[:done]

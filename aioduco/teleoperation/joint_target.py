@@ -1,0 +1,98 @@
+"""Joint angles that a speed leads to, for those who record and learn positions. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from aioduco.kinematics import Arm
+
+__all__ = ["JointTarget"]
+
+_MOVED = 1.5  # times the lead: an arm so far away was moved by others
+_Vector = NDArray[np.float64]
+
+
+class JointTarget:
+    """Goes on from where the arm is by a speed, one step at a time.
+
+    Near a singularity the step is damped: the tool then goes slower than it was told to, and no
+    joint faster than `fastest`.
+
+    Args:
+        arm: the arm's kinematics.
+        fastest: largest speed of a joint [rad/s].
+        lead: how far the target may be ahead of where the arm is seen [rad].
+        damping: how early a singularity is felt.
+    """
+
+    def __init__(
+        self, arm: Arm, *, fastest: float = 0.5, lead: float = 0.15, damping: float = 0.03
+    ) -> None:
+        self._arm = arm
+        self._fastest = fastest
+        self._lead = lead
+        self._damping = damping
+        self._target: _Vector | None = None
+
+    def rest(self, seen: Sequence[float]) -> _Vector:
+        """Nothing leads: the target stays where it is, unless others have moved the arm away.
+
+        Args:
+            seen: joint angles of the arm [rad]. Shape (6,).
+        """
+        actual = np.array(seen, dtype=float)
+        if self._target is None or np.abs(self._target - actual).max() > _MOVED * self._lead:
+            self._target = actual
+        return self._target.copy()
+
+    def by_twist(
+        self, twist: Sequence[float], period: float, seen: Sequence[float], *, in_tool: bool = False
+    ) -> _Vector:
+        """Go on by a speed of the flange.
+
+        Args:
+            twist: the speed [m/s, rad/s], along and about the axes of the base. Shape (6,).
+            period: for how long [s].
+            seen: joint angles of the arm [rad]. Shape (6,).
+            in_tool: whether the speed is along and about the axes of the flange instead.
+
+        Returns:
+            The joint angles to go to [rad]. Shape (6,).
+        """
+        target = self.rest(seen)
+        wanted = np.array(twist, dtype=float)
+        if in_tool:
+            turn = self._arm.fkine(target)[:3, :3]
+            wanted = np.concatenate([turn @ wanted[:3], turn @ wanted[3:]])
+        jacobian = self._arm.jacobian(target)
+        square = jacobian @ jacobian.T + self._damping**2 * np.eye(6)
+        return self.by_joints(jacobian.T @ np.linalg.solve(square, wanted), period, seen)
+
+    def by_joints(
+        self, speeds: Sequence[float] | _Vector, period: float, seen: Sequence[float]
+    ) -> _Vector:
+        """Go on by joint speeds.
+
+        Args:
+            speeds: the speeds [rad/s]. Shape (6,).
+            period: for how long [s].
+            seen: joint angles of the arm [rad]. Shape (6,).
+
+        Returns:
+            The joint angles to go to [rad]. Shape (6,).
+        """
+        target, found = self.rest(seen), np.array(speeds, dtype=float)
+        most = float(np.abs(found).max())
+        if most > self._fastest:
+            found *= self._fastest / most
+        new = target + found * period
+        actual = np.array(seen, dtype=float)
+        new = np.clip(new, actual - self._lead, actual + self._lead)
+        self._target = np.clip(new, self._arm.lower, self._arm.upper)
+        return self._target.copy()

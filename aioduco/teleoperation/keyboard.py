@@ -1,0 +1,75 @@
+"""Keys of a terminal: the key that is held leads. No device and no clock in here.
+
+A terminal tells no release of a key; it repeats a key that is held, first after a delay of up to
+0.66 s and then some 25 times a second (defaults of X11's `xset r rate`). So a key counts as held
+for `first` seconds, and from its first repetition on for `repeating` seconds only.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from aioduco.teleoperation.reading import STANDING, Axes, Reading
+
+__all__ = ["KEYS", "Keyboard"]
+
+_DIRECTIONS: Final = (("w", "s"), ("a", "d"), ("r", "f"), ("j", "l"), ("i", "k"), ("u", "o"))
+
+#: by key, the axes that it leads along
+KEYS: dict[str, Axes] = {}
+for _axis, _keys in enumerate(_DIRECTIONS):
+    for _key, _sign in zip(_keys, (1.0, -1.0), strict=True):
+        _x, _y, _z, _u, _v, _w = (_sign * (_each == _axis) for _each in range(6))
+        KEYS[_key] = (_x, _y, _z, _u, _v, _w)
+
+_DONE: Final = ("q", "\x04")
+_REPEATS_WITHIN: Final = 0.15  # s between two repetitions of a key that is held
+
+
+class Keyboard:
+    """Makes readings of what a terminal sends.
+
+    Args:
+        first: seconds for which a key counts as held that came once.
+        repeating: the same for a key that is repeated.
+    """
+
+    def __init__(self, *, first: float = 0.4, repeating: float = 0.15) -> None:
+        self._first = first
+        self._repeating = repeating
+        self._key = ""
+        self._at = 0.0
+        self._until = 0.0
+        self._done = False
+        self._escape = False
+
+    def feed(self, data: bytes, now: float) -> None:
+        """Take bytes of the terminal; none at all: it is gone.
+
+        Args:
+            data: the bytes.
+            now: time at which they came [s].
+        """
+        if not data:
+            self._done = True
+        for key in data.decode(errors="replace").lower():
+            if self._escape:
+                # Letters of an arrow or a function key lead nowhere.
+                self._escape = not (key.isalpha() or key == "~") or key == "o"
+            elif key == "\x1b":
+                self._escape, self._key = True, ""
+            else:
+                self._press(key, now)
+
+    def _press(self, key: str, now: float) -> None:
+        if key in _DONE:
+            self._done = True
+        repeated = key == self._key and now - self._at <= _REPEATS_WITHIN
+        self._key, self._at = key, now
+        self._until = now + (self._repeating if repeated else self._first)
+
+    def reading(self, now: float) -> Reading:
+        """What the keys say at a time [s]."""
+        held = self._key in KEYS and now < self._until
+        axes = KEYS[self._key] if held else STANDING
+        return Reading(axes, held, self._done)

@@ -1,0 +1,8 @@
+"""What a controller does, compared with what the simulated one does."""
+
+from __future__ import annotations
+
+from aioduco.testing.conformance.controller_report import CheckResult, ControllerReport, Verdict
+from aioduco.testing.conformance.suite import check_controller
+
+__all__ = ["CheckResult", "ControllerReport", "Verdict", "check_controller"]

@@ -1,0 +1,244 @@
+"""Checks that move the arm: the last joint by 17 degrees, the first one by 6, slowly."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+from typing import TYPE_CHECKING, Final
+
+from aioduco._wire.rpc import Op
+from aioduco.errors import DucoError
+from aioduco.models.enums import ProgramState, SafetyState, TaskState
+from aioduco.testing.conformance.check_session import MOTION, NotTried
+
+if TYPE_CHECKING:
+    from aioduco.testing.conformance.check_session import CheckSession
+    from aioduco.testing.conformance.reading import Found, Looked
+
+__all__ = ["MOVING"]
+
+#: how far the last joint turns at most, there and back [rad], and how fast [rad/s]
+_TURN: Final = 0.3
+_SLOW: Final = 0.1
+#: how far the first joint turns, once [rad]
+_LEG: Final = 0.1
+#: from a target that was reached [rad]
+_AT: Final = 2e-3
+
+
+def _finished(session: CheckSession) -> Found:
+    goal = session.joints()
+    goal[5] += _TURN / 3
+    id_ = session.move(goal)
+    state = session.end_of(id_)
+    apart = abs(session.joints()[5] - goal[5])
+    there = f"{apart:.2g} rad from its target"
+    return id_ > 8 and state is TaskState.FINISHED and apart < _AT, f"id {id_}, {state}, {there}"
+
+
+def _blocking(session: CheckSession) -> Found:
+    answer = session.turn(-_TURN / 3, block=True)
+    return answer == TaskState.FINISHED, f"{answer}"
+
+
+def _running(session: CheckSession) -> Found:
+    id_ = session.turn(_TURN, v=_SLOW)
+    if not session.moves(id_):
+        return False, "it does not move"
+    task, program = session.task(id_), session.call("get_robot_state")[1]
+    in_time = (task, program) == (TaskState.RUNNING, ProgramState.RUNNING)
+    return in_time, f"task {int(task)}, program {program}"
+
+
+def _stopped(session: CheckSession) -> Found:
+    id_ = session.turn(-_TURN, v=_SLOW)
+    if not session.moves(id_):
+        return False, "it does not move"
+    begin = time.monotonic()
+    answer = session.call("stop", True, timeout=MOTION)
+    took, moving = time.monotonic() - begin, session.moving()
+    state = session.task(id_)
+    same = (answer, state, moving) == (TaskState.FINISHED, TaskState.STOPPED, False)
+    still = "moves" if moving else "stands"
+    return same, f"stop answers {answer}, the motion {int(state)}, it {still} after {took:.2f} s"
+
+
+def _aborted(session: CheckSession) -> Found:
+    id_ = session.turn(_TURN, v=_SLOW)
+    if not session.moves(id_):
+        return False, "it does not move"
+    session.call("abort", True, timeout=MOTION)
+    state = session.end_of(id_)
+    return state is TaskState.INTERRUPT, f"{int(state)}"
+
+
+def _paused(session: CheckSession) -> Found:
+    goal = session.joints()
+    goal[5] -= _TURN
+    id_ = session.move(goal, v=_SLOW)
+    if not session.moves(id_):
+        return False, "it does not move"
+    session.call("pause", True, timeout=MOTION)
+    moving, paused = session.moving(), session.task(id_)
+    session.call("resume", True, timeout=MOTION)
+    ended = session.end_of(id_)
+    there = abs(session.joints()[5] - goal[5]) < _AT
+    same = (moving, paused, ended, there) == (False, TaskState.PAUSED, TaskState.FINISHED, True)
+    return same, (
+        f"paused: task {int(paused)}, {'moves' if moving else 'stands'}; resumed: {int(ended)}, "
+        f"{'at' if there else 'not at'} its target"
+    )
+
+
+def _blended(session: CheckSession) -> Found:
+    """Two motions that blend: there and back, since only the first joint moves the tool."""
+    start = session.joints()
+    middle = [start[0] + _LEG, *start[1:]]
+    first = session.move(middle, v=_SLOW, r=0.01)
+    second = session.move(start)
+    in_time = abs(session.joints()[0] - start[0]) < _LEG / 2
+    states = session.end_of(first), session.end_of(second)
+    if not in_time:
+        raise NotTried("the second motion came late, since this computer was busy")
+    there = abs(session.joints()[0] - start[0]) < _AT
+    same = states == (TaskState.INTERRUPT, TaskState.FINISHED) and there
+    return same, f"{int(states[0])} and {int(states[1])}"
+
+
+def _refused(session: CheckSession) -> Found:
+    """What must not move the arm, whatever the controller thinks of it."""
+    here = session.joints()
+    calls: dict[str, tuple[list[float], float]] = {
+        "five joints": (here[:5], _SLOW),
+        "a speed of 0": (here, 0.0),
+        "a speed below 0": (here, -_SLOW),
+        "a joint beyond its limit": ([*here[:5], 50.0], _SLOW),
+    }
+    found = []
+    for name, (goal, v) in calls.items():
+        answer = session.call("movej2", goal, v, 1.0, 0.0, True, Op(), False, timeout=MOTION)
+        found.append(f"{name}: {answer}")
+        if session.moving():
+            return False, f"{name} moves the arm"
+    expected = [TaskState.ILLEGAL, *[TaskState.PARAMETER_MISMATCH] * 2]
+    same = [int(each.rpartition(" ")[2]) for each in found[:3]] == expected
+    return same, ", ".join(found)
+
+
+def _while_stopping(session: CheckSession) -> Found:
+    """A motion that comes between a stop and rest."""
+    for direction in (-1, 1) * 5:
+        if not session.moves(session.turn(direction * _TURN, v=0.5)):
+            return False, "it does not move"
+        goal = session.joints()
+        stop = session.call("stop", False)
+        id_ = session.move(goal)
+        in_time = not session.task(stop).ended
+        state = session.end_of(id_)
+        session.rest()
+        if in_time:
+            return state is TaskState.ILLEGAL, f"{int(state)}"
+    raise NotTried("the arm stood each time before the motion came")
+
+
+def _lost_connection(session: CheckSession) -> Found:
+    """The connection of a blocking call ends in mid motion, without a heartbeat."""
+    goal = session.joints()
+    goal[5] += _TURN
+    over = threading.Event()
+    thread = threading.Thread(
+        target=_lose, args=(session, goal, over), name="aioduco check", daemon=True
+    )
+    thread.start()
+    moves = session.moves()
+    over.set()
+    thread.join(MOTION)
+    if not moves:
+        return False, "it does not move"
+    session.until(lambda: not session.moving())
+    there = abs(session.joints()[5] - goal[5]) < _AT
+    return there, "the motion goes on to its target" if there else "the arm stops"
+
+
+def _lose(session: CheckSession, goal: list[float], over: threading.Event) -> None:
+    """Call a motion that blocks, and end its connection when it is told to."""
+    with contextlib.suppress(DucoError), session.another() as connection:
+
+        def end() -> None:
+            over.wait()
+            connection.abandon("the check ends it")
+
+        threading.Thread(target=end, name="aioduco check, end", daemon=True).start()
+        connection.call("movej2", (goal, _SLOW, 1.0, 0.0, True, Op(), False), MOTION)
+
+
+def _heartbeat(session: CheckSession) -> Found:
+    """One beat and none after it, in mid motion; then a motion, to see that the arm is usable."""
+    id_ = session.turn(-_TURN, v=_SLOW)
+    if not session.moves(id_):
+        return False, "it does not move"
+    session.call("rpc_heartbeat", 300)
+    begin = time.monotonic()
+    stands = session.until(lambda: not session.moving(), 5.0)
+    took, state = time.monotonic() - begin, session.end_of(id_)
+    robot, _, safety, _ = session.call("get_robot_state")
+    if not stands:
+        return False, "the arm moves on"
+    same = state is not TaskState.FINISHED and safety == SafetyState.RUN
+    return same, (
+        f"the arm stands after {took:.2f} s, the motion {int(state)}, robot {robot}, "
+        f"safety {safety}"
+    )
+
+
+def _velocity(session: CheckSession) -> Found:
+    before = session.joints()[5]
+    answer = session.call("speedj", [0.0] * 5 + [_SLOW], 1.0, 1000, True, timeout=MOTION)
+    if not session.until(lambda: not session.moving(), 10.0):
+        return False, "it does not end"
+    turned = session.joints()[5] - before
+    return answer == TaskState.FINISHED and 0.5 * _SLOW < turned < 1.5 * _SLOW, (
+        f"{answer}, turned by {turned:.3f} rad"
+    )
+
+
+MOVING: Final[tuple[Looked, ...]] = (
+    ("Tasks", "a motion that does not block", "an id above 8, FINISHED at its target", _finished),
+    ("Tasks", "a motion that blocks", "4", _blocking),
+    ("States", "while a motion runs", "task 1, program 2", _running),
+    (
+        "Stop, pause, resume",
+        "stop in mid motion",
+        "stop answers 4, the motion 3, and the arm stands",
+        _stopped,
+    ),
+    ("Tasks", "a motion that abort ended", "5", _aborted),
+    (
+        "Stop, pause, resume",
+        "pause and resume",
+        "task 2 and the arm stands; 4 at its target",
+        _paused,
+    ),
+    ("Tasks", "a motion that blends into the next", "5 and 4", _blended),
+    (
+        "Tasks",
+        "motions that make no sense",
+        "five joints 7, a speed of 0 or below 8; nothing moves",
+        _refused,
+    ),
+    ("Tasks", "a motion between a stop and rest", "7", _while_stopping),
+    (
+        "Transport",
+        "a connection that ends in mid motion",
+        "the motion goes on to its target",
+        _lost_connection,
+    ),
+    ("Velocities, jogs, hand guiding", "speedj for a second", "4, turned by as much", _velocity),
+    (
+        "Heartbeat",
+        "a heartbeat that ends in mid motion",
+        "the arm stands, and there is no safety stop",
+        _heartbeat,
+    ),
+)

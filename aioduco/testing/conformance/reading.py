@@ -1,0 +1,225 @@
+"""Checks that only read: nothing moves, and nothing is changed."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import statistics
+import time
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from aioduco._wire.idempotence import CallKind, call_kind
+from aioduco._wire.idl import functions
+from aioduco._wire.messages import Inbox, Message, MessageType
+from aioduco.errors import ControllerError, DucoError, UnknownFunction
+from aioduco.kinematics import arm, models
+from aioduco.models.enums import OperationMode, ProgramState, RobotState, SafetyState, TaskState
+from aioduco.models.pose import Pose
+from aioduco.sim.handlers import NOT_PUBLIC
+from aioduco.testing.conformance.check_session import NotTried
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco.testing.conformance.check_session import CheckSession
+
+__all__ = ["READING", "Found", "Looked"]
+
+#: whether it is as the simulated controller does, and what was found
+Found = tuple[bool, str]
+Looked = tuple[str, str, str, "Callable[[CheckSession], Found]"]
+
+#: connections that programs of this package have open at once, and some more
+_CONNECTIONS: Final = 12
+_CALLS: Final = 200
+#: between the joints and a pose of them, read one after the other from a standing arm [rad, m]
+_STILL: Final = 1e-3
+#: of the pose from lengths of a catalogue: an arm has its own calibration [m]
+_CALIBRATION: Final = 5e-3
+
+
+def _version(session: CheckSession) -> Found:
+    found = session.call("get_robot_version")
+    return isinstance(found, str) and bool(found), repr(found)
+
+
+def _functions(session: CheckSession) -> Found:
+    """Call each function that reads and takes nothing."""
+    wrong: list[str] = []
+    silent: list[str] = []
+    count = 0
+    for name, function in functions().items():
+        if call_kind(name) is not CallKind.READ or function.parameters:
+            continue
+        count += 1
+        try:
+            session.call(name)
+        except UnknownFunction:
+            wrong.append(f"{name} is unknown")
+        except ControllerError as error:
+            (silent if name in NOT_PUBLIC else wrong).append(str(error))
+        except DucoError as error:
+            wrong.append(f"{name}: {error}")
+    answered = f"{count - len(wrong) - len(silent)} of {count} are answered"
+    return not wrong, "; ".join([answered, *wrong])
+
+
+def _unknown(session: CheckSession) -> Found:
+    name = "no_such_function"
+    answers = _exchange(session, Message(MessageType.CALL, name, 7, b"\0"))
+    if not answers:
+        return False, "the connection ends"
+    known = answers[0].kind is MessageType.EXCEPTION
+    goes_on = len(answers) == 2
+    return known and goes_on, (
+        f"{answers[0].kind.name.lower()}, and the connection {'goes on' if goes_on else 'ends'}"
+    )
+
+
+def _exchange(session: CheckSession, message: Message) -> list[Message]:
+    """The answer to bytes of our own, and to a call behind them; as many as come."""
+    import socket  # noqa: PLC0415 - for this check alone
+
+    inbox = Inbox()
+    found: list[Message] = []
+    behind = Message(MessageType.CALL, "robotmoving", 8, b"\0")
+    with (
+        socket.create_connection(session.address, timeout=5.0) as sock,
+        contextlib.suppress(OSError),
+    ):
+        for each in (message, behind):
+            sock.sendall(each.encode())
+            while (answer := inbox.take()) is None:
+                data = sock.recv(4096)
+                if not data:
+                    return found
+                inbox.feed(data)
+            found.append(answer)
+    return found
+
+
+def _numbers(session: CheckSession) -> Found:
+    answers = _exchange(session, Message(MessageType.CALL, "robotmoving", 41, b"\0"))
+    if not answers:
+        return False, "no answer"
+    first = answers[0]
+    return (first.name, first.seqid) == ("robotmoving", 41), f"{first.name}, {first.seqid}"
+
+
+def _connections(session: CheckSession) -> Found:
+    with contextlib.ExitStack() as stack:
+        for number in range(_CONNECTIONS):
+            try:
+                connection = stack.enter_context(session.another())
+                connection.call("robotmoving", (), 5.0)
+            except DucoError as error:
+                return False, f"the one after {number} is not served: {error}"
+    return True, f"{_CONNECTIONS} are served at once"
+
+
+def _states(session: CheckSession) -> Found:
+    found = session.call("get_robot_state")
+    kinds = (RobotState, ProgramState, SafetyState, OperationMode)
+    if len(found) != len(kinds):
+        return False, f"{found}"
+    unknown = [
+        f"{kind.__name__} {value}"
+        for kind, value in zip(kinds, found, strict=True)
+        if value not in {int(each) for each in kind}
+    ]
+    return not unknown, f"{found}" + (f": unknown {', '.join(unknown)}" if unknown else "")
+
+
+def _status(session: CheckSession) -> Found:
+    status = session.call("getRobotStatus")
+    joints = ("jointActualPosition", "jointExpectPosition", "jointActualVelocity", "slaveReady")
+    wrong = [name for name in joints if len(getattr(status, name)) < 6]
+    wrong += [
+        name
+        for name in joints[:3]
+        if not all(math.isfinite(each) for each in getattr(status, name))
+    ]
+    lengths = ", ".join(f"{len(getattr(status, name))} {name}" for name in joints)
+    return not wrong, lengths
+
+
+def _agree(session: CheckSession) -> Found:
+    if session.moving():
+        raise NotTried("the arm moves")
+    status = session.call("getRobotStatus")
+    apart = np.abs(np.array(status.jointActualPosition[:6]) - np.array(session.joints())).max()
+    return bool(apart < _STILL), f"{apart:.2g} rad apart"
+
+
+def _forward(session: CheckSession) -> Found:
+    """Its own forward kinematics without tool and work object, against those of the models."""
+    joints = [0.3, -0.4, 1.4, 0.2, -1.2, 0.5]
+    none = [0.0] * 6
+    pose = Pose.of(session.call("cal_fkine", joints, none, none))
+    apart = {
+        name: float(np.linalg.norm(arm(name).fkine(joints)[:3, 3] - np.array(pose[:3])))
+        for name in models()
+    }
+    name = min(apart, key=lambda each: apart[each])
+    return apart[name] < _CALIBRATION, f"{1e3 * apart[name]:.2g} mm from that of the {name}"
+
+
+def _inverse(session: CheckSession) -> Found:
+    joints, none = [0.3, -0.4, 1.4, 0.2, -1.2, 0.5], [0.0] * 6
+    pose = session.call("cal_fkine", joints, none, none)
+    back = session.call("cal_ikine", pose, joints, none, none)
+    apart = max(abs(a - b) for a, b in zip(joints, back, strict=True)) if len(back) == 6 else None
+    return apart is not None and apart < _STILL, (
+        f"{back}" if apart is None else f"{apart:.2g} rad from the joints it came of"
+    )
+
+
+def _unknown_task(session: CheckSession) -> Found:
+    state = session.call("get_noneblock_taskstate", 2**31 - 7)
+    return state == TaskState.IDLE, f"{state}"
+
+
+def _round_trip(session: CheckSession) -> Found:
+    times = []
+    for _ in range(_CALLS):
+        begin = time.perf_counter()
+        session.call("get_noneblock_taskstate", 1)
+        times.append(time.perf_counter() - begin)
+    times.sort()
+    p50, p99 = statistics.median(times), times[int(0.99 * len(times))]
+    return p99 < 0.1, f"{1e3 * p50:.2g} ms at p50, {1e3 * p99:.2g} ms at p99"
+
+
+def _reach(session: CheckSession) -> Found:
+    near, none = [0.3, -0.4, 1.4, 0.2, -1.2, 0.5], [0.0] * 6
+    back = session.call("cal_ikine", [9.0, 0.0, 0.0, 0.0, 0.0, 0.0], near, none, none)
+    return back == near, f"{back}"
+
+
+READING: Final[tuple[Looked, ...]] = (
+    ("States", "get_robot_version", "a text", _version),
+    (
+        "Transport",
+        "functions that read and take nothing",
+        "answered, but for seven of the motors that the vendor does not publish",
+        _functions,
+    ),
+    (
+        "Transport",
+        "a function that does not exist",
+        "exception, and the connection goes on",
+        _unknown,
+    ),
+    ("Transport", "an answer's name and number", "those of its call", _numbers),
+    ("Transport", f"{_CONNECTIONS} connections at once", "all are served", _connections),
+    ("Transport", f"{_CALLS} calls, one after another", "below 100 ms at p99", _round_trip),
+    ("States", "get_robot_state", "four states that are known", _states),
+    ("States", "joints in getRobotStatus", "at least six, finite", _status),
+    ("States", "the two ways to read the joints of a standing arm", "the same", _agree),
+    ("Tasks", "state of an id that was never given out", "0", _unknown_task),
+    ("What is read", "cal_fkine", "that of a known model within 5 mm", _forward),
+    ("What is read", "cal_ikine of a pose, near its joints", "those joints", _inverse),
+    ("What is read", "cal_ikine beyond the reach", "the joints given as near", _reach),
+)

@@ -1,0 +1,106 @@
+"""All checks of a controller, one after the other."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from typing import TYPE_CHECKING
+
+from aioduco.errors import DucoError
+from aioduco.testing.conformance.check_session import CheckSession, NotTried
+from aioduco.testing.conformance.controller_report import CheckResult, ControllerReport, Verdict
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco.testing.conformance.reading import Looked
+
+__all__ = ["check_controller"]
+
+
+def check_controller(
+    host: str,
+    port: int = 7003,
+    *,
+    move: bool = False,
+    progress: Callable[[CheckResult], object] | None = None,
+) -> ControllerReport:
+    """Compare what a controller does with what the simulated one does.
+
+    First come checks that only read. With `move`, others follow that turn the last joint by up to
+    0.3 rad (17°) and the first one by 0.1 rad (6°), slowly, there and back: the arm must be
+    enabled, and nobody within its reach. After each of them the arm is stopped. One of them beats
+    the heart once, and lets it end.
+
+    Each check is compared with one behaviour of the simulator, and names its heading in the ledger.
+    No other program should use the controller meanwhile.
+
+    Args:
+        host: address of the controller.
+        port: its TCP port.
+        move: whether the arm may be moved.
+        progress: called with each result as it is there.
+
+    Returns:
+        The report. What differs is no fault of the controller: the simulator's ledger is to be
+        corrected.
+
+    Raises:
+        ConnectError: there is no controller.
+    """
+    from aioduco.testing.conformance.moving import MOVING  # noqa: PLC0415 - loads NumPy
+    from aioduco.testing.conformance.reading import READING  # noqa: PLC0415
+
+    session = CheckSession(host, port)
+    session.open()
+    results: list[CheckResult] = []
+    try:
+        for looked in READING:
+            _add(results, _checked(session, looked), progress)
+        if move:
+            for looked in MOVING:
+                _add(results, _moved(session, looked), progress)
+        version = ""
+        with contextlib.suppress(DucoError):
+            version = str(session.call("get_robot_version"))
+    finally:
+        session.close()
+    return ControllerReport(f"{host}:{port}", version, move, tuple(results))
+
+
+def _add(
+    results: list[CheckResult],
+    result: CheckResult,
+    progress: Callable[[CheckResult], object] | None,
+) -> None:
+    results.append(result)
+    if progress is not None:
+        progress(result)
+
+
+def _checked(session: CheckSession, looked: Looked) -> CheckResult:
+    section, name, expected, look = looked
+    begin = time.monotonic()
+    try:
+        same, found = look(session)
+        verdict = Verdict.SAME if same else Verdict.DIFFERENT
+    except NotTried as reason:
+        verdict, found = Verdict.OPEN, f"not tried: {reason}"
+    except DucoError as error:
+        verdict, found = Verdict.DIFFERENT, f"{type(error).__name__}: {error}"
+    took = round(time.monotonic() - begin, 3)
+    return CheckResult(section, name, expected, found, verdict, took)
+
+
+def _moved(session: CheckSession, looked: Looked) -> CheckResult:
+    section, name, expected, look = looked
+
+    def guarded(session: CheckSession) -> tuple[bool, str]:
+        session.ready()
+        try:
+            return look(session)
+        finally:
+            # Whatever came of it, the next check begins from rest.
+            session.rest()
+
+    return _checked(session, (section, name, expected, guarded))

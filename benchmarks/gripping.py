@@ -1,0 +1,210 @@
+"""Gripping in the simulator: how often a box is lifted, carried and put down where it is to be.
+
+    python benchmarks/gripping.py [--quick] [--save]
+
+Each trial has a seed, which chooses the gripper, the box (20 to 60 mm on each side, 0.05 to 1 kg)
+and how far it lies off the middle of the fingers (5 mm, 6 degrees). The arm comes down by a line,
+grips through the driver, over the wire, lifts the box by 150 mm, carries it 250 mm to the side and
+puts it down. A trial has succeeded if the box was held all the way and lies within 10 mm of where
+it should. Another box is too heavy for its force: it must stay where it is.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import anyio
+import numpy as np
+
+import aioduco
+from aioduco.errors import ObjectLost, TaskError, TaskUnknown
+from aioduco.grippers import DhGripper, DigitalGripper, Robotiq, VacuumGripper, gripper_model
+from aioduco.kinematics import arm
+from aioduco.models.pose import Joints
+from aioduco.sim import Simulator
+from aioduco.sim.scene import Box, Table
+
+if TYPE_CHECKING:
+    from aioduco.grippers import PolledGripper
+    from aioduco.robot import Robot
+
+READY = Joints.deg(-25, 0, 90, 0, -90, 0)
+GRIPPERS = ("robotiq_2f85", "robotiq_2f140", "dh_ag95", "parallel", "vacuum")
+#: with this narrow boxes that tip over are not pushed into the table as hard as a collision [N]
+GRIP = 45.0
+UP, ASIDE, NEAR = 0.15, 0.25, 0.010
+#: simulated seconds in a real one. The robot goes by the wall, so that a machine that has other
+#: work may be as much too slow
+SPEED = 3.0
+#: time-outs for such a machine
+PATIENT: dict[str, Any] = {"heartbeat": 60.0, "call_timeout": 60.0, "lag_limit": None}
+PATIENT |= {"loop_stall_limit": 60.0, "connect_timeout": 60.0}
+
+
+class Trial(NamedTuple):
+    """One trial.
+
+    Attributes:
+        seed: of what follows.
+        gripper: which.
+        size: of the box [m].
+        mass: of the box [kg].
+        lifted: whether the box was held, and higher, at the end of the way.
+        error: how far it ended from where it should [m].
+    """
+
+    seed: int
+    gripper: str
+    size: tuple[float, float, float]
+    mass: float
+    lifted: bool
+    error: float
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether it was carried, and lies where it should."""
+        return self.lifted and self.error < NEAR
+
+
+def driver(robot: Robot, name: str) -> PolledGripper:
+    """The driver of a simulated gripper."""
+    if name.startswith("robotiq"):
+        return Robotiq.at_tool(robot, name, answer_timeout=30.0, timeout=60.0)
+    if name.startswith("dh"):
+        return DhGripper.at_tool(robot, name, answer_timeout=30.0, timeout=60.0)
+    if name == "vacuum":
+        return VacuumGripper(robot, 1, vacuum=1, blow_off=2, build_up=20.0, timeout=60.0)
+    return DigitalGripper(robot, 1, holds=1, opened=2, shut=3, travel_time=20.0, timeout=60.0)
+
+
+async def carry(
+    seed: int, *, gripper: str | None = None, mass: float | None = None, force: float | None = None
+) -> Trial:
+    """Carry out one trial.
+
+    Args:
+        seed: of gripper, box and place.
+        gripper: which; None for what the seed chooses.
+        mass: of the box [kg]; None likewise.
+        force: to grip with [N]; None for GRIP where it can be set.
+    """
+    random = np.random.default_rng(seed)
+    name = GRIPPERS[int(random.integers(len(GRIPPERS)))] if gripper is None else gripper
+    width, depth, height = random.uniform(0.02, 0.06, 3)
+    drawn = float(random.uniform(0.05, 1.0))
+    off = random.uniform(-0.005, 0.005, 2)
+    weight = drawn if mass is None else mass
+    least, most = gripper_model(name).force
+    if force is None and least < most:
+        force = GRIP
+    flange = arm("gcr5_910").fkine(READY)
+    x, y, z = flange[:3, 3]
+    grip = gripper_model(name).length + (0.5 * height if name == "vacuum" else 0.0)
+    rest = float(z) - 0.12 - grip
+    yaw = math.atan2(flange[1, 1], flange[0, 1]) - 0.5 * math.pi + random.uniform(-0.1, 0.1)
+    part = Box(
+        at=(x + off[0], y + off[1], rest, 0.0, 0.0, yaw),
+        size=(float(depth), float(width), float(height)),
+        mass=weight,
+        name="part",
+    )
+    table = Table(at=(x, 0.0, rest - 0.5 * height), size=(0.4, 1.2))
+    async with (
+        Simulator.spawn(speed=SPEED, joints=tuple(READY), scene=[table, part], gripper=name) as sim,
+        aioduco.connect(sim.host, sim.port, **PATIENT) as robot,
+        driver(robot, name) as hand,
+    ):
+        await robot.bring_up()
+        await hand.activate()
+        await hand.open()
+        above = await robot.state.get_tcp_pose()
+        over = above.shifted(y=ASIDE)
+
+        async def line(pose: aioduco.Pose, v: float = 0.25) -> None:
+            await robot.motion.movel(pose, v=v, a=1.0)
+
+        await line(above.shifted(z=-0.12))
+        begin = sim.positions[-7:-4].copy()
+        await hand.close(force=force)
+        lifted = True
+        try:
+            async with hand.carrying():
+                await line(above.shifted(z=UP - 0.12))
+                await line(over.shifted(z=UP - 0.12))
+                lifted = bool(sim.positions[-5] > begin[2] + 0.9 * UP)
+        except TaskUnknown:
+            raise
+        except (ObjectLost, TaskError):  # it fell, or the arm felt a collision
+            lifted = False
+        else:
+            await line(over.shifted(z=-0.118), v=0.1)
+        await hand.open()
+        end = sim.positions[-7:-4]
+    error = float(np.linalg.norm(end - begin - (0.0, ASIDE, 0.0)))
+    return Trial(seed, name, (float(depth), float(width), float(height)), weight, lifted, error)
+
+
+async def trials(count: int) -> list[Trial]:
+    """Carry out the trials of the first seeds, two at a time."""
+    done: list[Trial] = []
+    seeds = iter(range(count))
+
+    async def work() -> None:
+        for seed in seeds:
+            while True:
+                try:
+                    trial = await carry(seed)
+                except TaskUnknown:  # the machine had no time for 2 s: that was no trial
+                    continue
+                break
+            print("." if trial.succeeded else "F", end="", flush=True)
+            done.append(trial)
+
+    async with anyio.create_task_group() as workers:
+        for _ in range(2):
+            workers.start_soon(work)
+    print()
+    return sorted(done)
+
+
+def main() -> None:
+    """Measure, and print a table."""
+    from _common import arguments, print_table, write_results  # noqa: PLC0415 - tests need none
+
+    options = arguments(__doc__, "gripping")
+    begun = time.monotonic()
+    done = anyio.run(trials, 10 if options.quick else 100)
+    rows: list[dict[str, Any]] = []
+    for name in GRIPPERS:
+        of_one = [trial for trial in done if trial.gripper == name]
+        if of_one:
+            errors = [trial.error for trial in of_one if trial.succeeded]
+            rows.append({
+                "gripper": name,
+                "trials": len(of_one),
+                "succeeded": sum(trial.succeeded for trial in of_one),
+                "worst_error_mm": round(max(errors, default=math.nan) * 1e3, 1),
+            })  # fmt: skip
+    heavy = anyio.run(lambda: carry(0, gripper="robotiq_2f85", mass=4.0, force=20.0))
+    columns = ("gripper", "trials", "succeeded", "worst_error_mm")
+    print_table("gripping", columns, [[row[name] for name in columns] for row in rows])
+    succeeded = sum(trial.succeeded for trial in done)
+    print(f"{succeeded} of {len(done)} succeeded, {time.monotonic() - begun:.0f} s")
+    print("too heavy for its force, and lifted:", heavy.lifted)
+    for trial in done:
+        if not trial.succeeded:
+            print("failed:", trial)
+    if options.save:
+        write_results(
+            "gripping",
+            {
+                "succeeded": succeeded, "trials": len(done), "grippers": rows,
+                "too_heavy_lifted": heavy.lifted,
+            },
+        )  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,105 @@
+"""Steps a second of the environments of Gymnasium, beside panda-gym's in the same run.
+
+    python benchmarks/gym.py                              in one and in two processes
+    chrt -r 5 python benchmarks/gym.py --rounds 8 --save  and keep the result
+
+Rounds of ours and of theirs take turns, so that what else the machine does meets both; each figure
+is the median of the rounds. panda-gym is measured where it is installed; its steps are 40 ms as
+well, and its physics Bullet's.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.metadata
+import importlib.util
+import statistics
+import time
+from typing import Any
+
+import gymnasium
+from _common import machine, scheduling, write_results
+
+import aioduco.integrations.gym  # noqa: F401 - registers the names
+
+OURS = {"reach": "aioduco/Reach-v0", "push": "aioduco/Push-v0"}
+THEIRS = {"reach": "PandaReach-v3", "push": "PandaPush-v3"}
+
+
+def several(name: str, processes: int) -> Any:
+    kwargs: dict[str, Any] = {"max_episode_steps": 1_000_000}
+    mode = "sync" if processes == 1 else "async"
+    made = gymnasium.make_vec(name, num_envs=processes, vectorization_mode=mode, **kwargs)
+    made.reset(seed=1)
+    made.action_space.seed(1)
+    return made
+
+
+def rate(made: Any, steps: int) -> float:
+    """Steps of all processes together, in a second."""
+    actions = [made.action_space.sample() for _ in range(steps)]
+    begun = time.perf_counter()
+    for action in actions:
+        made.step(action)
+    return float(steps * made.num_envs) / (time.perf_counter() - begun)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--steps", type=int, default=400)
+    parser.add_argument("--save", action="store_true")
+    given = parser.parse_args()
+    kinds = {"aioduco": OURS}
+    if importlib.util.find_spec("panda_gym") is not None:
+        importlib.import_module("panda_gym")
+        kinds["panda-gym"] = THEIRS
+    result: dict[str, Any] = {}
+    for task in OURS:
+        for processes in (1, 2):
+            made = {kind: several(names[task], processes) for kind, names in kinds.items()}
+            for each in made.values():
+                rate(each, 10)
+            rates: dict[str, list[float]] = {kind: [] for kind in made}
+            for _ in range(given.rounds):
+                for kind, each in made.items():
+                    rates[kind].append(rate(each, given.steps))
+            for each in made.values():
+                each.close()
+            figures: dict[str, Any] = {
+                f"{kind}, steps/s": round(statistics.median(all_)) for kind, all_ in rates.items()
+            }
+            if len(rates) > 1:
+                ours, theirs = rates.values()
+                shares = [one / other for one, other in zip(ours, theirs, strict=True)]
+                figures["ours to theirs, p50"] = round(statistics.median(shares), 2)
+                figures["at the least"] = round(min(shares), 2)
+            name = f"{task}, {processes} process{'es' * (processes > 1)}"
+            result[name] = figures
+            print(f"{name}: {', '.join(f'{what} {figure}' for what, figure in figures.items())}")
+    wire = several("aioduco/Reach-wire-v0", 1)
+    rate(wire, 10)
+    result["reach over the wire, 1 process"] = {"aioduco, steps/s": round(rate(wire, given.steps))}
+    wire.close()
+    print(f"reach over the wire: {result['reach over the wire, 1 process']}")
+    if given.save:
+        about = machine()
+        for package in ("gymnasium", "panda-gym", "pybullet"):
+            if importlib.util.find_spec(package.replace("-", "_")) is not None:
+                about["packages"][package] = importlib.metadata.version(package)
+        command = f"chrt -r 5 python benchmarks/gym.py --rounds {given.rounds} --save"
+        write_results(
+            "gym",
+            {
+                "command": command,
+                "scheduling": scheduling(),
+                "steps a round": given.steps,
+                "rounds": given.rounds,
+                "steps a second, of all processes together": result,
+                "machine": about,
+            },
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,93 @@
+"""A tap between a client and a controller: how much later the answers are.
+
+    python benchmarks/tap.py [--quick] [--save]
+
+Calls of thriftpy2's own client to one server whose handlers do nothing, straight and through
+`aioduco tap`, which decodes and writes each of them, 500 a second as a program makes that streams,
+by turns of short rounds: what else the machine does meets both. A second connection straight to the
+server is measured beside them: what it differs by from the first one is the machine's noise.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import signal
+import subprocess
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+from _common import ServerProcess, arguments, percentile, print_table, spread, write_results
+from rpc import HOST, thriftpy2_client
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+CALLS = 20  # in a round
+RATE = 500  # calls a second, as of a program that streams by servoj
+
+
+@contextlib.contextmanager
+def tap(port: int) -> Iterator[int]:
+    """`aioduco tap`; the port that it listens on."""
+    command = [sys.executable, "-m", "aioduco.cli", "tap", HOST, "--port", str(port), "--json"]
+    with subprocess.Popen(
+        [*command, "--listen", f"{HOST}:0"],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as program:
+        assert program.stderr is not None
+        found = re.match(r"between [\d.]+:(\d+) ", program.stderr.readline())
+        assert found
+        yield int(found[1])
+        program.send_signal(signal.SIGINT)
+
+
+def main() -> None:
+    options = arguments(__doc__, "tap")
+    rounds = 20 if options.quick else 400
+    times: dict[str, list[float]] = {"straight": [], "straight, once more": [], "through a tap": []}
+    with contextlib.ExitStack() as stack:
+        server = stack.enter_context(ServerProcess("rpc_server.py"))
+        port = server.endpoints["thrift"]
+        ports = (port, port, stack.enter_context(tap(port)))
+        clients: dict[str, Any] = {
+            name: thriftpy2_client(each, stack) for name, each in zip(times, ports, strict=True)
+        }
+        for number in range(rounds + 5):
+            for name, client in clients.items():
+                start = time.perf_counter()
+                for call in range(CALLS):
+                    time.sleep(max(0.0, start + call / RATE - time.perf_counter()))
+                    begin = time.perf_counter()
+                    client.get_noneblock_taskstate(1063)
+                    if number >= 5:
+                        times[name].append(time.perf_counter() - begin)
+    rows = {name: spread(each) for name, each in times.items()}
+    ordered = {name: sorted(each) for name, each in times.items()}
+    added = {
+        f"p{percent}_us": round(
+            1e6
+            * (
+                percentile(ordered["through a tap"], percent)
+                - percentile(ordered["straight"], percent)
+            ),
+            1,
+        )
+        for percent in (50, 99)
+    }
+    print_table(
+        f"{rounds * CALLS} calls each [µs]",
+        ["", "p50", "p99", "p99.9", "max"],
+        [[name, *row.values()] for name, row in rows.items()],
+    )
+    print(f"a tap adds {added['p50_us']} µs at p50, {added['p99_us']} µs at p99")
+    results = {"calls": rounds * CALLS, "durations": rows, "added": added}
+    if options.save:
+        print(f"written: {write_results('tap', results)}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,80 @@
+"""A job that goes on where it was: after a protective stop, and after the program was ended.
+
+    python resume_job.py JOB.json                    on a simulated arm, which collides once
+    python resume_job.py JOB.json 192.168.1.10       on a real one
+
+What is done is written to the file after each step. A fault is recovered from once a person says
+so, and the step that it interrupted is done again. Start the program again after it was ended, and
+it goes on with the next step; without the file it begins anew.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import anyio
+
+import aioduco
+from aioduco import Joints
+
+STEPS = [Joints.deg(angle, -10, 100, 0, -90, 0) for angle in (-40, -20, 0, 20, 40)]
+FAULTS = (aioduco.TaskFailed, aioduco.TaskInterrupted, aioduco.TaskStopped)
+
+
+def done(file: Path) -> int:
+    """How many steps are done."""
+    return int(json.loads(file.read_text("utf-8"))["done"]) if file.exists() else 0
+
+
+def note(file: Path, number: int) -> None:
+    """Write it down whole or not at all: the program may be killed meanwhile."""
+    fresh = file.with_suffix(".new")
+    fresh.write_text(json.dumps({"done": number}), encoding="utf-8")
+    fresh.replace(file)
+
+
+async def cleared() -> None:
+    """Wait until a person has looked at the arm and says that it may go on."""
+    if sys.stdin.isatty():
+        await anyio.to_thread.run_sync(input, "look at the arm, then press Enter to go on: ")
+
+
+async def main(file: Path, host: str, port: int) -> None:
+    async with aioduco.connect(host, port) as robot:
+        await robot.bring_up()
+        for number in range(done(file), len(STEPS)):
+            while True:
+                try:
+                    await robot.motion.movej2(STEPS[number], v=0.6, a=1.5)
+                    break
+                except FAULTS as fault:
+                    print(f"step {number + 1}: {type(fault).__name__}")
+                    await cleared()
+                    await robot.recover()
+            note(file, number + 1)
+            print(f"step {number + 1}: done")
+        print("the job is done")
+
+
+if __name__ == "__main__":
+    job = Path(sys.argv[1] if len(sys.argv) > 1 else "job.json")
+    if len(sys.argv) > 2:
+        anyio.run(main, job, sys.argv[2], int(sys.argv[3]) if len(sys.argv) > 3 else 7003)
+    else:
+        import threading
+
+        from aioduco.sim import Simulator
+
+        with Simulator() as sim:
+
+            def push() -> None:
+                for passed in (lambda: sim.joints[0] < -0.6, lambda: sim.joints[0] > -0.2):
+                    sim.wait_until(passed, 60.0)
+                sim.collide(joint=1)
+
+            pusher = threading.Thread(target=push, name="somebody in the way")
+            pusher.start()
+            anyio.run(main, job, sim.host, sim.port)
+            pusher.join()

@@ -1,0 +1,87 @@
+"""An arm as an OPC UA server: variables for its joints and states, methods to move and to stop it.
+
+    python server_opcua.py                      a simulated arm, on opc.tcp://127.0.0.1:4840
+    python server_opcua.py 192.168.1.10         a real one
+
+Without users and certificates it listens on loopback only. Needs asyncua.
+"""
+
+from __future__ import annotations
+
+import sys
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Any
+
+import anyio
+from asyncua import ua
+from asyncua.common.methods import uamethod
+from asyncua.server.server import Server
+
+import aioduco
+from aioduco import Joints
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+NAMESPACE = "urn:example:duco"
+
+
+@asynccontextmanager
+async def served(robot: aioduco.Robot, endpoint: str) -> AsyncIterator[Server]:
+    """A server whose variables follow the robot until the block is left."""
+    server = Server()
+    await server.init()
+    server.set_endpoint(endpoint)
+    server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
+    space = await server.register_namespace(NAMESPACE)
+    arm = await server.nodes.objects.add_object(space, "Arm")
+    joints = await arm.add_variable(space, "Joints", [0.0] * 6)
+    state = await arm.add_variable(space, "State", "")
+    moving = await arm.add_variable(space, "Moving", False)
+
+    @uamethod
+    async def move(_: Any, angles: list[float], speed: float) -> str:
+        """Start a motion to joints [rad]; an empty text if it was accepted, else why not."""
+        try:
+            await robot.motion.movej2(Joints.of(angles), v=speed, a=1.5).start()
+        except (aioduco.DucoError, ValueError) as error:
+            return str(error)
+        return ""
+
+    @uamethod
+    async def stop(_: Any) -> None:
+        await robot.stop()
+
+    floats, number, text = ua.VariantType.Double, ua.VariantType.Double, ua.VariantType.String
+    await arm.add_method(space, "Move", move, [floats, number], [text])
+    await arm.add_method(space, "Stop", stop, [], [])
+
+    async def follow() -> None:
+        with robot.feed.subscribe() as samples:
+            async for sample in samples:
+                await joints.write_value(list(sample.status.joints))
+                await state.write_value(sample.states.robot.name)
+                await moving.write_value(bool(robot.tasks))
+
+    async with server, anyio.create_task_group() as tasks:
+        tasks.start_soon(follow)
+        yield server
+        tasks.cancel_scope.cancel()
+
+
+async def main(host: str, port: int) -> None:
+    async with aioduco.connect(host, port) as robot:
+        await robot.bring_up()
+        async with served(robot, "opc.tcp://127.0.0.1:4840"):
+            print("serving; Ctrl-C ends it")
+            await anyio.sleep_forever()
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        anyio.run(main, sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 7003)
+    else:
+        from aioduco.sim import Simulator
+
+        with Simulator() as sim:
+            anyio.run(main, sim.host, sim.port)

@@ -1,0 +1,136 @@
+"""The examples that bring an arm to other systems, met by those systems' own clients."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import shutil
+import socket
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from example_modules import example
+from ports import free_port
+
+import aioduco
+from aioduco.sim import Simulator
+from aioduco.testing import eventually, eventually_async
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+
+FAR = [1.5, -0.2, 1.4, 0.0, -1.5, 0.0]
+
+pytestmark = pytest.mark.slow
+
+
+def need(name: str) -> Any:
+    return pytest.importorskip(name, reason="needs pip install 'aioduco[examples]'")
+
+
+@pytest.fixture
+def sim() -> Iterator[Simulator]:
+    with Simulator() as sim:
+        yield sim
+
+
+@pytest.fixture
+async def robot(sim: Simulator) -> AsyncIterator[aioduco.Robot]:
+    async with aioduco.connect(sim.host, sim.port) as robot:
+        await robot.bring_up()
+        yield robot
+
+
+def test_a_web_service_with_a_stop(sim: Simulator) -> None:
+    need("fastapi")
+    client_of = need("starlette.testclient").TestClient
+    with client_of(example("service_fastapi").service(sim.host, sim.port)) as client:
+        assert client.get("/state").json()["robot"] == "ENABLE"
+        assert client.post("/move", json={"to": "nowhere"}).status_code == 404
+        assert client.post("/move", json={"to": "left", "v": 99}).status_code == 422
+        assert client.post("/move", json={"to": "left", "v": 0.2}).status_code == 202
+        eventually(lambda: sim.view.moving)
+        assert client.post("/move", json={"to": "home"}).status_code == 409
+        assert client.post("/stop").json() == {"arm": "stands"}
+        assert not sim.view.moving
+        eventually(lambda: not client.get("/state").json()["tasks"])
+    assert not sim.view.moving
+
+
+async def test_an_opc_ua_client_moves_and_stops_it(robot: aioduco.Robot, sim: Simulator) -> None:
+    client_of = need("asyncua.client.client").Client
+    module = example("server_opcua")
+    endpoint = f"opc.tcp://127.0.0.1:{free_port()}"
+    async with module.served(robot, endpoint), client_of(endpoint) as client:
+        space = await client.get_namespace_index(module.NAMESPACE)
+        arm = await client.nodes.objects.get_child(f"{space}:Arm")
+        refused = await arm.call_method(f"{space}:Move", FAR[:5], 0.3)
+        assert "6" in refused or "six" in refused
+        assert await arm.call_method(f"{space}:Move", FAR, 0.3) == ""
+        moving = await arm.get_child(f"{space}:Moving")
+        while not await moving.read_value():  # noqa: ASYNC110 - only asking tells
+            await asyncio.sleep(0)
+        await arm.call_method(f"{space}:Stop")
+        assert not sim.view.moving
+        state = await arm.get_child(f"{space}:State")
+        assert await state.read_value() == "ENABLE"
+
+
+@pytest.fixture
+def broker(tmp_path: Path) -> Iterator[int]:
+    """An MQTT broker of another maker; its port."""
+    need("amqtt")
+    program = shutil.which("amqtt", path=str(Path(sys.executable).parent))
+    assert program is not None
+    port = free_port()
+    config = tmp_path / "broker.yaml"
+    config.write_text(
+        f"listeners:\n  default:\n    type: tcp\n    bind: 127.0.0.1:{port}\n"
+        "plugins:\n  amqtt.plugins.authentication.AnonymousAuthPlugin:\n"
+        "    allow_anonymous: true\n",
+        encoding="utf-8",
+    )
+    with subprocess.Popen(
+        [program, "-c", str(config)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    ) as process:
+        try:
+            eventually(lambda: _listens(port), 60.0)
+            yield port
+        finally:
+            process.kill()
+
+
+def _listens(port: int) -> bool:
+    with socket.socket() as sock:
+        return sock.connect_ex(("127.0.0.1", port)) == 0
+
+
+async def test_a_broker_is_told_and_stops_it(
+    broker: int, robot: aioduco.Robot, sim: Simulator
+) -> None:
+    aiomqtt = need("aiomqtt")
+    module = example("telemetry_mqtt")
+    bridge = asyncio.create_task(module.bridge(robot, "127.0.0.1", broker))
+    try:
+        async with aiomqtt.Client("127.0.0.1", broker) as client:
+            await client.subscribe("duco/#")
+            told: dict[str, Any] = {}
+            async for message in client.messages:
+                told[str(message.topic)] = message.payload
+                if {"duco/joints", "duco/state"} <= set(told):
+                    break
+            assert json.loads(told["duco/state"])[0] == "ENABLE"
+            assert json.loads(told["duco/joints"]) == pytest.approx(sim.joints.array, abs=1e-2)
+            task = await robot.motion.movej2(FAR, v=0.2, a=1.0).start()
+            await eventually_async(lambda: sim.view.moving)
+            await client.publish("duco/stop", qos=1)
+            with pytest.raises(aioduco.TaskStopped):
+                await task
+            assert not sim.view.moving
+    finally:
+        bridge.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await bridge

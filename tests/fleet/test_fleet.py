@@ -1,0 +1,249 @@
+"""Two gateways in processes of their own, simulated arms, and a third process that stops them."""
+
+from __future__ import annotations
+
+import json
+import signal
+import socket
+import subprocess
+import sys
+from contextlib import ExitStack, contextmanager
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import pytest
+from ports import free_port
+
+import aioduco
+from aioduco.fleet import FleetClient, FleetSettings, FleetView
+from aioduco.sim import Simulator
+from aioduco.testing import eventually_async
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+#: s after which the controller stops the arm of a gateway that died: long, for a busy machine
+HEARTBEAT = 8.0
+ROUTER = """
+import sys, zenoh
+config = zenoh.Config()
+for name, value in (
+    ("mode", '"router"'), ("listen/endpoints", f'["{sys.argv[1]}"]'),
+    ("scouting/multicast/enabled", "false"),
+):
+    config.insert_json5(name, value)
+session = zenoh.open(config)
+print("ready", flush=True)
+sys.stdin.read()
+"""
+
+
+def free_endpoint() -> str:
+    return f"tcp/127.0.0.1:{free_port()}"
+
+
+class Fleet:
+    """Files and processes of a fleet.
+
+    Args:
+        folder: for the files.
+        arms: by gateway, its arm's simulator.
+        router: through which alone they are connected; None if each connects to the first one.
+    """
+
+    def __init__(self, folder: Path, arms: dict[str, Simulator], router: str | None = None) -> None:
+        self.files: dict[str, Path] = {}
+        self.processes: dict[str, subprocess.Popen[str]] = {}
+        first: str | None = None
+        for name, sim in arms.items():
+            listen = free_endpoint()
+            connect = router or first
+            first = first or listen
+            # with a router there is no other way
+            own = json.dumps([] if router else [listen])
+            others = json.dumps([connect] if connect else [])
+            self.files[name] = folder / f"{name}.toml"
+            self.files[name].write_text(
+                "[fleet]\n"
+                f'name = "plant"\ngateway = "{name}"\nexpect = {json.dumps([*arms])}\n'
+                f"listen = {own}\nconnect = {others}\n"
+                f'[[arm]]\nname = "arm-of-{name}"\nhost = "{sim.host}"\nport = {sim.port}\n'
+                f"heartbeat = {HEARTBEAT}\n"
+            )
+
+    def settings(self, name: str) -> FleetSettings:
+        return FleetSettings.read(self.files[name])
+
+    def command(self, *words: str) -> list[str]:
+        return [sys.executable, "-m", "aioduco.cli", "fleet", *words]
+
+    def start(self, name: str) -> None:
+        if name in self.processes:
+            self._end(self.processes[name])
+        self.processes[name] = subprocess.Popen(
+            self.command("serve", str(self.files[name])), stdout=subprocess.PIPE, text=True
+        )
+        output = self.processes[name].stdout
+        assert output is not None
+        assert output.readline().startswith(f"gateway {name} of plant on ")
+
+    async def run(self, *words: str) -> tuple[int, Any]:
+        done = await anyio.run_process(self.command(*words), check=False)
+        return done.returncode, json.loads(done.stdout)
+
+    def close(self) -> None:
+        for process in self.processes.values():
+            self._end(process)
+
+    def _end(self, process: subprocess.Popen[str]) -> None:
+        process.kill()
+        process.wait()
+        assert process.stdout is not None
+        process.stdout.close()
+
+
+@contextmanager
+def simulators(count: int) -> Iterator[list[Simulator]]:
+    with ExitStack() as stack:
+        yield [stack.enter_context(Simulator(speed=1.0)) for _ in range(count)]
+
+
+async def set_moving(sim: Simulator) -> aioduco.Robot:
+    """Have an arm move for a minute by a program that keeps no heartbeat."""
+    robot = aioduco.connect(sim.host, sim.port, heartbeat=None)
+    await robot.open()
+    await robot.bring_up(timeout=60.0)
+    await robot.motion.movej2([1.0] * 6, 0.015, 1.0).start()
+    await eventually_async(lambda: sim.moving, 30.0)
+    return robot
+
+
+def moves(sim: Simulator) -> bool:
+    return sim.moving
+
+
+def up(view: FleetView) -> list[str]:
+    return [arm.name for report in view.gateways for arm in report.arms if arm.link == "up"]
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+async def test_one_stop_and_one_view_and_a_gateway_that_dies_stops_its_own_arms(
+    tmp_path: Path,
+) -> None:
+    with simulators(2) as (one, two), ExitStack() as stack:
+        fleet = Fleet(tmp_path, {"one": one, "two": two})
+        stack.callback(fleet.close)
+        for name in ("one", "two"):
+            fleet.start(name)
+        robots = [await set_moving(sim) for sim in (one, two)]
+        async with FleetClient(fleet.settings("two")) as client:
+            await eventually_async(lambda: len(up(client.view)) == 2, 60.0)
+            view = await client.status(60.0)
+            assert not view.missing
+            assert [report.gateway for report in view.gateways] == ["one", "two"]
+            # the third process: a view, and a stop of one arm of the other gateway
+            code, table = await fleet.run(
+                "status", str(fleet.files["two"]), "--json", "--timeout", "60"
+            )
+            assert code == 0
+            states = [arm["robot"] for gateway in table["gateways"] for arm in gateway["arms"]]
+            assert states == ["ENABLE", "ENABLE"]
+            # the gateway dies
+            fleet.processes["one"].kill()
+            await eventually_async(lambda: not one.moving, 60.0)
+            assert moves(two)
+            await eventually_async(lambda: client.view.missing == ("one",), 60.0)
+            assert up(client.view) == ["arm-of-two"]
+            # a stop reaches those that are there, and says that one is missing
+            words = ("stop", str(fleet.files["two"]), "--json", "--timeout", "30")
+            code, table = await fleet.run(*words)
+            assert code == 4
+            assert table["missing"] == ["one"]
+            assert table["gateways"][0]["arms"] == [{"name": "arm-of-two", "error": ""}]
+            assert not moves(two)
+            fleet.start("one")
+            await eventually_async(lambda: len(up(client.view)) == 2, 60.0)
+            done = await client.stop(["arm-of-one", "nobody"], 60.0)
+            assert done.unknown == ("nobody",)
+            assert (await client.stop(timeout=60.0)).confirmed
+        for robot in robots:
+            await robot.aclose()
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+async def test_a_lost_router_changes_nothing_about_supervision(tmp_path: Path) -> None:
+    endpoint = free_endpoint()
+
+    def route() -> subprocess.Popen[str]:
+        process = subprocess.Popen(
+            [sys.executable, "-c", ROUTER, endpoint],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        stack.callback(end, process)
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        return process
+
+    def end(process: subprocess.Popen[str]) -> None:
+        process.kill()
+        process.communicate()
+
+    with simulators(1) as (sim,), ExitStack() as stack:
+        router = route()
+        fleet = Fleet(tmp_path, {"one": sim}, endpoint)
+        stack.callback(fleet.close)
+        fleet.start("one")
+        robot = await set_moving(sim)
+        looking = FleetSettings("plant", listen=(), connect=(endpoint,), expect=("one",))
+        async with FleetClient(looking) as client:
+            await eventually_async(lambda: bool(up(client.view)), 60.0)
+            end(router)
+            await eventually_async(lambda: client.view.missing == ("one",), 60.0)
+            begin = sim.time
+            # longer than the heartbeat, and the arm moves: the gateway keeps it
+            await eventually_async(lambda: sim.time > begin + 2 * HEARTBEAT, 60.0)
+            assert moves(sim)
+            route()
+            await eventually_async(lambda: bool(up(client.view)), 60.0)
+            assert (await client.stop(timeout=60.0)).confirmed
+            assert not moves(sim)
+        await robot.aclose()
+
+
+def test_a_gateway_that_is_told_to_end_stops_its_arms_first(tmp_path: Path) -> None:
+    with simulators(1) as (sim,), ExitStack() as stack:
+        fleet = Fleet(tmp_path, {"one": sim})
+        stack.callback(fleet.close)
+        fleet.start("one")
+
+        async def move() -> None:
+            robot = await set_moving(sim)
+            async with FleetClient(fleet.settings("one")) as client:
+                await eventually_async(lambda: bool(up(client.view)), 60.0)
+            process = fleet.processes["one"]
+            process.send_signal(signal.SIGTERM)
+            assert await anyio.to_thread.run_sync(process.wait, 60.0) == 128 + signal.SIGTERM
+            assert not moves(sim)
+            await robot.aclose()
+
+        anyio.run(move)
+
+
+def test_an_address_that_is_taken_and_a_wrong_file_are_said(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        file = tmp_path / "fleet.toml"
+        endpoint = f"tcp/127.0.0.1:{taken.getsockname()[1]}"
+        file.write_text(f'[fleet]\nname = "plant"\ngateway = "one"\nlisten = ["{endpoint}"]\n')
+        command = [sys.executable, "-m", "aioduco.cli", "fleet", "serve", str(file)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=90)
+        assert done.returncode == 1
+        assert endpoint in done.stderr
+        file.write_text('[fleet]\nname = "plant"\nrate = 1000\n')
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=90)
+        assert done.returncode == 2
+        assert "0.1 to 100" in done.stderr

@@ -1,0 +1,164 @@
+"""What gateways read: the file, and whatever comes over the network."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from aioduco.fleet.gateway_state import GatewayState
+from aioduco.fleet.reports import (
+    LONGEST,
+    ArmReport,
+    ArmStopped,
+    GatewayReport,
+    MessageRefused,
+    StopReport,
+    StopRequest,
+)
+from aioduco.fleet.settings import FleetFileError, FleetSettings
+
+ARM = {"name": "left", "host": "127.0.0.1"}
+READERS = (StopRequest, StopReport, GatewayReport)
+
+values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+    max_leaves=10,
+)
+FIELDS = ("name", "link", "error", "robot", "program", "safety", "mode", "joints", "seconds")
+arms = st.fixed_dictionaries({}, optional=dict.fromkeys(FIELDS, values))
+#: messages that are nearly right: the keys are those that are read
+tables = st.fixed_dictionaries(
+    {"version": st.just(1) | values},
+    optional={
+        "arms": values | st.lists(arms),
+        **dict.fromkeys(("gateway", "note", "number"), values),
+    },
+)
+payloads = st.binary(max_size=300) | tables.map(lambda table: json.dumps(table).encode())
+
+
+@given(payloads)
+def test_whatever_comes_is_read_or_refused(data: bytes) -> None:
+    for reader in READERS:
+        try:
+            read = reader.decode(data)
+        except MessageRefused:
+            continue
+        assert reader.decode(read.encode()) == read
+
+
+@given(payloads)
+def test_whatever_comes_as_a_stop_stops_nothing_less_than_it_names(data: bytes) -> None:
+    state = GatewayState("cell", ["left", "right"])
+    for arm in ("left", "right"):
+        state.opened(arm)
+    order = state.stop(data)
+    try:
+        named = StopRequest.decode(data).arms
+    except MessageRefused:
+        named = None
+    wanted = {"left", "right"} & (named if named is not None else {"left", "right"})
+    assert {*order.arms} == wanted
+    for arm in order.arms:
+        assert state.report_of(order.number) is None
+        state.stopped(order.number, arm)
+    report = state.report_of(order.number)
+    assert report is not None
+    assert StopReport.decode(report.encode()) == report
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"[" * 100_000,
+        b" " * (LONGEST + 1),
+        b'{"version": 1, "arms": [' + b'"a",' * 2000 + b'"a"]}',
+        b'{"version": 2}',
+        b'{"version": 1, "arms": ["../*"]}',
+        b"\xff\xfe",
+    ],
+)
+def test_what_is_too_long_too_deep_or_of_another_version_is_refused(data: bytes) -> None:
+    with pytest.raises(MessageRefused):
+        StopRequest.decode(data)
+
+
+def test_numbers_and_control_characters_are_not_passed_on() -> None:
+    def report(**changed: Any) -> bytes:
+        sent = GatewayReport("cell", 1, (ArmReport("left", "up"),)).encode()
+        table = json.loads(sent)
+        table["arms"][0].update(changed)
+        return json.dumps(table).encode()
+
+    for changed in ({"joints": [float("nan")]}, {"seconds": 10**400}, {"link": "on"}):
+        with pytest.raises(MessageRefused):
+            GatewayReport.decode(report(**changed))
+    read = GatewayReport.decode(report(error="\x1b[2Jgone"))
+    assert read.arms[0].error == "�[2Jgone"  # a terminal would obey it
+
+
+def test_a_stop_is_never_taken_for_done_by_another_one() -> None:
+    state = GatewayState("cell", ["left", "right", "away"])
+    for arm in ("left", "right"):
+        state.opened(arm)
+    state.closed("away", "no route")
+    state.silent("right", "it does not answer")  # its robot is open: it is told all the same
+    first, second = state.stop(b""), state.stop(StopRequest(frozenset(["left"])).encode())
+    assert first.arms == ("left", "right")
+    assert second.arms == ("left",)
+    state.stopped(first.number, "left")
+    assert state.report_of(first.number) is None
+    assert state.report_of(second.number) is None
+    state.stopped(second.number, "left", "StopUnconfirmed: it moves")
+    state.stopped(first.number, "right")
+    report = state.report_of(first.number)
+    assert report is not None
+    assert [arm.name for arm in report.arms if not arm.error] == ["left", "right"]
+    assert report.arms[0] == ArmStopped("away", "not connected: no route")
+    other = state.report_of(second.number)
+    assert other == StopReport("cell", (ArmStopped("left", "StopUnconfirmed: it moves"),))
+
+
+def test_a_report_says_how_old_it_is() -> None:
+    state = GatewayState("cell", ["left"])
+    assert state.report(5.0).arms[0] == ArmReport("left", "opening")
+    state.opened("left")
+    state.sampled("left", ArmReport("left", robot="ENABLED"), 5.0)
+    state.silent("left", "gone")
+    report = state.report(7.5)
+    assert report.arms[0] == ArmReport("left", "lost", "gone", robot="ENABLED", seconds=2.5)
+    assert report.number == 2
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ({}, "lacks name"),
+        ({"fleet": {"name": "a/b"}}, "letters, digits"),
+        ({"fleet": {"name": "f", "lisen": []}}, "has no lisen"),
+        ({"fleet": {"name": "f", "listen": "tcp/1"}}, "list of strings"),
+        ({"fleet": {"name": "f", "connect": [1]}}, "list of strings"),
+        ({"fleet": {"name": "f", "rate": 0}}, "0.1 to 100"),
+        ({"fleet": {"name": "f", "discover": 1}}, "wrong type"),
+        ({"fleet": {"name": "f"}, "arm": [{"name": "left"}]}, "lacks host"),
+        ({"fleet": {"name": "f"}, "arm": [ARM, ARM]}, "same name"),
+        ({"fleet": {"name": "f"}, "arm": [{**ARM, "port": 0}]}, "port"),
+        ({"fleet": {"name": "f"}, "arm": [{**ARM, "guard": "yes"}]}, "wrong type"),
+        ({"fleet": {"name": "f"}, "arm": "left"}, "list of tables"),
+    ],
+)
+def test_a_wrong_file_is_refused_with_what_is_wrong(table: dict[str, Any], said: str) -> None:
+    with pytest.raises(FleetFileError, match=said):
+        FleetSettings.of(table)
+
+
+def test_a_file_says_nothing_of_the_network_it_listens_on_loopback() -> None:
+    settings = FleetSettings.of({"fleet": {"name": "plant", "gateway": "cell"}, "arm": [ARM]})
+    assert settings.listen == ("tcp/127.0.0.1:7447",)
+    assert not settings.discover
+    assert settings.arms[0].heartbeat == 1.0

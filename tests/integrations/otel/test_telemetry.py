@@ -1,0 +1,174 @@
+"""Spans and metrics of a robot, as OpenTelemetry's SDK gets them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from opentelemetry.sdk.metrics import MeterProvider
+from opentelemetry.sdk.metrics.export import InMemoryMetricReader
+from opentelemetry.sdk.trace import TracerProvider
+from opentelemetry.sdk.trace.export import SimpleSpanProcessor
+from opentelemetry.sdk.trace.export.in_memory_span_exporter import InMemorySpanExporter
+from opentelemetry.trace import StatusCode
+
+import aioduco
+from aioduco.events import ConnectionBack, LoopBlocked
+from aioduco.integrations.otel import Telemetry
+from aioduco.testing import eventually_async
+from aioduco.trace import (
+    CallFinished,
+    ConnectionEnded,
+    ConnectionOpened,
+    ProcedureFinished,
+    TraceEvent,
+)
+
+if TYPE_CHECKING:
+    from opentelemetry.sdk.trace import ReadableSpan
+
+    from aioduco.sim import Simulator
+
+
+class Backend:
+    """What the SDK would send."""
+
+    def __init__(self) -> None:
+        self.exporter = InMemorySpanExporter()
+        self.tracers = TracerProvider()
+        self.tracers.add_span_processor(SimpleSpanProcessor(self.exporter))
+        self.reader = InMemoryMetricReader()
+        self.meters = MeterProvider([self.reader])
+
+    def telemetry(self, **options: Any) -> Telemetry:
+        return Telemetry(
+            "arm-1", tracer_provider=self.tracers, meter_provider=self.meters, **options
+        )
+
+    def spans(self, name: str) -> list[ReadableSpan]:
+        return [span for span in self.exporter.get_finished_spans() if span.name == name]
+
+    def points(self, name: str) -> list[Any]:
+        data = self.reader.get_metrics_data()
+        return [
+            point
+            for resource in ([] if data is None else data.resource_metrics)
+            for scope in resource.scope_metrics
+            for metric in scope.metrics
+            if metric.name == name
+            for point in metric.data.data_points
+        ]
+
+
+def called(function: str, result: Any, *arguments: Any, **more: Any) -> CallFinished:
+    options = {"lane": "motion", "error": None, "duration": 0.25, "at": time.monotonic(), **more}
+    return CallFinished(function=function, result=result, arguments=arguments, **options)
+
+
+async def test_calls_motions_and_recoveries_of_a_robot(duco_simulator: Simulator) -> None:
+    backend = Backend()
+    telemetry = backend.telemetry(without_lanes=("feed", "poll"))
+    robot = aioduco.connect(
+        duco_simulator.host,
+        duco_simulator.port,
+        heartbeat=3.0,
+        trace=telemetry,
+        clock=duco_simulator.clock,
+    )
+    async with robot, telemetry.watching(robot):
+        await robot.bring_up()
+        await robot.motion.movej2([0.1] * 6, 1.0, 1.0)
+        moving = await robot.motion.movej2([1.0] * 6, 0.1, 1.0).start()
+        await robot.stop()
+        await moving.wait()
+        await robot.recover()
+        robot._supervisor.events.tell(LoopBlocked(0.0, 1e6, "here"))
+        robot._supervisor.events.tell(ConnectionBack(0.0, 2.0))
+        await eventually_async(lambda: bool(backend.points("duco.reconnects")))
+        assert len(backend.points("duco.heartbeat.longest_gap")) == 1
+        # from the second beat on
+        await eventually_async(lambda: backend.points("duco.heartbeat.longest_gap")[0].value > 0)
+    motions = backend.spans("duco.motion movej2")
+    outcomes = [(span.attributes or {})["duco.outcome"] for span in motions]
+    assert outcomes == ["finished", "stopped"]
+    starts = backend.spans("duco.movej2")
+    parents = [span.parent.span_id for span in starts if span.parent]
+    assert parents == [span.context.span_id for span in motions if span.context]
+    assert [(span.attributes or {})["duco.outcome"] for span in backend.spans("duco.recover")] == [
+        "ok"
+    ]
+    assert len(backend.spans("duco.bring_up")) == 1
+    assert not backend.spans("duco.get_noneblock_taskstate")
+    assert backend.points("duco.loop.stall")[0].max == 1e6
+    assert backend.points("duco.stops")[0].value >= 1
+    tasks = {
+        point.attributes["duco.outcome"]: point.value for point in backend.points("duco.tasks")
+    }
+    assert tasks == {"finished": 1, "stopped": 1}
+    lanes = {point.attributes["duco.lane"] for point in backend.points("duco.call.duration")}
+    assert {"motion", "poll", "stop"} <= lanes
+
+
+def test_a_call_has_its_time_and_its_error() -> None:
+    backend = Backend()
+    telemetry = backend.telemetry()
+    wall = time.time()
+    telemetry(called("movel", None, error=aioduco.CallTimeout("movel: too late")))
+    (span,) = backend.spans("duco.movel")
+    assert span.status.status_code is StatusCode.ERROR
+    assert (span.attributes or {})["duco.outcome"] == "CallTimeout"
+    assert span.start_time is not None
+    assert span.end_time is not None
+    assert span.end_time - span.start_time == pytest.approx(0.25e9, abs=1000)
+    assert span.end_time * 1e-9 == pytest.approx(wall, abs=60.0)
+    assert not backend.spans("duco.motion movel")
+
+
+def test_a_motion_whose_end_was_not_seen_is_told_so() -> None:
+    backend = Backend()
+    telemetry = backend.telemetry()
+    telemetry(called("movel", 7))
+    telemetry(called("get_noneblock_taskstate", 1, 7, lane="poll"))
+    telemetry(TraceEvent(0.0, "motion"))
+    assert not backend.spans("duco.motion movel")
+    telemetry(called("movel", 7))  # a controller that was started anew counts from 1 again
+    telemetry.close()
+    outcomes = [
+        (span.attributes or {})["duco.outcome"] for span in backend.spans("duco.motion movel")
+    ]
+    assert outcomes == ["unknown", "unknown"]
+
+
+async def test_nothing_is_made_where_it_is_not_asked_for(
+    duco_simulator: Simulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without a hook a call makes no event, and asks for no time beyond its own."""
+
+    def none_asked(*_: object, **__: object) -> None:
+        raise AssertionError("an event was made, and nobody asked for it")
+
+    kinds = (CallFinished, ConnectionOpened, ConnectionEnded, ProcedureFinished)
+    for kind in kinds:
+        monkeypatch.setattr(kind, "__init__", none_asked)
+    async with aioduco.connect(
+        duco_simulator.host, duco_simulator.port, clock=duco_simulator.clock
+    ) as robot:
+        await robot.bring_up()
+        await robot.motion.movej2([0.1] * 6, 1.0, 1.0)
+        await robot.stop()
+        await robot.recover()
+
+
+def test_nothing_is_loaded_where_it_is_not_asked_for() -> None:
+    program = (
+        "import sys, aioduco, aioduco.sync, aioduco.robot; aioduco.connect('127.0.0.1');"
+        "print([name for name in sys.modules if name.startswith(('opentelemetry', 'zenoh',"
+        " 'aioduco.integrations', 'aioduco.fleet'))])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert done.stdout.strip() == "[]", done.stderr

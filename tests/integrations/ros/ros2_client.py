@@ -1,0 +1,318 @@
+"""A client of the driver, in a process of its own, written to ROS alone: a line of JSON per answer.
+
+python ros2_client.py goal [COUNT] [DURATION] [FAR] [CANCEL_AFTER]
+python ros2_client.py wrong          # ten goals that are to be refused
+python ros2_client.py tight          # two whose tolerances no arm keeps
+python ros2_client.py states SECONDS # how many joint states come, and what else does
+python ros2_client.py stream HOW     # lead the arm by the topic: trajectory, command
+python ros2_client.py call SERVICE [ARGUMENTS AS JSON]
+python ros2_client.py lifecycle TRANSITION …
+python ros2_client.py set NAME VALUE AS JSON
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import os
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+import aioduco_msgs.srv
+import rclpy
+from aioduco_msgs.msg import IOState, RobotState
+from control_msgs.action import FollowJointTrajectory
+from control_msgs.msg import JointTolerance
+from diagnostic_msgs.msg import DiagnosticArray
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState, GetState
+from rcl_interfaces.srv import SetParameters
+from rclpy.action import ActionClient
+from rclpy.duration import Duration
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+from tf2_msgs.msg import TFMessage
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+PREFIX = os.environ.get("PREFIX", "")
+NAMES = [f"{PREFIX}joint_{number}" for number in range(1, 7)]
+NODE = os.environ.get("NODE", "/duco")
+CONTROLLER = f"{PREFIX}joint_trajectory_controller"
+PATIENT = 90.0
+
+
+def say(**found: Any) -> None:
+    sys.stdout.write(json.dumps(found) + "\n")
+    sys.stdout.flush()
+
+
+class Peer:
+    """A node, and what it waits for."""
+
+    def __init__(self) -> None:
+        self.node = rclpy.create_node(f"client_{os.getpid()}")
+        self._joints: Any = None
+        # Reliable, as rclpy asks by itself; `states` asks for sensor data.
+        self.node.create_subscription(JointState, "joint_states", self._note, 5)
+
+    def _note(self, message: Any) -> None:
+        if list(message.name) == NAMES:  # of two arms there may be two kinds
+            self._joints = message
+
+    def until(self, condition: Callable[[], object], patience: float = PATIENT) -> bool:
+        end = time.monotonic() + patience
+        while not condition():
+            rclpy.spin_once(self.node, timeout_sec=0.05)
+            if time.monotonic() > end:
+                return False
+        return True
+
+    def result(self, future: Any) -> Any:
+        if not self.until(future.done):
+            raise SystemExit("no answer")
+        return future.result()
+
+    def here(self) -> list[float]:
+        """Where the arm is, by a state that comes from now on."""
+        self._joints = None
+        if not self.until(lambda: self._joints):
+            raise SystemExit("no joint states")
+        return list(self._joints.position)
+
+    def ask(self, kind: Any, name: str, request: Any) -> Any:
+        service = self.node.create_client(kind, name)
+        if not self.until(service.service_is_ready):
+            raise SystemExit(f"no service {name}")
+        return self.result(service.call_async(request))
+
+    def action(self) -> Any:
+        name = f"{CONTROLLER}/follow_joint_trajectory"
+        made = ActionClient(self.node, FollowJointTrajectory, name)
+        if not self.until(made.server_is_ready):
+            raise SystemExit("no action server")
+        return made
+
+    def goal(self, count: int = 200, duration: float = 2.0, far: float = 0.3) -> Any:
+        """A goal from where the arm is, joints 1 and 6 to another place, smoothly."""
+        start = self.here()
+        made = FollowJointTrajectory.Goal()
+        made.trajectory.joint_names = list(NAMES)
+        for number in range(count):
+            share = number / (count - 1)
+            way = far * share * share * (3.0 - 2.0 * share)
+            point = JointTrajectoryPoint(positions=[start[0] + way, *start[1:5], start[5] + way])
+            point.time_from_start = Duration(seconds=share * duration).to_msg()
+            made.trajectory.points.append(point)
+        return made
+
+
+def run_goal(peer: Peer, count: int, duration: float, far: float, cancel_after: float) -> None:
+    action, asked = peer.action(), peer.goal(count, duration, far)
+    seen: list[tuple[float, float]] = []
+
+    def feedback(message: Any) -> None:
+        at = message.feedback.desired.time_from_start
+        seen.append((time.monotonic(), at.sec + at.nanosec * 1e-9))
+
+    handle = peer.result(action.send_goal_async(asked, feedback_callback=feedback))
+    if not handle.accepted:
+        say(accepted=False)
+        return
+    ended = handle.get_result_async()
+    peer.until(lambda: ended.done() or (seen and seen[-1][1] > (cancel_after or 0.2)))
+    if not ended.done():
+        say(moving=True)
+    if cancel_after:
+        peer.result(handle.cancel_goal_async())
+    found = peer.result(ended)
+    end, here = asked.trajectory.points[-1].positions, peer.here()
+    say(
+        status=found.status,
+        code=found.result.error_code,
+        text=found.result.error_string,
+        feedback=len(seen),
+        span=seen[-1][0] - seen[0][0] if seen else 0.0,
+        error=max(abs(a - b) for a, b in zip(here, end, strict=True)),
+        went=abs(here[0] - asked.trajectory.points[0].positions[0]),
+    )
+
+
+def wrong_goals(peer: Peer) -> dict[str, Any]:
+    """Ten goals, each with one thing wrong."""
+    names = ("partial", "name", "nan", "times", "negative", "empty", "lengths", "limits")
+    made = {name: peer.goal(20, 2.0) for name in (*names, "elsewhere", "old")}
+    made["partial"].trajectory.joint_names.pop()
+    made["name"].trajectory.joint_names[0] = "elbow"
+    made["nan"].trajectory.points[3].positions = [math.nan] * 6
+    made["times"].trajectory.points[3].time_from_start = Duration(seconds=0.01).to_msg()
+    made["negative"].trajectory.points[0].time_from_start.sec = -1
+    made["empty"].trajectory.points = []
+    made["lengths"].trajectory.points[3].velocities = [0.0] * 5
+    made["limits"].trajectory.points[-1].positions = [7.0] * 6
+    for point in made["elsewhere"].trajectory.points:
+        point.positions = [q + 0.5 for q in point.positions]
+    old = peer.node.get_clock().now() - Duration(seconds=30)
+    made["old"].trajectory.header.stamp = old.to_msg()
+    return made
+
+
+def tight_goals(peer: Peer) -> dict[str, Any]:
+    """Two that are right, but for tolerances that no arm keeps."""
+    path, end = peer.goal(50, 1.0, -0.1), peer.goal(50, 1.0, -0.1)
+    path.path_tolerance = [JointTolerance(name=name, position=1e-8) for name in NAMES]
+    end.goal_tolerance = [JointTolerance(name=name, position=1e-14) for name in NAMES]
+    end.goal_time_tolerance = Duration(seconds=0.2).to_msg()
+    return {"path": path, "goal": end}
+
+
+def run_wrong(peer: Peer, kind: str) -> None:
+    action = peer.action()
+    for name, asked in (wrong_goals(peer) if kind == "wrong" else tight_goals(peer)).items():
+        before = peer.here()
+        if kind == "tight":
+            asked.trajectory.points[0].positions = before
+        handle = peer.result(action.send_goal_async(asked))
+        found = peer.result(handle.get_result_async())
+        moved = max(abs(a - b) for a, b in zip(before, peer.here(), strict=True))
+        say(
+            name=name,
+            status=found.status,
+            code=found.result.error_code,
+            text=found.result.error_string,
+            moved=moved,
+        )
+        if kind == "tight":
+            peer.ask(Trigger, f"{NODE}/recover", Trigger.Request())
+
+
+def count_states(peer: Peer, seconds: float) -> None:
+    """Count joint states for a time, and see that the other topics come at all."""
+    came: list[tuple[float, Any]] = []
+    others: dict[str, Any] = {}
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+    def keep(topic: str) -> Callable[[Any], None]:
+        return lambda message: others.__setitem__(topic, message)
+
+    for topic, kind, quality in (
+        ("/tf", TFMessage, 100),
+        ("robot_state", RobotState, latched),
+        ("io_states", IOState, latched),
+        ("speed_scaling", Float64, latched),
+        ("/diagnostics", DiagnosticArray, 10),
+    ):
+        peer.node.create_subscription(kind, topic, keep(topic), quality)
+    peer.until(lambda: len(others) == 5)
+    frames = [each.child_frame_id for each in others["/tf"].transforms]
+    peer.node.create_subscription(
+        JointState,
+        "joint_states",
+        lambda message: came.append((time.monotonic(), message)),
+        qos_profile_sensor_data,
+    )
+    peer.until(lambda: came)
+    say(counting=True)
+    peer.until(lambda: came[-1][0] > came[0][0] + seconds, seconds + PATIENT)
+    stamps = [message.header.stamp.sec + message.header.stamp.nanosec * 1e-9 for _, message in came]
+    say(
+        rate=(len(came) - 1) / (stamps[-1] - stamps[0]),
+        rising=all(a < b for a, b in itertools.pairwise(stamps)),
+        names=list(came[0][1].name),
+        frames=frames,
+        ready=others["robot_state"].enabled,
+        outputs=len(others["io_states"].digital_outputs),
+        speed=others["speed_scaling"].data,
+        diagnosis=others["/diagnostics"].status[0].message,
+    )
+
+
+def stream(peer: Peer, how: str) -> None:
+    """Lead joint 1 by 0.2 rad, by set-points 50 times a second."""
+    start = peer.here()
+    if how == "trajectory":
+        publisher = peer.node.create_publisher(JointTrajectory, f"{CONTROLLER}/joint_trajectory", 5)
+    else:
+        publisher = peer.node.create_publisher(JointState, f"{PREFIX}joint_commands", 1)
+    peer.until(publisher.get_subscription_count)
+    sent = 0
+
+    def send() -> None:
+        nonlocal sent
+        # the first second stands, for the driver's stream to open
+        place = [start[0] + 0.2 * min(max(sent - 50, 0) / 200, 1.0), *start[1:]]
+        sent += 1
+        if how == "trajectory":
+            point = JointTrajectoryPoint(positions=place)
+            point.time_from_start = Duration(seconds=0.02).to_msg()
+            publisher.publish(JointTrajectory(joint_names=NAMES, points=[point]))
+        else:
+            publisher.publish(JointState(name=NAMES, position=place))
+
+    peer.node.create_timer(0.02, send)
+    arrived = peer.until(lambda: abs(peer.here()[0] - start[0] - 0.2) < 2e-3)
+    say(arrived=arrived, off=abs(peer.here()[0] - start[0] - 0.2))
+
+
+def call(peer: Peer, name: str, given: dict[str, Any]) -> None:
+    kinds = {
+        "set_digital_output": "SetOutput",
+        "set_tool_output": "SetOutput",
+        "set_speed": "SetSpeed",
+        "set_tool": "SetTool",
+        "set_load": "SetLoad",
+        "movej": "MoveJ",
+        "movel": "MoveL",
+    }
+    kind = getattr(aioduco_msgs.srv, kinds[name]) if name in kinds else Trigger
+    reply = peer.ask(kind, f"{NODE}/{name}", kind.Request(**given))
+    say(success=reply.success, message=reply.message)
+
+
+def change(peer: Peer, transitions: list[str]) -> None:
+    """Make transitions, and say what each led to."""
+    for label in transitions:
+        request = ChangeState.Request(transition=Transition(label=label))
+        done = peer.ask(ChangeState, f"{NODE}/change_state", request).success
+        state = peer.ask(GetState, f"{NODE}/get_state", GetState.Request()).current_state.label
+        say(done=done, state=state)
+
+
+def set_parameter(peer: Peer, name: str, value: Any) -> None:
+    request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+    found = peer.ask(SetParameters, f"{NODE}/set_parameters", request).results[0]
+    say(done=found.successful, reason=found.reason)
+
+
+def main() -> None:
+    what, *rest = sys.argv[1:]
+    rclpy.init()
+    peer = Peer()
+    if what == "goal":
+        numbers = [float(each) for each in rest] + [200.0, 2.0, 0.3, 0.0][len(rest) :]
+        run_goal(peer, int(numbers[0]), *numbers[1:])
+    elif what == "states":
+        count_states(peer, float(rest[0]))
+    elif what == "stream":
+        stream(peer, rest[0])
+    elif what == "call":
+        call(peer, rest[0], json.loads(rest[1]) if rest[1:] else {})
+    elif what == "lifecycle":
+        change(peer, rest)
+    elif what == "set":
+        set_parameter(peer, rest[0], json.loads(rest[1]))
+    else:
+        run_wrong(peer, what)
+    peer.node.destroy_node()
+    rclpy.shutdown()
+
+
+if __name__ == "__main__":
+    main()

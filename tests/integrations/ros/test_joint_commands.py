@@ -1,0 +1,167 @@
+"""Joint commands on a simulated arm, without ROS."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import itertools
+import math
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import numpy as np
+import pytest
+
+from aioduco import LaneOptions
+from aioduco.errors import ParameterError
+from aioduco.integrations.ros.arm_node import NodeSettings, arm_node
+from aioduco.integrations.ros.joint_commands import check_command
+from aioduco.integrations.ros.node_parameters import parameter_defaults, settings_of
+from aioduco.integrations.ros.trajectory_goals import GoalRefused
+from aioduco.sim import Simulator
+from aioduco.testing import eventually_async
+
+from .goals import NAMES, PROFILE, START, Client, goal, way
+from .test_arm_node import Sink
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+
+    from aioduco.integrations.ros.arm_node import ArmNode
+
+
+@pytest.fixture(scope="module")
+def sim() -> Iterator[Simulator]:
+    with Simulator() as sim:
+        yield sim
+
+
+@contextlib.asynccontextmanager
+async def running(sim: Simulator, **given: Any) -> AsyncIterator[ArmNode]:
+    settings = NodeSettings(
+        host=sim.host, port=sim.port, heartbeat=20.0, through="servoj", rate=20.0, **given
+    )
+    # this machine may be busy for longer than a stream waits for an answer
+    options = LaneOptions(timeout=20.0, connect_timeout=30.0)
+    async with arm_node(settings, options=options) as node:
+        for reply in (
+            await node.services.bring_up(),
+            await node.services.recover(),
+            await node.services.movej(START, 3.0, 20.0),
+        ):
+            assert reply.success, reply.message
+        task = asyncio.create_task(node.run(Sink()))
+        try:
+            yield node
+        finally:
+            task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await task
+
+
+@contextlib.asynccontextmanager
+async def commanding(node: ArmNode, place: tuple[float, ...]) -> AsyncIterator[None]:
+    """As a client that goes on saying the same."""
+
+    async def run() -> None:
+        async for _ in ticks(50.0):
+            node.commands.take(NAMES, place)
+
+    task = asyncio.create_task(run())
+    try:
+        yield
+    finally:
+        task.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await task
+
+
+async def ticks(rate: float) -> AsyncIterator[None]:
+    start = anyio.current_time()
+    for number in itertools.count():
+        await anyio.sleep_until(start + number / rate)
+        yield
+
+
+async def lead(node: ArmNode, sim: Simulator, place: tuple[float, ...]) -> None:
+    """Command a place until the arm is there."""
+    async with commanding(node, place):
+        await eventually_async(lambda: np.allclose(sim.joints, place, atol=2e-3))
+
+
+@pytest.mark.slow
+async def test_commands_lead_the_arm_and_their_end_frees_it(sim: Simulator) -> None:
+    async with running(sim) as node:
+        # One far away, such as the zeros of a controller that is not active yet, moves nothing.
+        assert node.commands.take(NAMES, (0.0,) * 6)
+        await eventually_async(lambda: node.commands._newest is None)
+        np.testing.assert_allclose(sim.joints, START, atol=2e-3)
+        for step in range(1, 6):
+            await lead(node, sim, tuple(q + 0.03 * step for q in START))
+        # A jump is left out, on the way or at a start.
+        for _ in range(5):
+            node.commands.take(NAMES, tuple(q + 1.0 for q in START))
+        await eventually_async(lambda: not node.commands.following)
+        np.testing.assert_allclose(sim.joints, np.array(START) + 0.15, atol=3e-3)
+        client = Client(goal(points=[goal().points[0]._replace(time=1.0)]))
+        node.goals.submit(client)
+        await eventually_async(lambda: client.done)
+        assert client.told == ["accepted", "succeeded"], client.text
+
+
+@pytest.mark.slow
+async def test_a_stop_is_not_undone_by_commands_that_go_on(sim: Simulator) -> None:
+    async with running(sim, command_timeout=10.0) as node:
+        await lead(node, sim, way(0.2, 0.1))
+        assert (await node.services.stop()).success
+        await eventually_async(lambda: not node.commands.following)
+        await eventually_async(lambda: not node.commands.take(NAMES, way(0.2, 0.1)))
+        assert (await node.services.recover()).success
+        async with commanding(node, way(0.2, 0.1)):
+            assert not node.commands.take(NAMES, way(0.2, 0.1))
+        node.commands.allow()
+        await lead(node, sim, way(0.4, 0.1))
+
+
+@pytest.mark.slow
+async def test_commands_may_hold_the_arm(sim: Simulator) -> None:
+    async with running(sim, hold_commands=True) as node:
+        await eventually_async(lambda: node.commands.following)
+        client = Client(goal())
+        node.goals.submit(client)
+        await eventually_async(lambda: client.done)
+        assert "succeeded" not in client.told
+        await lead(node, sim, way(0.2, 0.1))
+        await eventually_async(lambda: node.commands.following)
+
+
+@pytest.mark.parametrize(
+    ("names", "positions"),
+    [
+        (NAMES[:5], START[:5]),
+        (NAMES, START[:5]),
+        ((*NAMES[:5], NAMES[0]), START),
+        (NAMES, (math.nan, *START[1:])),
+        (NAMES, (7.0, *START[1:])),
+        ((), ()),
+    ],
+)
+def test_wrong_commands(names: tuple[str, ...], positions: tuple[float, ...]) -> None:
+    with pytest.raises(GoalRefused):
+        check_command(names, positions, PROFILE)
+
+
+def test_commands_of_two_arms_at_once() -> None:
+    both = (*reversed(NAMES), "gripper")
+    assert check_command(both, (*reversed(START), 0.5), PROFILE) == START
+
+
+def test_parameters() -> None:
+    assert settings_of({**parameter_defaults(), "host": "a"}) == NodeSettings(host="a")
+    found = settings_of({"robot_ip": "b", "rate": 100, "path_tolerance": 0.3})
+    assert (found.host, found.rate, found.rules.path) == ("b", 100.0, 0.3)
+    for wrong in ({}, {"host": "a", "rate": "fast"}, {"host": "a", "hurst": 1}):
+        with pytest.raises(ParameterError):
+            settings_of(wrong)
+    with pytest.raises(ParameterError):
+        NodeSettings(host="a", command_timeout=0.0)

@@ -1,0 +1,80 @@
+"""The packages of ROS 2, without ROS: their files agree with the driver and with one another."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+import yaml
+
+import aioduco
+from aioduco.cli.ros2 import _NEEDED
+from aioduco.integrations.ros.node_parameters import parameter_defaults
+from aioduco.integrations.ros.ros1.definitions import MESSAGES, SERVICES
+
+ROOT = Path(__file__).parents[3]
+PACKAGES = ROOT / "integrations" / "ros2"
+SHELL = Path(aioduco.__file__).parent / "integrations" / "ros" / "ros2"
+#: messages that the driver has in ROS 2 alone
+NEW = {"SetSpeed"}
+
+
+def fields(text: str) -> list[str]:
+    """The lines of a definition that say something."""
+    lines = (line.partition("#")[0].strip() for line in text.splitlines())
+    return [re.sub(r"^Header ", "std_msgs/Header ", line) for line in lines if line]
+
+
+def test_messages_are_those_of_ros_1() -> None:
+    ours = {**MESSAGES, **SERVICES}
+    found = {
+        path.stem: fields(path.read_text())
+        for path in (PACKAGES / "aioduco_msgs").rglob("*.*")
+        if path.suffix in (".msg", ".srv")
+    }
+    wanted = {
+        name.partition("/")[2]: fields(text)
+        for name, text in ours.items()
+        if name.startswith("aioduco_msgs/")
+    }
+    assert {name: found[name] for name in found if name not in NEW} == wanted
+    built = (PACKAGES / "aioduco_msgs" / "CMakeLists.txt").read_text()
+    assert set(re.findall(r"(?:msg|srv)/(\w+)\.", built)) == found.keys()
+
+
+def test_parameters_are_listed_with_their_defaults() -> None:
+    path = PACKAGES / "aioduco_driver" / "config" / "arm.yaml"
+    listed = yaml.safe_load(path.read_text())["/**"]["ros__parameters"]
+    assert (listed.pop("autostart"), listed.pop("watch_clients")) == (True, True)
+    defaults = parameter_defaults()
+    assert defaults.pop("joint_names") == ()  # an empty list has no kind in ROS
+    assert listed == defaults
+    page = (ROOT / "docs" / "ros2.md").read_text() + (ROOT / "docs" / "ros.md").read_text()
+    assert [name for name in defaults if f"`{name}`" not in page] == []
+
+
+def test_packages_name_what_the_driver_imports() -> None:
+    imported = {
+        name.partition(".")[0]
+        for path in SHELL.glob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, (ast.Import, ast.ImportFrom))
+        for name in ([node.module or ""] if isinstance(node, ast.ImportFrom) else [""])
+    }
+    messages = {name for name in imported if name.endswith(("_msgs", "_srvs", "rclpy"))}
+    named = {
+        each.text for each in ElementTree.parse(PACKAGES / "aioduco_driver" / "package.xml").iter()
+    }
+    assert messages
+    assert messages <= named
+    assert messages <= {*_NEEDED}
+
+
+@pytest.mark.parametrize("package", ["aioduco_driver", "aioduco_msgs"])
+def test_each_package_has_its_name(package: str) -> None:
+    root = ElementTree.parse(PACKAGES / package / "package.xml").getroot()
+    assert root.findtext("name") == package
+    assert root.findtext("license") == "Apache-2.0"

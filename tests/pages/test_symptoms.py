@@ -1,0 +1,71 @@
+"""The page of symptoms names every error, and what it quotes is what the package says."""
+
+from __future__ import annotations
+
+import ast
+import re
+from typing import TYPE_CHECKING
+
+import pytest
+
+import aioduco.errors
+from pages.blocks import ROOT
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+PAGE = (ROOT / "docs" / "symptoms.md").read_text("utf-8")
+ROWS = [line.split(" | ") for line in PAGE.splitlines() if line.startswith("| ")]
+
+
+def texts() -> Iterator[str]:
+    """What the package may say: strings that stand in one place, with a mark where values come."""
+    for file in (ROOT / "aioduco").rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(node, ast.JoinedStr):
+                yield "".join(
+                    str(part.value) if isinstance(part, ast.Constant) else "\0"
+                    for part in node.values
+                )
+            elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+                yield node.value
+
+
+def quoted() -> list[str]:
+    """What the first column quotes of the package, other than names and code."""
+    found = {
+        text
+        for symptom, *_ in ROWS
+        for text in re.findall(r"`([^`]+)`", symptom)
+        if " " in text and not re.search(r"[(=]|^(aioduco|pip)", text)
+    }
+    return sorted(found)
+
+
+def test_every_error_has_a_row() -> None:
+    named = set(re.findall(r"`(\w+)`", " ".join(row[0] for row in ROWS)))
+    assert set(aioduco.errors.__all__) - named == {"StopUnconfirmed"} - named
+
+
+def test_every_row_says_why_and_what_to_do() -> None:
+    assert len(ROWS) > 60
+    for row in ROWS:
+        assert len(row) == 3, row
+        assert all(len(cell.strip(" |")) > 2 for cell in row), row
+
+
+def test_what_is_quoted_is_said() -> None:
+    said = "\n".join(texts())
+    quotes = quoted()
+    assert len(quotes) > 15
+    missing = [
+        quote
+        for quote in quotes
+        if not all(part.strip() in said for part in quote.split("…") if part.strip(" ();"))
+    ]
+    assert missing == []
+
+
+@pytest.mark.parametrize("page", ["index.md", "tutorial.md"])
+def test_readers_are_led_to_it(page: str) -> None:
+    assert "(symptoms.md)" in (ROOT / "docs" / page).read_text("utf-8")

@@ -1,0 +1,238 @@
+"""The panel's page in a browser, on a simulated arm."""
+
+from __future__ import annotations
+
+import shutil
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from test_cli_robot import HOME
+
+import aioduco
+from aioduco.panel import Panel
+from aioduco.sim import Simulator
+from aioduco.sim.console import Console
+from aioduco.sim.server.line_server import LineServer
+from aioduco.testing import eventually_async
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from playwright.async_api import Browser, Page
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.browser,
+    pytest.mark.timeout(600),
+    pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium"),
+]
+
+#: nothing of these tests is about how long a page takes, on a machine that is busy with others
+PATIENT: dict[str, Any] = {"listen": 0, "hold_limit": 60.0, "page_limit": 60.0}
+SOFTWARE = [
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+]
+
+
+@asynccontextmanager
+async def browser() -> AsyncIterator[Browser]:
+    playwright = pytest.importorskip("playwright.async_api")
+    async with playwright.async_playwright() as driver:
+        chromium = await driver.chromium.launch(executable_path=CHROMIUM, args=SOFTWARE)
+        try:
+            yield chromium
+        finally:
+            await chromium.close()
+
+
+async def opened(chromium: Browser, url: str, *, scene: bool = False) -> Page:
+    page = await chromium.new_page(
+        viewport={"width": 1200, "height": 800},
+        bypass_csp=True,  # for the functions that the tests wait for
+    )
+    page.set_default_timeout(120_000)
+    if not scene:  # drawn in software, it takes most of what the computer has
+        await page.route("**/scene*", lambda route: route.abort())
+    await page.goto(url)
+    await page.wait_for_function("state !== null && state.sample !== null")
+    return page
+
+
+async def commanding(chromium: Browser, panel: Panel) -> Page:
+    page = await opened(chromium, panel.link)
+    assert "token" not in page.url, "the page takes the token out of sight"
+    await page.click("#take")
+    await page.click("#ask-yes")
+    await page.wait_for_selector("body.commanding")
+    return page
+
+
+async def press(page: Page, selector: str) -> None:
+    """Press a button, and keep it down."""
+    await page.wait_for_selector(f"{selector}:enabled")
+    await page.hover(selector)
+    await page.mouse.down()
+
+
+@asynccontextmanager
+async def arm_and_panel(**options: Any) -> AsyncIterator[tuple[Simulator, Panel]]:
+    with Simulator(joints=HOME) as sim:
+        async with aioduco.connect(sim.host, sim.port, heartbeat=None) as robot:
+            await robot.bring_up()
+        async with Panel(sim.host, sim.port, clock=sim.clock, **(PATIENT | options)) as panel:
+            yield sim, panel
+
+
+async def test_jog_by_press_and_hold_then_move_and_switch() -> None:
+    """A jog lasts as long as its button; so does a motion to where the sliders point."""
+    async with arm_and_panel() as (sim, panel), browser() as chromium:
+        page = await commanding(chromium, panel)
+        await press(page, '[data-jog="1+"]')
+        await eventually_async(lambda: sim.joints[0] > HOME[0] + 0.02, timeout=120)
+        assert sim.moving
+        await page.mouse.up()
+        await eventually_async(lambda: not sim.moving, timeout=120)
+        await page.wait_for_function("state.motion === null")
+        stood = sim.joints[0]
+        await page.click("[data-tab=move]")
+        await page.fill("#targets .target:nth-child(6) input[type=number]", "20")
+        await press(page, "#move")
+        await eventually_async(lambda: sim.moving, timeout=120)
+        await eventually_async(lambda: abs(sim.joints[5] - 0.349) < 0.01, timeout=120)
+        await page.mouse.up()
+        assert sim.joints[0] == pytest.approx(stood, abs=1e-3)
+        await page.click("[data-tab=signals]")
+        await page.click("#outputs .lamp:nth-child(3)")
+        await eventually_async(lambda: sim.get_digital_output(3), timeout=120)
+        await page.wait_for_selector("#outputs .lamp.on:nth-child(3)")
+
+
+async def test_stop_in_mid_motion_needs_no_lease() -> None:
+    """Whoever moves the arm, and from a page that only watches."""
+    async with (
+        arm_and_panel() as (sim, panel),
+        aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot,
+        browser() as chromium,
+    ):
+        page = await opened(chromium, panel.url)
+        task = await robot.motion.movej2((3.0, *HOME[1:]), v=0.2, a=1.0).start()
+        await page.wait_for_function("state.sample.moving")
+        await page.click("#stop")
+        with pytest.raises(aioduco.TaskStopped):
+            await task
+        await eventually_async(lambda: not sim.moving, timeout=120)
+        await page.wait_for_function("document.body.innerText.includes('stopped: the arm stands')")
+        assert sim.joints[0] < 2.9
+
+
+@pytest.mark.parametrize("how", ["closed", "silent"])
+async def test_the_arm_stands_when_its_page_is_lost_in_mid_jog(how: str) -> None:
+    options = {"hold_limit": 20.0} if how == "silent" else {}
+    async with arm_and_panel(**options) as (sim, panel), browser() as chromium:
+        page = await commanding(chromium, panel)
+        await press(page, '[data-jog="1+"]')
+        await eventually_async(lambda: sim.joints[0] > HOME[0] + 0.02, timeout=120)
+        if how == "closed":
+            await page.close()
+        else:  # its script hangs, as in a page whose computer swaps; the connection is there
+            await page.evaluate("window.setTimeout(() => { for (;;) {} }, 0)")
+        await eventually_async(lambda: not sim.moving, timeout=120)
+        if how == "closed":
+            await eventually_async(lambda: "free" in repr(panel), timeout=120)
+        stood = sim.joints[0]
+        began = sim.time
+        await eventually_async(lambda: sim.time > began + 0.5, timeout=120)
+        assert sim.joints[0] == pytest.approx(stood, abs=1e-3)
+
+
+async def test_the_second_page_only_watches_and_a_wrong_token_moves_nothing(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    async with arm_and_panel() as (sim, panel), browser() as chromium:
+        second = await opened(chromium, panel.url)
+        await second.click("#take")
+        await second.fill("#token", "a guess")
+        await second.click("#ask-yes")
+        await second.wait_for_function("!document.getElementById('notice').hidden")
+        assert "wrong token" in await second.inner_text("#notice")
+        assert "wrong token" in caplog.text
+        assert "a guess" not in caplog.text
+        assert panel.token not in caplog.text
+        first = await commanding(chromium, panel)
+        await second.wait_for_function(
+            "document.getElementById('control-state').textContent === 'Another page commands'"
+        )
+        for selector in ('[data-jog="1+"]', "[data-verb=bring_up]", "#take"):
+            assert await second.is_disabled(selector), selector
+        assert await second.is_enabled("#stop")
+        # and what its script is made to send is refused
+        await second.evaluate(
+            "send({ask: 'press', seen, motion: {kind: 'jog', axis: 1, direction: 1, percent: 50}})"
+        )
+        await second.wait_for_function(
+            "document.getElementById('notice').textContent.includes('does not command')"
+        )
+        assert not sim.moving
+        assert sim.joints == pytest.approx(HOME, abs=1e-3)
+        await first.click("#give-back")
+        await second.wait_for_selector("#take:enabled")
+
+
+async def test_a_page_says_at_once_that_it_lost_its_server() -> None:
+    async with browser() as chromium:
+        async with arm_and_panel() as (_, panel):
+            page = await opened(chromium, panel.url)
+            assert not await page.is_visible("#lost")
+        await page.wait_for_selector("#lost", state="visible")
+        assert "THIS PAGE CANNOT STOP THE ARM" in await page.inner_text("#lost")
+        box = await page.locator("#lost").bounding_box()
+        assert box == {"x": 0, "y": 0, "width": 1200, "height": 800}
+
+
+async def test_the_picture_shows_the_arm_where_it_is() -> None:
+    """By viser's page, in a frame of ours and without its controls."""
+    async with arm_and_panel() as (_, panel), browser() as chromium:
+        page = await opened(chromium, panel.url, scene=True)
+        frame = page.frame_locator("#scene")
+        await frame.locator("canvas").first.wait_for(state="visible")
+        await frame.locator("[data-floating-window]").first.wait_for(state="hidden")
+        # To the browser it is another site's, and so drawn in a process of its own.
+        (picture,) = (each for each in page.frames if each != page.main_frame)
+        assert picture.url.startswith("http://localhost:")
+        # It takes the keys once it was clicked: the stop's works there, too.
+        await page.click("#scene")
+        await page.keyboard.press("Escape")
+        await page.wait_for_function("document.body.innerText.includes('stopped: the arm stands')")
+
+
+async def test_the_simulator_is_pushed_and_faulted_and_led_out_of_it() -> None:
+    async with browser() as chromium:
+        with Simulator(joints=HOME) as sim:
+            with_lines = LineServer(Console(sim).answer, 0)
+            try:
+                async with Panel(
+                    sim.host, sim.port, simulator_port=with_lines.port, clock=sim.clock, **PATIENT
+                ) as panel:
+                    page = await commanding(chromium, panel)
+                    await page.click("[data-tab=simulator]")
+                    await page.click("[data-line=estop]")
+                    await page.wait_for_function(
+                        "document.getElementById('alarm').textContent === 'EMERGENCY STOP PRESSED'"
+                    )
+                    await page.click("[data-line=release]")
+                    await page.click("[data-line='speed 3']")
+                    await eventually_async(lambda: sim.speed == 3.0, timeout=120)
+                    await page.click("[data-verb=bring_up]")
+                    await page.click("#ask-yes")
+                    await page.wait_for_function("state.sample.robot === 'ENABLE'")
+                    await page.click("[data-push='0 0 -1']")
+                    await page.wait_for_function(
+                        "document.getElementById('events').innerText.includes('push 0 0 -40: ok')"
+                    )
+            finally:
+                with_lines.close()

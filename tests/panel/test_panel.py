@@ -1,0 +1,237 @@
+"""The panel's server without a browser: who gets a page, who a connection, who commands."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import logging
+from contextlib import asynccontextmanager
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import pytest
+from client.bench import Bench
+from websockets.asyncio.client import connect
+from websockets.exceptions import InvalidStatus
+
+import aioduco
+from aioduco.errors import ConnectError, ParameterError
+from aioduco.panel import Panel
+from aioduco.sim import Simulator
+from aioduco.testing import eventually_async
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+
+    from websockets.asyncio.client import ClientConnection
+
+if importlib.util.find_spec("viser") is None:  # which takes long to load
+    pytest.skip("needs pip install 'aioduco[panel]'", allow_module_level=True)
+
+PATIENT: dict[str, Any] = {
+    "listen": 0, "hold_limit": 60.0, "page_limit": 60.0, "model": "gcr5_910",
+}  # fmt: skip
+
+
+@pytest.fixture
+def bench() -> Iterator[Bench]:
+    with Bench() as bench:
+        bench.answer("get_tcp_pose_coord", [0.5, 0.1, 0.6, 3.1, 0.0, -1.5])
+        yield bench
+
+
+class Page:
+    """What a page is told, and what it says."""
+
+    def __init__(self, connection: ClientConnection) -> None:
+        self.connection = connection
+        self.told: list[dict[str, Any]] = []
+
+    async def listen(self) -> None:
+        async for message in self.connection:
+            self.told.append(json.loads(message))
+
+    def all(self, kind: str) -> list[dict[str, Any]]:
+        return [message for message in self.told if message["tell"] == kind]
+
+    @property
+    def number(self) -> int:
+        return int(self.all("hello")[0]["page"])
+
+    @property
+    def state(self) -> dict[str, Any]:
+        return self.all("state")[-1]
+
+    async def ask(self, ask: str, **values: Any) -> None:
+        await self.connection.send(json.dumps({"ask": ask, **values}))
+
+    async def press(self) -> None:
+        motion = {"kind": "joints", "to": [0.5, 0.0, 1.5, 0.0, -1.5, 0.0], "percent": 10}
+        await self.ask("press", seen=self.state["n"], motion=motion)
+
+    async def command(self, token: str) -> None:
+        await self.ask("take", token=token)
+        await eventually_async(
+            lambda: self.state["holder"] == self.number and self.state["phase"] == "held"
+        )
+
+
+def refused_more(page: Page, than: int) -> bool:
+    return len(page.all("refused")) > than
+
+
+@asynccontextmanager
+async def page_of(panel: Panel, **options: Any) -> AsyncIterator[Page]:
+    url = panel.url.replace("http", "ws") + "socket"
+    async with connect(url, **options) as connection, anyio.create_task_group() as group:
+        page = Page(connection)
+        group.start_soon(page.listen)
+        await eventually_async(lambda: page.all("hello") and page.all("state"))
+        yield page
+        group.cancel_scope.cancel()
+
+
+async def test_one_page_commands_and_the_others_watch(
+    bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    """A wrong token moves nothing and is logged without it; stopping is free."""
+    async with Panel(bench.host, bench.port, **PATIENT) as panel:
+        assert panel.token not in repr(panel)
+        async with page_of(panel) as one, page_of(panel) as two:
+            assert bench.received("rpc_heartbeat") == (), "who moves the arm keeps its supervision"
+            with caplog.at_level(logging.DEBUG):
+                for wrong in ("not the token", panel.token + "!", panel.token[:-1]):
+                    before = len(two.all("refused"))
+                    await two.ask("take", token=wrong)
+                    await eventually_async(partial(refused_more, two, before))
+                for rubbish in ("{", b"\xff\x00", "[" * 2000, json.dumps({"ask": panel.token})):
+                    before = len(two.all("refused"))
+                    await two.connection.send(rubbish)
+                    await eventually_async(partial(refused_more, two, before))
+                await one.command(panel.token)
+            assert "wrong token" in caplog.text
+            assert "not the token" not in caplog.text
+            assert panel.token[:-1] not in caplog.text
+            assert bench.received("rpc_heartbeat"), "who commands is supervised"
+            for ask, values in (
+                ("take", {"token": panel.token}),
+                ("do", {"verb": "bring_up"}),
+                ("output", {"num": 1, "on": True, "tool": False}),
+            ):
+                seen = len(two.all("refused"))
+                await two.ask(ask, **values)
+                await eventually_async(partial(refused_more, two, seen))
+            await two.press()
+            await two.ask("stop")
+            await eventually_async(lambda: bench.received("stop"))
+            await eventually_async(
+                lambda: any("the arm stands" in line["text"] for line in two.all("event"))
+            )
+            assert bench.received("movej2") == ()
+            assert bench.received("set_standard_digital_out") == ()
+        await eventually_async(lambda: "free" in repr(panel))
+
+
+async def test_the_lease_ends_with_its_page_and_the_arm_is_stopped(bench: Bench) -> None:
+    bench.motion_time = 60.0
+    async with Panel(bench.host, bench.port, **PATIENT) as panel:
+        async with page_of(panel) as watcher:
+            async with page_of(panel) as page:
+                await page.command(panel.token)
+                await page.press()
+                await eventually_async(lambda: bench.received("movej2"))
+                assert bench.received("stop") == ()
+            await eventually_async(lambda: bench.received("stop"))
+            await eventually_async(lambda: watcher.state["phase"] == "free")
+        async with page_of(panel) as late:
+            assert any(
+                "its page is gone" in line["text"] for line in late.all("hello")[0]["events"]
+            )
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"),
+    [
+        ({"Origin": "http://evil.example"}, 403),
+        ({"Origin": "null"}, 403),
+        ({"Host": "evil.example"}, 403),
+        ({"Host": "evil.example", "Origin": "http://evil.example"}, 403),
+    ],
+)
+async def test_a_page_of_another_site_gets_no_connection(
+    bench: Bench, headers: dict[str, str], status: int
+) -> None:
+    async with Panel(bench.host, bench.port, **PATIENT) as panel:
+        url = panel.url.replace("http", "ws") + "socket"
+        options: dict[str, Any] = {"additional_headers": headers}
+        with pytest.raises(InvalidStatus) as refused:
+            async with connect(url, **options):
+                pass
+        assert refused.value.response.status_code == status
+        origin: Any = panel.url.rstrip("/")
+        async with page_of(panel, origin=origin) as page:
+            assert page.all("state")
+
+
+async def test_a_panel_that_watches_lets_nobody_command(bench: Bench) -> None:
+    async with Panel(bench.host, bench.port, token="", **PATIENT) as panel, page_of(panel) as page:
+        assert panel.link == panel.url
+        await page.ask("take", token="")
+        await eventually_async(lambda: page.all("refused"))
+        assert page.all("refused")[0]["reason"] == "this panel only watches"
+        await page.connection.send("no JSON")
+        await eventually_async(lambda: len(page.all("refused")) == 2)
+        await page.ask("stop")
+        await eventually_async(lambda: bench.received("stop"))
+
+
+@pytest.mark.slow
+async def test_a_page_that_takes_nothing_is_cut_off_and_holds_up_nobody(bench: Bench) -> None:
+    async with Panel(bench.host, bench.port, rate=50.0, **PATIENT) as panel, page_of(panel) as page:
+        url = panel.url.replace("http", "ws") + "socket"
+        async with connect(url, max_queue=1):  # and reads no more
+            await eventually_async(lambda: panel._server.pages == 2)
+            for _ in range(600):  # megabytes, more than the system keeps for it
+                panel._server.tell_all({"tell": "event", "text": "x" * 50_000})
+                await anyio.lowlevel.checkpoint()
+            await eventually_async(lambda: panel._server.pages == 1)
+        seen = page.state["n"]
+        await eventually_async(lambda: page.state["n"] > seen + 5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("how", ["let go", "silent"])
+async def test_a_jog_lasts_as_long_as_its_button_is_held(how: str) -> None:
+    with Simulator(joints=(0.0, 0.0, 1.5, 0.0, -1.5, 0.0)) as sim:
+        async with aioduco.connect(sim.host, sim.port, heartbeat=None) as robot:
+            await robot.bring_up()
+        options: dict[str, Any] = PATIENT | ({"hold_limit": 5.0} if how == "silent" else {})
+        async with (
+            Panel(sim.host, sim.port, clock=sim.clock, **options) as panel,
+            page_of(panel) as page,
+        ):
+            await page.command(panel.token)
+            motion = {"kind": "jog", "axis": 1, "direction": 1, "percent": 10}
+            await page.ask("press", seen=page.state["n"], motion=motion)
+            await eventually_async(lambda: sim.joints[0] > 0.01, timeout=60)
+            if how == "let go":
+                await page.ask("let_go")
+            await eventually_async(lambda: page.state["motion"] is None, timeout=60)
+            await eventually_async(lambda: not sim.moving, timeout=60)
+            lines = [line["text"] for line in page.all("event")]
+            assert any("silent or late" in line for line in lines) is (how == "silent"), lines
+            assert page.state["holder"] == page.number, "the lease is kept"
+
+
+async def test_wrong_arguments_and_no_controller() -> None:
+    for wrong in (
+        {"rate": 0.0}, {"hold_limit": 0.0}, {"page_limit": float("nan")}, {"model": "gcr99"},
+        {"directions": 1},
+    ):  # fmt: skip
+        options: dict[str, Any] = wrong
+        with pytest.raises(ParameterError):
+            Panel("127.0.0.1", 1, **options)
+    with pytest.raises(ConnectError):
+        async with Panel("127.0.0.1", 1, **PATIENT):
+            pass

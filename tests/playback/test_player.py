@@ -1,0 +1,403 @@
+"""Paths and waypoints on a simulated arm, in asyncio and without, and from the command line."""
+
+from __future__ import annotations
+
+import gc
+import signal
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from patient import patient_queue
+from typer.testing import CliRunner
+
+import aioduco
+import aioduco.sync
+from aioduco import Tolerances
+from aioduco.cli.app import app
+from aioduco.envelope import Envelope, Zone
+from aioduco.kinematics import arm
+from aioduco.playback import RecordedPath, WaypointFile, play, read_envelope, run_waypoints
+from aioduco.recording import read
+from aioduco.sim import Simulator
+from playback.recorded import FAR, HOME, nod, write
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _patient() -> Iterator[None]:
+    with patient_queue():
+        yield
+
+
+#: a busy machine is late, and no matter of what is tested here
+PATIENT = Tolerances(path=0.0, goal=5e-3, goal_time=30.0)
+
+
+class Log:
+    """Where the arm is after each cycle of a simulator."""
+
+    def __init__(self, sim: Simulator) -> None:
+        self.rows: list[tuple[float, ...]] = []
+        sim.observe(self._see)
+
+    def _see(self, snapshot: Any, _: object) -> None:
+        self.rows.append((snapshot.time, *snapshot.q))
+
+    def taken(self) -> tuple[Array, Array]:
+        """Times [s] and joints [rad] so far; it begins anew."""
+        rows, self.rows = np.array(self.rows), []
+        return rows[:, 0], rows[:, 1:]
+
+
+def apart(first: tuple[Array, Array], second: tuple[Array, Array]) -> float:
+    """Largest distance of two motions [rad], each at its time since its begin."""
+    (t1, q1), (t2, q2) = first, second
+    begins = [t[int(np.argmax(np.abs(q - q[0]).max(axis=1) > 1e-3))] for t, q in (first, second)]
+    grid = t1[t1 < t1[-1] - 0.1]
+
+    def largest(shift: float) -> float:
+        at = grid - begins[0] + begins[1] + shift
+        return max(
+            float(np.abs(np.interp(grid, t1, q1[:, k]) - np.interp(at, t2, q2[:, k])).max())
+            for k in range(6)
+        )
+
+    # Their begins are known to some milliseconds only: by when 1 mrad was passed.
+    return min(largest(shift) for shift in np.arange(-0.01, 0.01, 0.0005))
+
+
+@pytest.mark.slow
+async def test_the_replayed_joints_are_the_recorded_ones_at_each_moment(tmp_path: Path) -> None:
+    """A motion of the controller, its recording and that recording's replay, by the arm's time."""
+    with Simulator(speed=0.25, joints=HOME) as sim:
+        log = Log(sim)
+        async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
+            await robot.bring_up()
+            log.taken()
+            await robot.motion.movej2(FAR, v=1.0, a=3.0)
+            times, joints = log.taken()
+
+            def done(at: Array) -> Array:
+                return np.column_stack(
+                    [np.interp(at + times[0], times, joints[:, k]) for k in range(6)]
+                )
+
+            run = read(write(tmp_path / "run.mcap", done, seconds=times[-1] - times[0] + 0.3))
+            await robot.motion.movej2(HOME, v=1.0, a=3.0)
+            log.taken()
+            path = RecordedPath.of(run)
+            result = await play(robot, path, through="realtime", tolerances=PATIENT)
+            replayed = log.taken()
+    assert apart((times, joints), replayed) < 1e-3
+    assert np.abs(result.goal_error).max() < 1e-3
+
+
+@pytest.mark.slow
+async def test_outputs_are_set_as_they_were(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = write(tmp_path / "run.mcap", outputs={0.8: {3: True}, 1.2: {3: False}, 1.4: {5: True}})
+    path = RecordedPath.of(read(file), end=1.5)
+    with Simulator(joints=HOME) as sim:
+        async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
+            await robot.bring_up()
+            changed: list[tuple[int, bool]] = []
+            set_out = robot.io.set_standard_digital_out
+
+            async def seen(num: int, value: bool) -> None:
+                changed.append((num, value))
+                await set_out(num, value)
+
+            monkeypatch.setattr(type(robot.io), "set_standard_digital_out", lambda _, *a: seen(*a))
+            await play(robot, path, outputs=True, through="servoj", tolerances=PATIENT)
+            assert changed == [(3, True), (3, False), (5, True)]
+            assert sim.get_digital_output(5)
+            assert not sim.get_digital_output(3)
+            assert path.at(np.array([path.duration]))[0] == pytest.approx(
+                list(await robot.state.get_actual_joints_position()), abs=6e-3
+            )
+
+
+@pytest.mark.slow
+async def test_an_output_that_is_refused_brings_the_arm_to_rest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def slowly(times: Array) -> Array:
+        return nod(times, 0.2, 20.0)
+
+    file = write(tmp_path / "run.mcap", slowly, seconds=21.0, outputs={1.0: {3: True}})
+    path = RecordedPath.of(read(file))
+
+    async def refuse(*_: object) -> None:
+        raise aioduco.Refused("set_standard_digital_out", -1, "it is a test")
+
+    with Simulator(joints=HOME) as sim:
+        async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
+            await robot.bring_up()
+            monkeypatch.setattr(type(robot.io), "set_standard_digital_out", refuse)
+            with pytest.raises(aioduco.Refused, match="it is a test"):
+                await play(robot, path, outputs=True, through="servoj", tolerances=PATIENT)
+            assert not await robot.state.robotmoving()
+            assert np.abs(sim.joints.array - HOME).max() < 0.4
+
+
+@pytest.mark.slow
+async def test_what_speaks_against_it_is_said_and_nothing_is_sent(tmp_path: Path) -> None:
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap")))
+    other = RecordedPath.of(read(write(tmp_path / "other.mcap", arm="GCR10 1300")))
+    with Simulator(joints=FAR) as sim:
+        async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
+            await robot.bring_up()
+            with pytest.raises(aioduco.FirstPointTooFar, match=r"joint 1 is 0\.5000 rad"):
+                await play(robot, path)
+            with pytest.raises(aioduco.PathRefused, match="recorded one is a GCR10 1300"):
+                await play(robot, other)
+            with pytest.raises(aioduco.PathRefused, match="accel"):
+                await play(robot, RecordedPath.of(read(tmp_path / "run.mcap"), speed=6.0))
+            tip = await robot.state.get_flange_pose()
+            robot.envelope = Envelope("gcr5_910", Zone.sphere(tip.position, 0.05, name="post"))
+            with pytest.raises(aioduco.PathRefused, match="'post'") as error:
+                await play(robot, path, approach=0.3)
+            assert error.value.findings[0].startswith("envelope at 1.")
+            assert not robot.tasks
+        assert np.abs(sim.joints.array - FAR).max() < 1e-6
+
+
+RUNNER = str(Path(__file__).parents[1] / "patient.py")
+COMMAND = str(Path(aioduco.__file__).parent / "cli" / "__main__.py")
+
+
+def wait_a_while(sim: Simulator) -> None:
+    begin = sim.time
+    sim.wait_until(lambda: sim.time > begin + 0.5, timeout=30)
+
+
+@pytest.mark.slow
+def test_an_interrupt_leaves_a_standing_arm(tmp_path: Path) -> None:
+    """So does a kill: the stream's worker brakes."""
+    file = write(tmp_path / "run.mcap", lambda t: nod(t, 0.2, 20.0), seconds=21.0)
+    for number, status in ((signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGKILL, -9)):
+        for _ in range(20):
+            if interrupted(file, number, status):
+                break
+        else:
+            raise AssertionError("the stream never had the time that it needs")
+
+
+def interrupted(file: Path, number: signal.Signals, status: int) -> bool:
+    """Play a file and end that amid a motion; whether the machine was quick enough to play it."""
+    with Simulator(joints=HOME) as sim:
+        command: list[str] = [sys.executable, RUNNER, COMMAND, "play", str(file), sim.host]
+        command += ["--port", str(sim.port), "--yes", "--no-rehearse"]
+        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as played:
+
+            def moves() -> bool:
+                return bool(abs(sim.joints.array - HOME).max() > 0.02)
+
+            sim.wait_until(lambda: moves() or played.poll() is not None, timeout=300)
+            played.send_signal(number)
+            if played.wait(60) == 1:
+                return False  # its stream was starved
+            assert played.returncode == status
+        sim.wait_until(lambda: not sim.moving, timeout=30)
+        stood = sim.joints.array
+        assert 0.01 < np.abs(stood - HOME).max() < 0.45
+        wait_a_while(sim)
+        assert np.abs(sim.joints.array - stood).max() < 1e-3
+        return True
+
+
+def waypoints() -> WaypointFile:
+    kept = WaypointFile.new(arm="GCR5 910")
+    kept.add("home", HOME)
+    kept.add("past", (HOME + FAR) / 2)
+    kept.add("there", FAR)
+    return WaypointFile(
+        kept.text.replace('name = "past"', 'name = "past"\nblend_mm = 20').replace(
+            'name = "there"', 'name = "there"\nmotion = "line"\noutputs = { 3 = true }'
+        )
+    )
+
+
+async def test_waypoints_that_are_not_reached_are_told_of_by_the_error_alone() -> None:
+    """No motion behind the one that was not sent warns that it was never awaited."""
+    # between the first two waypoints, and near none of them
+    middle = arm("gcr5_910").fkine(0.75 * HOME + 0.25 * FAR)[:3, 3]
+    file = waypoints()
+    file.add("behind", HOME)
+    with Simulator(speed=10, joints=HOME) as sim:
+        async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
+            await robot.bring_up()
+            robot.envelope = Envelope(
+                "gcr5_910", Zone.sphere(middle, 0.005, bodies=["flange"], name="post")
+            )
+            with warnings.catch_warnings(record=True) as said:
+                warnings.simplefilter("always")
+                with pytest.raises(aioduco.EnvelopeViolated, match="post"):
+                    await run_waypoints(robot, file)
+                gc.collect()
+            assert [str(each.message) for each in said] == []
+
+
+async def test_an_arm_goes_through_waypoints() -> None:
+    with Simulator(speed=10, joints=HOME) as sim:
+        async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
+            await robot.bring_up()
+            assert await run_waypoints(robot, waypoints()) == 3
+            assert sim.joints.almost_equal(FAR, 1e-3)
+            assert sim.get_digital_output(3)
+            other = WaypointFile(waypoints().text.replace("GCR5 910", "GCR10 1300"))
+            with pytest.raises(aioduco.PathRefused, match="GCR10 1300"):
+                await run_waypoints(robot, other)
+            with pytest.raises(aioduco.PathRefused, match="no waypoint"):
+                await run_waypoints(robot, WaypointFile.new())
+            with pytest.raises(aioduco.ParameterError, match="speed"):
+                await run_waypoints(robot, waypoints(), speed=2.0)
+
+
+@pytest.mark.slow
+def test_programs_that_wait(tmp_path: Path) -> None:
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap")), end=1.0)
+    with (
+        Simulator(joints=HOME) as sim,
+        aioduco.sync.connect(sim.host, sim.port, clock=sim.clock) as robot,
+    ):
+        robot.bring_up()
+        assert aioduco.sync.check_path_on(robot, path) == ()
+        result = aioduco.sync.play(robot, path, through="servoj", tolerances=PATIENT)
+        assert np.abs(result.goal_error).max() < 0.01
+        assert aioduco.sync.check_waypoints_on(robot, waypoints()) == []
+
+
+def run(*arguments: str, typed: str = "") -> Any:
+    return CliRunner().invoke(app, list(arguments), input=typed)
+
+
+@pytest.mark.slow
+def test_play_checks_and_asks_before_an_arm_moves(tmp_path: Path) -> None:
+    file = str(write(tmp_path / "run.mcap"))
+    alone = run("play", file, "--check")
+    assert (alone.exit_code, alone.stdout) == (0, "nothing speaks against it\n")
+    quick = run("play", file, "--check", "--speed", "10")
+    assert quick.exit_code == 1
+    assert "speed at" in quick.stderr
+    unknown = run("play", str(tmp_path / "none.mcap"), "--check")
+    assert (unknown.exit_code, "cannot be read" in unknown.stderr) == (1, True)
+    with Simulator(joints=FAR) as sim:
+        to = (sim.host, "--port", str(sim.port), "--no-rehearse")
+        assert run("play", file, *to, "--check").exit_code == 0
+        declined = run("play", file, *to, typed="n\n")
+        assert declined.exit_code == 3
+        assert "joint 1 turns by 28.6° to the begin" in declined.stderr
+        assert "nothing was sent that moves the arm" in declined.stderr
+        assert np.abs(sim.joints.array - FAR).max() < 1e-6
+
+
+@pytest.mark.slow
+def test_play_keeps_to_an_envelope(tmp_path: Path) -> None:
+    file = str(write(tmp_path / "run.mcap"))
+    kept = tmp_path / "cell.toml"
+    waypoints().save(kept)
+    wide, narrow = tmp_path / "wide.toml", tmp_path / "narrow.toml"
+    wide.write_text("[[limit]]\nkind = 'plane'\npoint = [0, 0, -2.0]\nnormal = [0, 0, 1]\n")
+    narrow.write_text("[[limit]]\nkind = 'joint_margin'\nleast = 5.0\nname = 'narrow'\n")
+    for what in (file, str(kept)):
+        assert run("play", what, "--check", "--envelope", str(wide)).exit_code == 0
+        beyond = run("play", what, "--check", "--envelope", str(narrow))
+        assert (beyond.exit_code, "narrow" in beyond.stderr) == (1, True)
+    with Simulator(joints=FAR) as sim:
+        to = (sim.host, "--port", str(sim.port), "--no-rehearse", "--yes")
+        for what in (file, str(kept)):
+            refused = run("play", what, *to, "--envelope", str(narrow))
+            assert (refused.exit_code, "narrow" in refused.stderr) == (1, True)
+        assert not sim.tasks
+    # on a simulated arm, too
+    slow = tmp_path / "slow.toml"
+    slow.write_text("[[limit]]\nkind = 'tool_speed'\nmost = 0.001\n")
+    ended = run("play", file, "--envelope", str(slow))
+    assert (ended.exit_code, "envelope" in ended.stderr) == (1, True), ended.output
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[[limit]", "TOML"),
+        ("speed = 1", "speed"),
+        ("arm = 'gcr5_910'", "limit"),
+        ("arm = 'gcr10_1300'\n[[limit]]\nkind = 'plane'", "gcr5_910"),
+        ("[[limit]]\nkind = 'cone'", "box, sphere, plane"),
+        ("[[limit]]\nkind = 'sphere'\nat = [0, 0, 0]", "radius"),
+        ("[[limit]]\nkind = 'tool_speed'\nmost = -1", "most of limit 1"),
+    ],
+)
+def test_a_file_of_limits_that_is_wrong_says_where(tmp_path: Path, text: str, said: str) -> None:
+    path = tmp_path / "limits.toml"
+    path.write_text(text)
+    with pytest.raises(aioduco.ParameterError, match=said):
+        read_envelope(path, arm="gcr5_910")
+
+
+@pytest.mark.slow
+def test_play_leads_a_simulated_arm_along_a_recording_and_records_it(tmp_path: Path) -> None:
+    file = write(tmp_path / "run.mcap")
+    again = tmp_path / "again.mcap"
+    done = run("play", str(file), "--to", "1.3", "--record", str(again))
+    assert done.exit_code == 0, done.output
+    assert "played in" in done.stdout
+    assert "mrad off at most" in done.stdout
+    reached = RecordedPath.of(read(file), end=1.3).positions[-1]
+    assert read(again).arrays("/joint_setpoints")["position"][-1] == pytest.approx(
+        reached, abs=1e-3
+    )
+    kept = tmp_path / "cell.toml"
+    waypoints().save(kept)
+    done = run("play", str(kept))
+    assert done.exit_code == 0, done.output
+    assert "3 waypoints were reached" in done.stdout
+
+
+@pytest.mark.slow
+def test_teach_keeps_where_the_arm_is_guided_to(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "cell.toml"
+    with Simulator(joints=HOME, speed=5) as sim:
+        to = (sim.host, "--port", str(sim.port), "-o", str(file))
+        declined = run("teach", *to, typed="n\n")
+        assert (declined.exit_code, file.exists()) == (3, False)
+
+        def person() -> Iterator[str]:
+            yield "above the part"
+            sim.push([0.0, 30.0, 0.0, 0.0, 0.0, 0.0])
+            sim.wait_until(lambda: abs(sim.joints.array - HOME).max() > 0.05, timeout=60)
+            sim.push([0.0] * 6)
+            yield ""
+            yield "q"
+
+        hands = person()
+        with monkeypatch.context() as patched:
+            patched.setattr("builtins.input", lambda _: next(hands))
+            done = run("teach", *to, "--yes")
+        assert done.exit_code == 0, done.output
+        assert "the arm stands" in done.stdout
+        stood = sim.joints.array
+        more = run("teach", *to, "--no-guide", typed="last\n")
+        assert more.exit_code == 0, more.output
+        assert not sim.tasks
+    kept = WaypointFile.read(file)
+    assert [each.name for each in kept.waypoints] == ["above the part", "p2", "last"]
+    assert kept.arm == "GCR5 910"
+    assert kept.waypoints[0].joints.almost_equal(HOME, 0.02)
+    assert kept.waypoints[1].joints.distance(HOME) > 0.04
+    assert kept.waypoints[2].joints.almost_equal(stood, 1e-4)

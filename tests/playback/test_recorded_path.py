@@ -1,0 +1,150 @@
+"""Paths of recordings: what they are, and which are refused."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+import aioduco
+from aioduco.envelope import Envelope, ToolSpeed, Zone
+from aioduco.kinematics import arm
+from aioduco.playback import RecordedPath, check_path
+from aioduco.playback.path_check import fastest, sharpest
+from aioduco.recording import read
+from playback.recorded import FAR, HOME, RATE, nod, write
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ARM = arm("gcr5_910")
+
+
+def off(path: RecordedPath, speed: float = 1.0) -> float:
+    """Largest distance of a path from what the arm did [rad], each at its time."""
+    times = np.arange(0.0, path.duration, 0.001)
+    return float(np.abs(path.at(times) - nod(path.begin + times * speed)).max())
+
+
+def test_a_path_is_what_the_arm_did_from_when_it_moved(tmp_path: Path) -> None:
+    run = read(write(tmp_path / "run.mcap"))
+    path = RecordedPath.of(run)
+    assert path.begin == pytest.approx(0.45, abs=0.02)
+    assert path.duration == pytest.approx(1.6, abs=0.04)
+    assert path.start.almost_equal(HOME, 1e-4)
+    assert path.arm == "GCR5 910"
+    assert off(path) < 1e-4
+    part = RecordedPath.of(run, begin=1.0, end=1.5)
+    assert part.begin == pytest.approx(1.0, abs=0.01)
+    # amid a motion it comes to its speed, and to rest, in 0.4 s each
+    assert part.duration == pytest.approx(0.9, abs=0.02)
+    assert kinds(part) == []
+    assert np.abs(part.at(part.times) - nod(part.recorded)).max() < 1e-4
+    quick = RecordedPath.of(run, speed=2.0)
+    assert quick.duration == pytest.approx(path.duration / 2, abs=1e-6)
+    assert off(quick, 2.0) < 1e-4
+    assert fastest(quick) == pytest.approx(2 * fastest(path), rel=0.01)
+    assert sharpest(quick) == pytest.approx(4 * sharpest(path), rel=0.05)
+
+
+def test_samples_that_were_received_late_make_no_shaking_path(tmp_path: Path) -> None:
+    chance = np.random.default_rng(5)
+
+    def late(times: Any) -> Any:
+        return 0.001 + chance.exponential(0.004, len(times)).clip(0.0, 0.007)
+
+    path = RecordedPath.of(read(write(tmp_path / "run.mcap", late=late)))
+    times = np.arange(0.0, path.duration, 0.001)
+    lags = np.arange(0.0, 0.01, 0.0002)
+    errors = [np.abs(path.at(times) - nod(path.begin + times - lag)).max() for lag in lags]
+    assert min(errors) < 2e-4
+    # without them, a jitter of 7 ms at 1 rad/s is one of 7 mrad, and as good as a blow
+    smooth = RecordedPath.of(read(write(tmp_path / "smooth.mcap")))
+    assert sharpest(path) == pytest.approx(sharpest(smooth), rel=0.1)
+
+
+def test_pauses_stay_and_gaps_are_refused(tmp_path: Path) -> None:
+    def twice(times: Any) -> Any:
+        return np.where(times[:, None] < 3.0, nod(times), nod(times, 4.0))
+
+    run = read(write(tmp_path / "twice.mcap", twice, seconds=6.0, without=(2.2, 3.8)))
+    path = RecordedPath.of(run)
+    assert path.duration == pytest.approx(5.1, abs=0.05)
+    still = path.at(np.array([2.0, 3.0]))
+    assert np.abs(still - HOME).max() < 1e-4
+    gap = write(tmp_path / "gap.mcap", without=(1.0, 1.3))
+    with pytest.raises(aioduco.RecordingError, match=r"0\.3\d s are missing from 1\.00 s on"):
+        RecordedPath.of(read(gap))
+    assert RecordedPath.of(read(gap), end=1.0).duration == pytest.approx(0.75, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"speed": 0.0}, "speed"),
+        ({"begin": 9.0}, "begin"),
+        ({"begin": 1.0, "end": 0.5}, "begin"),
+        ({"of": "wishes"}, "setpoints"),
+        ({"end": 0.4}, "did not move"),
+    ],
+)
+def test_what_makes_no_path_is_refused(options: dict[str, Any], says: str, tmp_path: Path) -> None:
+    run = read(write(tmp_path / "run.mcap"))
+    with pytest.raises((aioduco.ParameterError, aioduco.RecordingError), match=says):
+        RecordedPath.of(run, **options)
+
+
+def test_outputs_are_taken_with_their_times(tmp_path: Path) -> None:
+    file = write(tmp_path / "run.mcap", outputs={0.1: {2: True}, 0.8: {5: True}, 1.4: {2: False}})
+    path = RecordedPath.of(read(file), speed=0.5)
+    assert [(each.num, each.value) for each in path.outputs] == [(5, True), (2, False)]
+    first, second = path.outputs
+    assert first.time == pytest.approx((0.8 - path.begin) * 2, abs=0.02)
+    assert second.time - first.time == pytest.approx(1.2, abs=0.02)
+
+
+def kinds(path: RecordedPath, **options: Any) -> list[str]:
+    return [each.kind for each in check_path(path, ARM, **options)]
+
+
+def test_what_speaks_against_a_path_is_said_with_its_place(tmp_path: Path) -> None:
+    run = read(write(tmp_path / "run.mcap"))
+    path = RecordedPath.of(run)
+    assert kinds(path) == []
+    assert kinds(path, v=0.2) == ["speed"]
+    assert kinds(RecordedPath.of(run, speed=8.0)) == ["speed", "acceleration"]
+    (found,) = check_path(path, ARM, a=1.0)
+    assert found.kind == "acceleration"
+    assert "rad/s²" in str(found)
+    tip = ARM.fkine(FAR)[:3, 3]
+    wall = Envelope(ARM, Zone.sphere(tip, 0.02, bodies=["flange"], name="post"))
+    (found,) = check_path(path, ARM, envelope=wall)
+    assert (found.kind, "post" in found.text) == ("envelope", True)
+    assert found.time == pytest.approx(1.25, abs=0.15)
+    assert kinds(path, envelope=Envelope(ARM, ToolSpeed(0.05))) == ["envelope"]
+    assert kinds(path, envelope=Envelope(ARM, ToolSpeed(2.0))) == []
+
+    def far(times: Any) -> Any:
+        return 4.0 * nod(times)
+
+    beyond = RecordedPath.of(read(write(tmp_path / "far.mcap", far)))
+    assert kinds(beyond) == ["joint limit"]
+    bad = RecordedPath.of(read(write(tmp_path / "bad.mcap", error=1.0)))
+    (incident,) = check_path(bad, ARM)
+    assert str(incident) == "incident at 1.00 s: the recorded arm had fault 7"
+    assert kinds(RecordedPath.of(read(tmp_path / "bad.mcap"), end=0.95)) == []
+
+
+def test_a_sample_of_a_moving_arm_takes_60_bytes(tmp_path: Path) -> None:
+    """That is 27 MB an hour at 125 samples a second; an index alone would take as much."""
+
+    def waving(times: Any) -> Any:
+        turns = np.array([1.0, 1.3, 0.7, 1.9, 1.1, 0.5])
+        return HOME + 0.3 * np.sin(times[:, None] * turns + turns)
+
+    sizes = [
+        write(tmp_path / f"{seconds}.mcap", waving, seconds=seconds).stat().st_size
+        for seconds in (2.0, 14.0)
+    ]
+    assert (sizes[1] - sizes[0]) / (12 * RATE) < 60

@@ -1,0 +1,76 @@
+"""What a gripper grips, it is meant to touch; whatever else its fingers touch is found."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from aioduco.preflight import PreflightSettings, preflight
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+PROGRAM = """
+import anyio
+import aioduco
+from aioduco import Joints, Pose
+from aioduco.grippers import gripper_model
+from aioduco.sim import Simulator
+from aioduco.sim.scene import Box, Table
+
+GRIPPER = gripper_model("parallel")
+READY = Joints.deg(20, -10, 100, 0, -90, 0)
+DOWN = Pose(0.5, 0.1, 0.35, 3.14159265, 0.0, 0.0)
+
+async def close(robot, on):
+    await robot.io.set_standard_digital_out(1, on)
+    await robot.wait_for(lambda sample: sample.io.digital_inputs[0 if on else 1], timeout=30.0)
+
+async def main(host, port):
+    async with aioduco.connect(host, port) as robot:
+        await robot.bring_up()
+        await robot.motion.movej_pose2(DOWN.shifted(z=0.1), v=1.0, a=2.0, q_near=READY)
+        STEPS
+
+part = Box(at=(0.5, 0.1, 0.35 - GRIPPER.length), size=(0.03, 0.04, 0.06), mass=0.2, name="part")
+post = Box(at=(0.5, -0.1, 0.35), size=(0.05, 0.02, 0.6), name="post")
+table = Table(at=(0.5, 0.1, 0.32 - GRIPPER.length), size=(0.2, 0.2), name="table")
+with Simulator(gripper="parallel", scene=[table, part, post]) as sim:
+    anyio.run(main, sim.host, sim.port)
+"""
+GO = "await robot.motion.movel({}, v=0.1, a=0.5)"
+GRIP = [GO.format("DOWN"), "await close(robot, True)", GO.format("DOWN.shifted(z=0.1)")]
+LET_GO = [GO.format("DOWN.shifted(z=0.002)"), "await close(robot, False)"]
+UP = GO.format("DOWN.shifted(z=0.1)")
+
+
+@pytest.mark.cases(1)
+@pytest.mark.parametrize(
+    ("steps", "found"),
+    [
+        ([*GRIP, *LET_GO, UP], None),
+        # the open fingers are set down on it
+        ([GO.format("DOWN.shifted(y=0.05, z=0.09)"), GO.format("DOWN.shifted(y=0.05)")], "part"),
+        # they are around it, stand, and are led against it
+        ([GO.format("DOWN"), GO.format("DOWN.shifted(y=0.04)")], "part"),
+        # what holds the part is led against something else
+        ([*GRIP, GO.format("DOWN.shifted(y=-0.15, z=0.1)")], "post"),
+    ],
+    ids=["gripped", "set down on it", "led against it", "led against another"],
+)
+def test_a_grip_is_meant_and_a_collision_is_found(
+    tmp_path: Path, steps: list[str], found: str | None
+) -> None:
+    program = tmp_path / "program.py"
+    program.write_text(PROGRAM.replace("STEPS", "\n        ".join(steps)), encoding="utf-8")
+    report = preflight(program, (), PreflightSettings(timeout=110), quiet=True)
+    texts = [str(each) for each in report.findings]
+    if found is None:
+        assert report.ok, texts
+        assert report.contacts == ()
+    else:
+        assert any(
+            each.kind == "collision of the tool" and f"touches {found}" in each.text
+            for each in report.findings
+        ), texts

@@ -1,0 +1,252 @@
+"""What passes between a client and a controller is what was sent, whatever it is."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import threading
+from contextlib import ExitStack, contextmanager
+from typing import TYPE_CHECKING
+
+import pytest
+from client.bench import HOME, Bench
+from typer.testing import CliRunner
+
+import aioduco
+import aioduco.sync
+from aioduco.cli.app import app
+from aioduco.errors import ConnectError
+from aioduco.recording import read
+from aioduco.tap import Tap, TapNote, TappedCall
+from aioduco.testing import eventually, no_leaks
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+PATIENCE = 60.0
+
+
+class Told:
+    """Everything that a tap tells, by a thread of its own."""
+
+    def __init__(self, tap: Tap) -> None:
+        self.items: list[TappedCall | TapNote] = []
+        self._thread = threading.Thread(target=self._read, args=(tap,), name="told")
+        self._thread.start()
+
+    def _read(self, tap: Tap) -> None:
+        self.items.extend(tap)
+
+    def notes(self) -> list[str]:
+        return [item.text for item in list(self.items) if isinstance(item, TapNote)]
+
+    def calls(self) -> list[TappedCall]:
+        return [item for item in list(self.items) if isinstance(item, TappedCall)]
+
+    def join(self) -> None:
+        self._thread.join()
+
+
+@contextmanager
+def told(tap: Tap) -> Iterator[Told]:
+    with tap:
+        found = Told(tap)
+        try:
+            yield found
+        finally:
+            tap.end()
+            found.join()
+
+
+@pytest.fixture
+def listener() -> Iterator[socket.socket]:
+    """Where the tap looks for a controller."""
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        listener.settimeout(PATIENCE)
+        yield listener
+
+
+@contextmanager
+def joined(tap: Tap, listener: socket.socket) -> Iterator[tuple[socket.socket, socket.socket]]:
+    """A client's socket and the controller's."""
+    with ExitStack() as stack:
+        client = stack.enter_context(
+            socket.create_connection((tap.host, tap.port), timeout=PATIENCE)
+        )
+        controller, _ = listener.accept()
+        stack.enter_context(controller)
+        controller.settimeout(PATIENCE)
+        yield client, controller
+
+
+def taken(sock: socket.socket, size: int) -> bytes:
+    data = bytearray()
+    while len(data) < size and (chunk := sock.recv(65536)):
+        data += chunk
+    return bytes(data)
+
+
+async def test_a_robot_behind_it_is_told_of(bench: Bench) -> None:
+    with told(tap := Tap(bench.host, bench.port)) as found:
+        async with aioduco.connect(tap.host, tap.port) as robot:
+            await robot.motion.movej2(HOME, v=1.0, a=1.0)
+    (move,) = [call for call in found.calls() if call.function == "movej2"]
+    assert move.arguments["joints_list"] == list(HOME)
+    assert move.answer >= 1000
+    assert not move.error
+
+
+def test_bytes_pass_both_ways_whatever_they_are(listener: socket.socket) -> None:
+    with no_leaks(), told(tap := Tap("127.0.0.1", listener.getsockname()[1])) as found:
+        with joined(tap, listener) as (client, controller):
+            there, back = os.urandom(3_000_000), os.urandom(2_000_000)
+            for sender, receiver, data in ((client, controller, there), (controller, client, back)):
+                thread = threading.Thread(target=sender.sendall, args=(data,))
+                thread.start()
+                assert taken(receiver, len(data)) == data
+                thread.join()
+            client.shutdown(socket.SHUT_WR)
+            assert controller.recv(1) == b""
+            controller.sendall(b"still here")
+            assert taken(client, 10) == b"still here"
+            controller.shutdown(socket.SHUT_WR)
+            assert client.recv(1) == b""
+        eventually(lambda: "closed by the client" in found.notes(), PATIENCE)
+    assert sum("is no message" in note for note in found.notes()) == 2
+
+
+def test_who_does_not_read_what_it_tells_holds_up_nothing(listener: socket.socket) -> None:
+    with Tap("127.0.0.1", listener.getsockname()[1]) as tap, joined(tap, listener) as pair:
+        client, controller = pair
+        data = os.urandom(1_000_000)
+        for _ in range(80):  # more than it keeps
+            thread = threading.Thread(target=client.sendall, args=(data,))
+            thread.start()
+            assert taken(controller, len(data)) == data
+            thread.join()
+        client.close()
+        assert controller.recv(1) == b""
+        controller.close()
+        texts = []
+        for item in tap:
+            texts.append(str(item))
+            if "closed" in texts[-1]:
+                break
+        assert any("passed unseen" in text for text in texts)
+
+
+@pytest.mark.parametrize("who", ["client", "controller"])
+def test_a_reset_of_one_side_is_one_of_the_other(listener: socket.socket, who: str) -> None:
+    with told(tap := Tap("127.0.0.1", listener.getsockname()[1])) as found:
+        with joined(tap, listener) as pair:
+            gone, left = pair if who == "client" else pair[::-1]
+            gone.sendall(b"x")
+            assert left.recv(1) == b"x"
+            gone.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            gone.close()
+            with pytest.raises(ConnectionResetError):
+                left.recv(1)
+        eventually(lambda: f"closed by the {who}" in found.notes(), PATIENCE)
+
+
+def test_a_controller_that_is_not_there(listener: socket.socket) -> None:
+    port = listener.getsockname()[1]
+    listener.close()
+    with told(tap := Tap("127.0.0.1", port)) as found:
+        with (
+            pytest.raises(ConnectionResetError),
+            socket.create_connection((tap.host, tap.port), timeout=PATIENCE) as client,
+        ):
+            client.recv(1)
+        eventually(lambda: any("was not reached" in note for note in found.notes()), PATIENCE)
+
+
+def test_its_end_ends_what_is_connected_and_tells_what_passed(listener: socket.socket) -> None:
+    with told(tap := Tap("127.0.0.1", listener.getsockname()[1])) as found:
+        stack = ExitStack()
+        client, controller = stack.enter_context(joined(tap, listener))
+        client.sendall(b"no message")
+        assert controller.recv(64) == b"no message"
+    assert "is no message" in found.notes()[-2]
+    assert found.notes()[-1] == "closed by the tap"
+    with stack:
+        for sock in (client, controller):
+            with pytest.raises(ConnectionResetError):
+                sock.recv(1)
+
+
+def test_a_relay_that_is_killed_ends_what_is_told(listener: socket.socket) -> None:
+    with told(tap := Tap("127.0.0.1", listener.getsockname()[1])) as found:
+        assert tap._linked is not None
+        tap._linked.popen.send_signal(signal.SIGKILL)
+        found.join()
+
+
+def test_an_address_that_is_taken_is_said(listener: socket.socket) -> None:
+    with (
+        pytest.raises(ConnectError, match="in use"),
+        Tap("127.0.0.1", 7003, listen=listener.getsockname()),
+    ):
+        pass
+
+
+def test_it_is_used_in_a_block() -> None:
+    with pytest.raises(RuntimeError, match="with"):
+        next(iter(Tap("127.0.0.1")))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", [".jsonl", ".mcap"])
+def test_the_command_shows_and_records_each_call(bench: Bench, tmp_path: Path, suffix: str) -> None:
+    file = tmp_path / f"calls{suffix}"
+    command = [sys.executable, "-m", "aioduco.cli", "tap", bench.host, "--port", str(bench.port)]
+    with ExitStack() as stack:
+        program = stack.enter_context(
+            subprocess.Popen(
+                [*command, "--listen", "127.0.0.1:0", "--only", "power_on", "-o", str(file)],
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+        )
+        stack.callback(program.kill)
+        assert program.stdout is not None
+        assert program.stderr is not None
+        said = program.stdout.readline()
+        between = re.match(r"between 127\.0\.0\.1:(\d+) and ", said)
+        assert between, said + program.stderr.read()
+        with aioduco.sync.connect("127.0.0.1", int(between[1])) as robot:
+            robot.system.power_on()
+            states = robot.state.get_robot_state()
+        lines = []
+        while "power_on" not in (line := program.stdout.readline()):
+            lines.append(line)
+        lines.append(line)
+        program.send_signal(signal.SIGINT)
+        lines += program.stdout.readlines()
+        assert program.wait(PATIENCE) == 0, program.stderr.read()
+    assert sum("power_on(block=False) -> " in line for line in lines) == 1
+    assert not any("get_robot_state" in line for line in lines)
+    if suffix == ".mcap":
+        data = [message.data for message in read(file).messages("/commands")]
+    else:
+        data = [json.loads(line) for line in file.read_text("utf-8").splitlines()]
+    answers = {each["function"]: each.get("answer", each.get("result")) for each in data}
+    found = (states.robot, states.program, states.safety, states.mode)
+    assert answers["get_robot_state"] == [int(each) for each in found]
+    assert isinstance(answers["power_on"], int)
+
+
+@pytest.mark.slow
+def test_the_command_says_what_is_wrong(listener: socket.socket) -> None:
+    taken = "{}:{}".format(*listener.getsockname())
+    for listen, status in ((taken, 1), ("nowhere", 2)):
+        result = CliRunner().invoke(app, ["tap", "127.0.0.1", "--listen", listen])
+        assert result.exit_code == status, result.output

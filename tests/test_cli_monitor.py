@@ -1,0 +1,349 @@
+"""The monitor: its screen as a function of what is known, its keys, and itself in a terminal."""
+
+from __future__ import annotations
+
+import fcntl
+import io
+import os
+import pty
+import select
+import signal
+import struct
+import subprocess
+import termios
+import threading
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import anyio
+import pytest
+from client.bench import Bench
+from rich.console import Console
+from test_cli import COMMAND, run, wait_until_it_moves
+from test_cli_robot import HOME, at, ready_arm
+
+import aioduco
+import aioduco.sync
+from aioduco._wire import rpc
+from aioduco.cli.monitor.keyboard import Key, keys_of
+from aioduco.cli.monitor.onlooker import Onlooker, event_line
+from aioduco.cli.monitor.screen import bar, screen
+from aioduco.cli.monitor.view_state import EventLine, MonitorState
+from aioduco.models.enums import Outcome, SafetyState
+from aioduco.models.samples import Samples
+from aioduco.supervision.heartbeat import HeartbeatState
+from aioduco.supervision.state_feed import Snapshot
+from aioduco.testing import eventually, eventually_async
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from aioduco.sim import Simulator
+
+
+def sample(states: tuple[int, ...] = (6, 5, 5, 1), **status: Any) -> Snapshot:
+    """A sample as the feed makes one."""
+    make = Samples()
+    given: dict[str, Any] = {
+        "jointActualPosition": [0.5, -1.0, 1.5, 0.0, 6.2, -7.0],
+        "jointActualVelocity": [0.2, 0.0, 0.0, 0.0, 0.0, 0.0],
+        "cartActualPosition": [0.4, -0.1, 0.35, 3.0, 0.0, -1.5],
+        "jointExpectPosition": [0.0] * 6,
+        "cartExpectPosition": [0.0] * 6,
+        "robotState": states[0],
+    }
+    signals = rpc.IOStatus(
+        digitalInputs=[number == 3 for number in range(1, 17)], digitalOutputs=[False] * 16
+    )
+    seen, arm = make.states(states), make.status(rpc.RobotStatus(**given | status))
+    forces = make.forces([1.0, -2.5, 30.0, 0.0, 0.1, 0.0], [])
+    return Snapshot(0, seen.received_at, seen, arm, make.io(signals), forces)
+
+
+def drawn(state: MonitorState, width: int = 110, height: int = 30) -> list[str]:
+    """The lines of the screen."""
+    console = Console(file=io.StringIO(), width=width, height=height, record=True)
+    console.print(screen(state, width, height))
+    return console.export_text().rstrip("\n").split("\n")
+
+
+# -- the screen ----------------------------------------------------------------------------------
+
+
+def test_the_screen_shows_all_that_is_known() -> None:
+    events = tuple(EventLine("10:00:00", f"event {number}") for number in range(50))
+    state = MonitorState(
+        "left (10.0.0.1:7003)",
+        arm="GCR5 910 3.8.1",
+        sample=sample(),
+        age=0.05,
+        measured_rate=9.9,
+        answer_time=0.004,
+        project="pick.jspf",
+        speed=50.0,
+        errors=("E 7",),
+        events=events,
+        notice=EventLine("10:00:09", "paused: the arm stands", "good"),
+    )
+    lines = drawn(state)
+    text = "\n".join(lines)
+    for what in (
+        *("left (10.0.0.1:7003)  GCR5 910 3.8.1", "9.9 of 10 Hz, answered in 4 ms"),
+        *("robot ENABLE", "program TASK_RUNNING", "safety RUN", "mode AUTO", "speed 50 %"),
+        *("moving, task TASK_RUNNING, project pick.jspf", "errors: E 7"),
+        *("28.65°", "11.5", "400.0 mm", "171.9  °", "30.00 N", "0.10 N·m", "–"),
+        *("··●· ···· ···· ····", "event 49", "paused: the arm stands", "-360° … 360°"),
+        *(" space ", "s stop", "p pause", "r resume", "q quit"),
+    ):
+        assert what in text, what
+    assert len(lines) <= 30
+    assert "event 30" not in text, "only the newest events that fit"
+
+
+@pytest.mark.parametrize(("width", "height"), [(80, 24), (100, 30), (200, 60), (60, 10)])
+@pytest.mark.cases(4)
+def test_the_screen_fits_its_terminal(width: int, height: int) -> None:
+    events = tuple(EventLine("10:00:00", "x" * 300) for _ in range(100))
+    lines = drawn(MonitorState("a" * 40, sample=sample(), age=0.0, events=events), width, height)
+    assert all(len(line) <= width for line in lines)
+    assert len(lines) <= max(height, 20)
+    assert "quit" in lines[-1]
+
+
+@pytest.mark.parametrize(
+    ("state", "said"),
+    [
+        (MonitorState("a"), "waiting for the first answer"),
+        (MonitorState("a", sample=sample(), age=3.2), "NO ANSWER FOR 3 s: WHAT IS SHOWN IS OLD"),
+        (MonitorState("a", sample=sample(emcStopSignal=True), age=0), "EMERGENCY STOP PRESSED"),
+        (
+            MonitorState("a", sample=sample(collision=True, collisionAxis=3), age=0),
+            "COLLISION AT JOINT 3",
+        ),
+        (MonitorState("a", sample=sample((6, 0, 9, 1)), age=0), "SAFETY STOP0"),
+        (MonitorState("a", sample=sample(), age=0, busy="stop"), "stop …"),
+        (
+            MonitorState("a", sample=sample((6, 0, 5, 1), jointActualVelocity=[0.0] * 6), age=0),
+            "standing, no task",
+        ),
+    ],
+)
+@pytest.mark.cases(7)
+def test_the_screen_says_what_is_wrong(state: MonitorState, said: str) -> None:
+    assert said in "\n".join(drawn(state))
+
+
+@pytest.mark.parametrize(
+    ("value", "shown", "style"),
+    [
+        (0.0, "·····█·····", "green"),
+        (0.6, "·····│━━█··", "green"),
+        (-1.0, "█━━━━│·····", "yellow"),
+        (0.99, "·····│━━━━█", "yellow"),
+        (1.5, "·····│━━━━█", "bold red"),
+    ],
+)
+@pytest.mark.cases(5)
+def test_a_bar_shows_a_joint_between_its_limits(value: float, shown: str, style: str) -> None:
+    text = bar(value, -1.0, 1.0, 11)
+    assert text.plain == shown
+    assert style in [span.style for span in text.spans]
+
+
+def test_an_event_is_a_line() -> None:
+    changed = aioduco.events.SafetyStateChanged(1.0, SafetyState.RUN, SafetyState.STOP1)
+    line = EventLine("10:00:00", "safety state changed: before RUN, after STOP1", "warning")
+    assert event_line("10:00:00", changed) == line
+    hit = event_line("10:00:00", aioduco.events.CollisionDetected(1.0, 3))
+    assert (hit.text, hit.severity) == ("collision detected: joint 3", "alarm")
+
+
+# -- keys ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("data", "keys"),
+    [
+        (b" ", [Key.STOP]),
+        (b"sSpRq", [Key.STOP, Key.STOP, Key.PAUSE, Key.RESUME, Key.QUIT]),
+        (b"x\n\xff?", []),
+        (b"\x1b[A\x1bOP\x1b[15~\x1b[1;5R", []),  # arrow up, F1, F5, an answer of the terminal
+        (b"\x1b[Cs", [Key.STOP]),
+    ],
+)
+@pytest.mark.cases(5)
+def test_a_key_asks_for_what_it_says_and_no_other_does(data: bytes, keys: list[Key]) -> None:
+    assert keys_of(data) == keys
+
+
+@pytest.fixture
+def bench() -> Iterator[Bench]:
+    with Bench() as bench:
+        yield bench
+
+
+async def test_a_monitor_looks_on_and_disturbs_nobody(bench: Bench) -> None:
+    """No heartbeat, no stop on leaving; a stop holds up no picture, and a picture no stop."""
+    quiet: dict[str, Any] = {"heartbeat": None, "lag_limit": None, "call_timeout": 30.0}
+    robot = aioduco.connect(bench.host, bench.port, state_rate=50.0, **quiet)
+    states: list[MonitorState] = []
+    free = threading.Event()
+    free.set()
+
+    def draw(state: MonitorState) -> None:
+        states.append(state)
+        free.wait(60)
+
+    ours, keyboard = os.pipe()
+    try:
+        async with anyio.create_task_group() as watching:
+            watching.start_soon(Onlooker(robot, "left", ours, draw).watch)
+            await eventually_async(lambda: states and states[-1].sample is not None)
+            held = bench.hold("stop", 1)
+            os.write(keyboard, b" ")
+            await eventually_async(lambda: states[-1].busy == "stop")
+            seen = len(states)
+            await eventually_async(lambda: len(states) > seen + 3)
+            held.set()
+            await eventually_async(lambda: states[-1].notice is not None)
+            bench.emergency_stop = True
+            await eventually_async(
+                lambda: any("emergency stop pressed" in each.text for each in states[-1].events)
+            )
+            stops = len(bench.received("stop"))
+            free.clear()
+            os.write(keyboard, b"s")
+            await eventually_async(lambda: len(bench.received("stop")) > stops)
+            free.set()
+            await eventually_async(lambda: states[-1].busy == "")
+            stops = len(bench.received("stop"))
+            os.write(keyboard, b"q")
+    finally:
+        os.close(ours)
+        os.close(keyboard)
+    notice = states[-1].notice
+    assert notice is not None
+    assert (notice.text, notice.severity) == ("stopped: the arm stands", "good")
+    assert states[-1].measured_rate > 0.0
+    assert bench.received("rpc_heartbeat") == ()
+    assert stops >= 2
+    assert len(bench.received("stop")) == stops, "leaving stops nothing"
+
+
+# -- in a terminal -------------------------------------------------------------------------------
+
+
+class Terminal:
+    """A pseudo-terminal with a program in it."""
+
+    def __init__(self, descriptor: int, program: subprocess.Popen[bytes]) -> None:
+        self._descriptor = descriptor
+        self.program = program
+        self.seen = bytearray()
+
+    def shows(self, text: bytes) -> bool:
+        while select.select([self._descriptor], [], [], 0.0)[0]:
+            try:
+                self.seen.extend(os.read(self._descriptor, 65536))
+            except OSError:  # the program has ended
+                break
+        return text in self.seen
+
+    def until_it_shows(self, text: bytes) -> None:
+        eventually(
+            lambda: self.shows(text), timeout=60, what=lambda: f"{text!r} in {bytes(self.seen)!r}"
+        )
+
+    def exit_code(self) -> int | None:
+        """Take what the program still shows, until it has ended."""
+        eventually(lambda: self.shows(b"") and self.program.poll() is not None, timeout=60)
+        return self.program.returncode
+
+    def press(self, keys: bytes) -> None:
+        self.seen.clear()
+        os.write(self._descriptor, keys)
+
+
+@contextmanager
+def terminal(*words: str, command: Sequence[str] = COMMAND) -> Iterator[Terminal]:
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 120, 0, 0))
+    before = termios.tcgetattr(theirs)
+    environment = {key: os.environ[key] for key in os.environ if key not in {"COLUMNS", "LINES"}}
+    with subprocess.Popen(
+        [*command, *words],
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+        start_new_session=True,
+        env=environment | {"TERM": "xterm-256color"},
+    ) as program:
+        try:
+            yield Terminal(ours, program)
+            assert termios.tcgetattr(theirs) == before, "the terminal is as it was"
+        finally:
+            program.kill()
+            os.close(ours)
+            os.close(theirs)
+
+
+def moving(sim: Simulator, robot: aioduco.sync.Robot, to: float) -> aioduco.sync.Task:
+    task = robot.motion.movej2.start((to, *HOME[1:]), v=0.3, a=2.0)
+    wait_until_it_moves(sim)
+    return task
+
+
+@pytest.mark.slow
+def test_in_a_terminal_it_shows_the_arm_and_stops_it() -> None:
+    with (
+        ready_arm() as sim,
+        aioduco.sync.connect(
+            sim.host, sim.port, heartbeat=30.0, call_timeout=30.0, clock=sim.clock
+        ) as robot,
+        terminal("monitor", at(sim)) as shown,
+    ):
+        shown.until_it_shows(b"standing, no task")
+        task = moving(sim, robot, 3.0)
+        shown.until_it_shows(b"moving, task RUNNING")
+        shown.press(b"p")
+        shown.until_it_shows(b"paused: the arm stands")
+        assert not sim.moving
+        shown.press(b"r")
+        wait_until_it_moves(sim)
+        shown.press(b" ")
+        shown.until_it_shows(b"stopped: the arm stands")
+        with pytest.raises(aioduco.TaskStopped):
+            task.wait()
+        assert not sim.moving
+        task = moving(sim, robot, -1.0)
+        shown.press(b"q")
+        assert shown.exit_code() == 0
+        sim.speed = 10.0
+        assert task.wait() is Outcome.FINISHED, "leaving stops nothing"
+        heartbeat = robot.heartbeat
+        assert heartbeat is not None
+        assert heartbeat.state is HeartbeatState.BEATING
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_ends_it_and_stops_nothing(
+    bench: Bench, number: signal.Signals, code: int
+) -> None:
+    with terminal("monitor", f"{bench.host}:{bench.port}") as shown:
+        shown.until_it_shows(b"standing, no task")
+        os.killpg(shown.program.pid, number)
+        shown.until_it_shows(b"nothing was stopped")
+        assert shown.exit_code() == code
+        assert b"Traceback" not in shown.seen, shown.seen.decode()
+        assert bench.received("stop") == ()
+
+
+@pytest.mark.slow
+def test_it_needs_a_terminal_and_a_controller() -> None:
+    answer = run("monitor")
+    assert answer.exit_code == 2
+    assert "aioduco status --json" in answer.stderr
+    with terminal("monitor", "127.0.0.1:1") as shown:
+        shown.until_it_shows(b"cannot connect to 127.0.0.1:1")
+        assert shown.exit_code() == 1

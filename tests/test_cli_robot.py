@@ -1,0 +1,396 @@
+"""The commands that look at an arm, lead it and move it."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from test_cli import COMMAND, address, process, run, wait_until_it_moves
+
+import aioduco
+import aioduco.sync
+from aioduco.cli import addresses
+from aioduco.cli.addresses import robot_at
+from aioduco.models.enums import ProgramState
+from aioduco.sim import Simulator
+from aioduco.testing import eventually
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+HOME = (0.0, 0.0, math.pi / 2, 0.0, -math.pi / 2, 0.0)
+
+
+def at(sim: Simulator) -> str:
+    return f"{sim.host}:{sim.port}"
+
+
+@contextmanager
+def ready_arm(**options: Any) -> Iterator[Simulator]:
+    """An arm that is powered and enabled."""
+    with Simulator(joints=HOME, **options) as sim:
+        with aioduco.sync.connect(sim.host, sim.port, heartbeat=None) as robot:
+            robot.bring_up()
+        yield sim
+
+
+@pytest.fixture(autouse=True)
+def config(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of settings of its own, with no robots in it yet."""
+    monkeypatch.delenv("AIODUCO_HOST", raising=False)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    folder = tmp_path / "aioduco"
+    folder.mkdir()
+    return folder / "robots.toml"
+
+
+# -- which robot ---------------------------------------------------------------------------------
+
+
+def test_a_robot_is_an_address_a_name_the_environment_or_a_default(
+    config: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert str(robot_at(None)) == "127.0.0.1:7003"
+    config.write_text('default = "left"\n[left]\nhost = "10.0.0.1"\n[right]\nhost="r"\nport=7\n')
+    assert str(robot_at(None)) == "left (10.0.0.1:7003)"
+    monkeypatch.setenv("AIODUCO_HOST", "right")
+    assert str(robot_at(None)) == "right (r:7)"
+    assert str(robot_at(None, 9)) == "right (r:9)"
+    for given, host, port in (
+        ("left", "10.0.0.1", 7003),
+        ("10.0.0.2", "10.0.0.2", 7003),
+        ("arm.lan:7004", "arm.lan", 7004),
+        ("::1", "::1", 7003),
+        ("[::1]", "::1", 7003),
+        ("[::1]:7004", "::1", 7004),
+    ):
+        found = robot_at(given)
+        assert (found.host, found.port) == (host, port), given
+    monkeypatch.setenv("XDG_CONFIG_HOME", "not/absolute")
+    monkeypatch.setenv("HOME", "/home/somebody")
+    assert str(addresses.robots_file()) == "/home/somebody/.config/aioduco/robots.toml"
+
+
+@pytest.mark.cases(3)
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[left", "cannot be read"),
+        ('left = "10.0.0.1"', "[left] needs a line such as host"),
+        ("[left]\nport = 1", "[left] needs a line such as host"),
+        ('[left]\nhost = "a"\nport = 70000', "port = 70000"),
+        ('[left]\nhost = "a"\nspeed = 1', "'speed'"),
+        ('default = "right"\n[left]\nhost = "a"', "there are left"),
+    ],
+)
+def test_a_file_of_robots_that_is_wrong_is_a_wrong_option(
+    config: Path, text: str, said: str
+) -> None:
+    config.write_text(text)
+    answer = run("status", "left")
+    assert answer.exit_code == 2
+    assert said in " ".join(answer.output.replace("│", " ").split())
+
+
+# -- looking -------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_status_says_how_the_arm_is() -> None:
+    with Simulator(joints=HOME) as sim:
+        shown = run("status", at(sim), "--json")
+        found = json.loads(shown.stdout)
+        assert found["joints"] == pytest.approx(HOME, abs=1e-6)
+        assert (found["robot"], found["ready"], found["moving"]) == ("POWER_OFF", False, False)
+        assert (found["host"], found["port"]) == (sim.host, sim.port)
+        assert run("status", at(sim), "--ready").exit_code == 1
+        sim.emergency_stop()
+        eventually(lambda: "EMERGENCY STOP" in run("status", at(sim)).stdout)
+        assert "90.00°" in run("status", at(sim)).stdout
+        gone = at(sim)
+    assert run("status", gone).exit_code == 1
+
+
+@pytest.mark.slow
+def test_inputs_and_outputs_are_read_and_set() -> None:
+    with Simulator() as sim:
+        sim.set_digital_input(3, True)
+        eventually(
+            lambda: json.loads(run("io", "read", "--json", *address(sim)).stdout)["inputs"][2]
+        )
+        assert "inputs        3" in run("io", "read", *address(sim)).stdout
+        assert run("io", "set", "5", "on", *address(sim)).exit_code == 3
+        assert not sim.get_digital_output(5)
+        assert run("io", "set", "5", "on", *address(sim), typed="y\n").exit_code == 0
+        assert sim.get_digital_output(5)
+        assert run("io", "set", "2", "on", "--tool", "--yes", *address(sim)).exit_code == 0
+        assert run("io", "set-analog", "voltage", "1", "2.5", "-y", *address(sim)).exit_code == 0
+        found = json.loads(run("io", "read", "--json", *address(sim)).stdout)
+        assert found["tool_outputs"] == [False, True]
+        assert found["voltages_out"][0] == pytest.approx(2.5)
+        wrong = run("io", "set-analog", "voltage", "1", "99", "-y", *address(sim))
+    assert wrong.exit_code == 1
+    assert "99" in wrong.output
+
+
+@pytest.mark.slow
+def test_an_arm_is_shown_live_until_told_to_end() -> None:
+    """That watchers read what the arm does is tested with `robot.publish`."""
+    with Simulator() as sim, process("view", "--foxglove", at(sim), "--listen", "0") as view:
+        assert view.stdout is not None
+        said = view.stdout.readline()
+        port = said.partition(" is on ws://127.0.0.1:")[2].split(";")[0]
+        taken = run("view", "--foxglove", at(sim), "--listen", port)
+        assert taken.exit_code == 1
+        assert f"127.0.0.1:{port} cannot be opened" in taken.output
+        view.send_signal(signal.SIGINT)
+        _, errors = view.communicate(timeout=60)
+    assert (view.returncode, errors) == (0, "")
+
+
+def test_what_to_view_with_is_to_be_said() -> None:
+    answer = run("view", "192.0.2.1")
+    assert answer.exit_code == 2
+    assert "--foxglove" in answer.output
+
+
+# -- leading -------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_an_arm_is_brought_up_and_recovered_once_that_is_confirmed() -> None:
+    with Simulator(speed=10) as sim:
+        declined = run("bring-up", at(sim), typed="n\n")
+        assert declined.exit_code == 3
+        assert "brakes" in declined.stderr
+        assert sim.view.robot.name == "POWER_OFF"
+        done = run("bring-up", at(sim), "--yes", "--json")
+        assert json.loads(done.stdout)["robot"] == "ENABLE"
+        sim.emergency_stop()
+        pressed = run("recover", at(sim), "--yes")
+        assert (pressed.exit_code, "emergency stop" in pressed.stderr) == (5, True)
+        sim.release_emergency_stop()
+        assert run("recover", at(sim), typed="y\n").exit_code == 0
+        assert sim.view.robot.name == "ENABLE"
+
+
+@pytest.mark.slow
+def test_who_stops_pauses_and_resumes_leaves_the_supervision_to_the_program() -> None:
+    """An arm that a program moves is paused, resumed and stopped from a shell."""
+    with ready_arm() as sim:
+        with aioduco.sync.connect(
+            sim.host, sim.port, heartbeat=30.0, call_timeout=30.0, clock=sim.clock
+        ) as robot:
+            away = (2.0, *HOME[1:])
+            task = robot.motion.movej2.start(away, v=0.2, a=1.0)
+            wait_until_it_moves(sim)
+            assert run("pause", at(sim)).exit_code == 0
+            assert not sim.moving
+            paused = sim.joints
+            assert run("resume", at(sim), typed="n\n").exit_code == 3
+            assert sim.joints.almost_equal(paused, 1e-3)
+            assert run("resume", at(sim), "--yes").exit_code == 0
+            # Leaving the command has stopped nothing, and the program's heartbeat still counts.
+            sim.wait_until(lambda: abs(sim.joints.j1 - paused.j1) > 0.05, timeout=30)
+            stopped = run("stop", at(sim), "--json")
+            assert json.loads(stopped.stdout)["program"] == "STOPPED"
+            assert not sim.moving
+            with pytest.raises(aioduco.TaskStopped):
+                task.wait()
+        assert sim.view.program is ProgramState.STOPPED
+
+
+# -- moving --------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_a_move_says_what_turns_and_asks() -> None:
+    motion = ("move", "joints", "30", "0", "90", "0", "-90", "0", "--deg", "-v", "2", "-a", "5")
+    with ready_arm() as sim:
+        declined = run(*motion, *address(sim), typed="\n")
+        assert declined.exit_code == 3
+        for what in ("Joint 1 turns by 30°", "115 °/s", "emergency stop"):
+            assert what in declined.stderr
+        assert sim.joints.almost_equal(HOME, 1e-6)
+        done = run(*motion, *address(sim), "--yes", "--json")
+        ended = json.loads(done.stdout)
+        assert ended["outcome"] == "FINISHED"
+        assert ended["joints"][0] == pytest.approx(math.radians(30), abs=1e-3)
+        back = ("move", "joints", "-0.1", "0", "0", "0", "0", "0", "--by", "-v", "2", "-a", "5")
+        assert run(*back, *address(sim), "-y").exit_code == 0
+        assert sim.joints.j1 == pytest.approx(math.radians(30) - 0.1, abs=1e-3)
+
+
+@pytest.mark.slow
+def test_the_tool_is_moved_and_jogged() -> None:
+    with ready_arm() as sim:
+        begin = json.loads(run("status", at(sim), "--json").stdout)["pose"]
+        up = ("move", "pose", "0", "0", "-20", "0", "0", "0", "--mm", "--by", "--speed", "0.5")
+        done = run(*up, *address(sim), typed="y\n")
+        assert done.exit_code == 0, done.output
+        assert "It is 20 mm away" in done.stderr
+        assert "finished after" in done.stdout
+        there = json.loads(run("status", at(sim), "--json").stdout)["pose"]
+        assert math.dist(there[:3], begin[:3]) == pytest.approx(0.02, abs=1e-3)
+        step = ("jog", "j1", "-", "--step", "2", "--deg", "--percent", "20")
+        assert run(*step, *address(sim)).exit_code == 3
+        now = sim.joints.j1
+        assert run(*step, *address(sim), "--yes").exit_code == 0
+        assert sim.joints.j1 - now == pytest.approx(math.radians(-2), abs=1e-3)
+        jogged = run("jog", "z", "+", "--step", "5", "--mm", "--frame", "tool", "-y", *address(sim))
+        assert jogged.exit_code == 0, jogged.output
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (("move", "joints", "0", "0"), 2, "takes 6 values"),
+        (("move", "joints", *"900000", "--yes"), 1, "from -6.283 to 6.283 rad"),
+        (("jog", "j7", "+", "--yes"), 2, "j1 to j6"),
+        (("jog", "j1", "+", "--step", "1", "--mm"), 2, "radians"),
+        (("jog", "x", "+", "--step", "1", "--deg"), 2, "metres"),
+    ],
+)
+def test_what_cannot_be_moved_is_refused(words: tuple[str, ...], code: int, said: str) -> None:
+    with ready_arm() as sim:
+        answer = run(*words, *address(sim))
+        assert answer.exit_code == code, answer.output
+        assert said in answer.output
+        assert sim.joints.almost_equal(HOME, 1e-6)
+
+
+def test_an_arm_that_is_not_ready_is_not_moved() -> None:
+    with Simulator() as sim:
+        answer = run("move", "joints", *"000000", "--yes", *address(sim))
+    assert answer.exit_code == 1
+    assert "robot POWER_OFF" in answer.output
+    assert "aioduco bring-up" in answer.output
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_move_that_is_told_to_end_leaves_a_standing_arm(
+    number: signal.Signals, code: int
+) -> None:
+    with ready_arm() as sim:
+        words = ("move", "joints", "2", "0", "1.5", "0", "-1.5", "0", "--yes", *address(sim))
+        with process(*words) as moving:
+            wait_until_it_moves(sim)
+            moving.send_signal(number)
+            _, errors = moving.communicate(timeout=60)
+        assert (moving.returncode, not sim.moving) == (code, True), errors
+        assert "the arm was stopped, and stands" in errors
+
+
+# -- for shells ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_a_shell_completes_the_commands(shell: str) -> None:
+    script = run("completion", shell)
+    assert script.exit_code == 0
+    assert f"complete_{shell}" in script.stdout
+
+
+COMPLETED = "import sys; from aioduco.cli import main; sys.argv = ['aioduco']; main()"
+
+
+@pytest.mark.slow
+def test_commands_and_names_of_robots_are_completed(config: Path) -> None:
+    config.write_text('[left]\nhost = "a"\n[lower]\nhost = "b"\n[right]\nhost = "c"\n')
+
+    def completed(*words: str) -> list[str]:
+        typed = " ".join(("aioduco", *words))
+        done = subprocess.run(
+            [sys.executable, "-c", COMPLETED],
+            env={
+                "XDG_CONFIG_HOME": str(config.parents[1]),
+                "_AIODUCO_COMPLETE": "complete_bash",
+                "COMP_WORDS": typed,
+                "COMP_CWORD": str(len(words)),
+            },
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=60,
+        )
+        assert done.stderr == ""
+        return done.stdout.split()
+
+    assert completed("bring") == ["bring-up"]
+    assert completed("status", "l") == ["left", "lower"]
+    assert completed("move", "joints", "--host", "r") == ["right"]
+    assert "get_tcp_pose" in completed("call", "get_tcp")
+
+
+HEAVY = """
+import sys
+from aioduco.cli.app import app
+heavy = {"mujoco", "matplotlib", "thriftpy2", "foxglove", "PIL", "scipy", "aioduco.sync"}
+print(sorted(heavy & set(sys.modules)))
+"""
+
+
+@pytest.mark.slow
+def test_the_command_line_loads_little_before_it_knows_what_to_do() -> None:
+    done = subprocess.run(
+        [COMMAND[0], "-W", "error", "-c", HEAVY],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "[]\n", "")
+
+
+@pytest.mark.slow
+def test_every_command_says_how_it_is_used_and_how_it_ends() -> None:
+    """Those that are for an arm: an example of each, and its exit codes."""
+    commands = [
+        *("status", "monitor", "view", "bring-up", "recover", "stop", "pause", "resume"),
+        *("move joints", "move pose", "jog", "io read", "io set", "io set-analog"),
+        *("doctor", "record", "call", "completion", "teleop"),
+    ]
+    for command in commands:
+        text = run(*command.split(), "--help").stdout
+        assert f"aioduco {command} " in " ".join(text.split()), command
+        assert "Exit codes: " in text, command
+
+
+@pytest.mark.slow
+def test_the_tool_is_led_by_keys_after_a_question() -> None:
+    with ready_arm() as sim:
+        refused = run("teleop", at(sim), typed="n\n")
+        assert refused.exit_code == 3, refused.output
+        assert "Lead the arm?" in refused.stderr
+        assert run("teleop", at(sim), "--device", "gamepad", "--path", "/none", "-y").exit_code != 0
+        assert sim.joints.array == pytest.approx(HOME, abs=1e-3)
+        program = subprocess.Popen(
+            [*COMMAND, "teleop", at(sim), "--yes", "--joints"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
+        assert program.stdin is not None
+        assert program.stdout is not None
+        assert b"q ends" in program.stdout.readline(), program.communicate()
+        keys = program.stdin.fileno()
+
+        def turned() -> bool:
+            os.write(keys, b"u")
+            return abs(sim.joints.j6) > 0.01
+
+        eventually(turned, 30.0)
+        said, errors = program.communicate(b"q", timeout=30)
+        assert (program.returncode, errors) == (0, b"")
+        assert b"led " in said
+        assert not sim.view.moving

@@ -1,0 +1,141 @@
+"""The suite finds nothing at the simulator, and finds what another controller does otherwise."""
+
+from __future__ import annotations
+
+import json
+import signal
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from client.bench import Bench
+from test_cli import process
+from typer.testing import CliRunner
+
+import aioduco.sync
+from aioduco.cli.app import app
+from aioduco.errors import ConnectError
+from aioduco.sim import Simulator
+from aioduco.sim.controller.tasks import TaskTable
+from aioduco.testing import check_controller
+from aioduco.testing.conformance import CheckResult, ControllerReport, Verdict
+from aioduco.testing.conformance.reading import READING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+
+@pytest.fixture
+def sim() -> Iterator[Simulator]:
+    with Simulator() as sim:
+        yield sim
+
+
+def bring_up(sim: Simulator) -> None:
+    with aioduco.sync.connect(sim.host, sim.port, heartbeat=None) as robot:
+        robot.bring_up()
+
+
+def verdicts(report: ControllerReport) -> dict[str, Verdict]:
+    return {each.name: each.verdict for each in report.results}
+
+
+def test_nothing_is_moved_unless_asked_and_nothing_differs_at_the_simulator(
+    sim: Simulator,
+) -> None:
+    before = sim.joints.array.copy()
+    seen: list[CheckResult] = []
+    report = check_controller(sim.host, sim.port, progress=seen.append)
+    assert report.ok, str(report)
+    assert [each.verdict for each in report.results] == [Verdict.SAME] * len(READING)
+    assert tuple(seen) == report.results
+    assert (sim.joints.array == before).all()
+    assert not sim.tasks
+
+
+@pytest.mark.slow
+def test_what_moves_the_arm_differs_in_nothing_either(sim: Simulator) -> None:
+    bring_up(sim)
+    report = check_controller(sim.host, sim.port, move=True)
+    assert report.ok, str(report)
+    assert len(report.results) > len(READING) + 10
+    # On a busy machine an arm may stand before the next command comes.
+    left = {name for name, verdict in verdicts(report).items() if verdict is Verdict.OPEN}
+    assert left <= {"a motion between a stop and rest", "a motion that blends into the next"}
+    assert not sim.view.moving
+
+
+def test_an_arm_that_is_not_ready_is_not_moved(sim: Simulator) -> None:
+    report = check_controller(sim.host, sim.port, move=True)
+    moving = report.results[len(READING) :]
+    assert {each.verdict for each in moving} == {Verdict.OPEN}
+    assert "not enabled" in moving[0].found
+    assert not sim.tasks
+
+
+def test_another_controllers_ways_are_differences(
+    sim: Simulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    state = TaskTable.state
+    monkeypatch.setattr(TaskTable, "state", lambda self, id_: state(self, id_) or 4)
+    report = check_controller(sim.host, sim.port)
+    (found,) = report.differences
+    assert (found.section, found.name) == ("Tasks", "state of an id that was never given out")
+    assert found.found == "4"
+    assert not report.ok
+    assert "| Tasks | state of an id that was never given out | 0 | 4 |" in report.markdown()
+
+
+def test_functions_that_are_missing_are_named() -> None:
+    with Bench() as bench:
+        report = check_controller(bench.host, bench.port)
+    (found,) = [each for each in report.results if each.name.startswith("functions that read")]
+    assert found.verdict is Verdict.DIFFERENT
+    assert "get_robot_version" in found.found
+
+
+def test_no_controller() -> None:
+    with pytest.raises(ConnectError):
+        check_controller("127.0.0.1", 1)
+
+
+def run(*words: Any, answer: str = "") -> tuple[int, str]:
+    result = CliRunner().invoke(app, ["check", *map(str, words)], input=answer)
+    return result.exit_code, result.output
+
+
+@pytest.mark.slow
+def test_the_command(sim: Simulator, tmp_path: Path) -> None:
+    where = (sim.host, "--port", sim.port)
+    status, said = run(*where, "-o", tmp_path / "report.json")
+    assert status == 0, said
+    assert "0 different" in said
+    assert json.loads((tmp_path / "report.json").read_text("utf-8"))["moved"] is False
+    assert run(*where, "-o", tmp_path / "report.md")[0] == 0
+    assert "## The same" in (tmp_path / "report.md").read_text("utf-8")
+    assert run(*where, "-o", tmp_path / "report.txt")[0] == 2
+    status, said = run(*where, "--move", answer="n\n")
+    assert status == 3
+    assert "17 degrees" in said
+    assert not sim.tasks
+    assert run("127.0.0.1", "--port", 1)[0] == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_check_that_is_told_to_end_leaves_a_standing_arm(
+    sim: Simulator, number: signal.Signals, code: int
+) -> None:
+    bring_up(sim)
+    with process("check", sim.host, "--port", str(sim.port), "--move", "--yes") as checking:
+        sim.wait_until(lambda: sim.moving, timeout=60)
+        checking.send_signal(number)
+        said, errors = checking.communicate(timeout=100)
+    assert checking.returncode == code, said + errors
+    assert not sim.moving
+    assert "Traceback" not in errors
+
+
+def test_the_command_says_by_its_status_that_something_differs() -> None:
+    with Bench() as bench:
+        assert run(bench.host, "--port", bench.port)[0] == 1
