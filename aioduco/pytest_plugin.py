@@ -34,9 +34,11 @@ recording of its arm, its last lines and states, and a picture.
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import re
 import shutil
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -49,6 +51,7 @@ if TYPE_CHECKING:
     from aioduco.preflight import PreflightReport
     from aioduco.robot import Robot
     from aioduco.sim import Simulator
+    from aioduco.supervision.state_feed import Snapshot
     from aioduco.sync import Robot as SyncRobot
     from aioduco.testing import FaultProxy
 
@@ -67,6 +70,7 @@ _MARKERS = (
     "duco_fault(function, fault, times=1, skip=0): what a proxy does to calls of a function",
 )
 _failed = pytest.StashKey[bool]()
+_LAST_LOOK = 1.0  #: seconds that a failed test waits for a last sample of its arm
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -230,16 +234,27 @@ class _Line:
         folder.mkdir(parents=True, exist_ok=True)
         return folder
 
+    @property
+    def keeps(self) -> bool:
+        """Whether the test failed, so that what is known of the arm is kept."""
+        node: pytest.Item = self._request.node
+        return node.stash.get(_failed, False)
+
     def leave(self) -> None:
         """Keep what is known of the arm if the test failed, and nothing if not."""
         node: pytest.Item = self._request.node
-        if not node.stash.get(_failed, False):
+        if not self.keeps:
             shutil.rmtree(self._folder, ignore_errors=True)
             return
         from aioduco.testing.artefacts import leave_artefacts  # noqa: PLC0415 - as above
 
         files = leave_artefacts(self._folder, self.simulator)
         node.add_report_section("teardown", "duco", f"{self._folder}: {', '.join(files)}")
+
+
+def _later_than(moment: float) -> Callable[[Snapshot], bool]:
+    """Whether a sample shows the arm as it is after the test, and not on its way there."""
+    return lambda sample: sample.status.received_at > moment
 
 
 @pytest.fixture(name="_duco_line")
@@ -257,38 +272,46 @@ async def duco_robot(_duco_line: _Line) -> AsyncIterator[Robot]:
     its arm is stopped, and the connections closed.
     """
     from aioduco import connect  # noqa: PLC0415 - not for who has no need of it
+    from aioduco.errors import DucoError  # noqa: PLC0415 - as above
 
     line = _duco_line
     async with connect(line.host, line.port, **line.options) as robot:
         await robot.bring_up()
         if line.speed is None:
             yield robot
-            return
-        before = await robot.settings.get_global_speed()
-        await robot.settings.speed(line.speed)
-        try:
-            yield robot
-        finally:
-            await robot.settings.speed(before)
+        else:
+            before = await robot.settings.get_global_speed()
+            await robot.settings.speed(line.speed)
+            try:
+                yield robot
+            finally:
+                await robot.settings.speed(before)
+        if line.keeps:
+            with contextlib.suppress(DucoError, TimeoutError):
+                await robot.wait_for(_later_than(time.monotonic()), timeout=_LAST_LOOK)
 
 
 @pytest.fixture
 def duco_sync_robot(_duco_line: _Line) -> Iterator[SyncRobot]:
     """The same for programs that wait: a robot of `aioduco.sync`, ready to move."""
-    from aioduco.sync import connect  # noqa: PLC0415 - not for who has no need of it
+    from aioduco.errors import DucoError  # noqa: PLC0415 - not for who has no need of it
+    from aioduco.sync import connect  # noqa: PLC0415 - as above
 
     line = _duco_line
     with connect(line.host, line.port, **line.options) as robot:
         robot.bring_up()
         if line.speed is None:
             yield robot
-            return
-        before = robot.settings.get_global_speed()
-        robot.settings.speed(line.speed)
-        try:
-            yield robot
-        finally:
-            robot.settings.speed(before)
+        else:
+            before = robot.settings.get_global_speed()
+            robot.settings.speed(line.speed)
+            try:
+                yield robot
+            finally:
+                robot.settings.speed(before)
+        if line.keeps:
+            with contextlib.suppress(DucoError, TimeoutError):
+                robot.wait_for(_later_than(time.monotonic()), timeout=_LAST_LOOK)
 
 
 @pytest.fixture
