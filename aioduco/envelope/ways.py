@@ -18,12 +18,16 @@ from aioduco.models.pose import Pose
 from aioduco.models.rotation import matrix_from_rotvec, rotvec_from_matrix
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from aioduco.envelope.checker import EnvelopeChecker
     from aioduco.envelope.limits import Crossing
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
+
+    Config = tuple[float, ...]
+    #: gives the poses of the tip at shares of a way, shape (n, 4, 4); and how many steps it has
+    _Poses = tuple[Callable[[Sequence[float]], Array], int]
 
 __all__ = ["WAYS", "Start", "Way", "check_way", "cut_corner", "slower", "way_of"]
 
@@ -43,6 +47,7 @@ WAYS: dict[str, tuple[int, int, int | None, int | None, bool]] = {
 _STEP = 0.02  # between two places of a way [rad, m]
 _TURN = 0.05  # between two orientations [rad]
 _MOST = 1000  # places
+_HALVINGS = 6  # of a step that seems to cross a limit
 _LOOKS = 12  # at the joints, on the way to its end
 _SAME = 1e-6  # [m]
 _CUTS = (0.25, 0.5, 0.75, 1.0)  # of a blend radius: where the corner's chords are
@@ -73,13 +78,16 @@ class Way:
         v: speed that was asked for: of the leading joint [rad/s], or of the tip [m/s].
         end: joint angles at the end [rad].
         radius: blend radius at the end [m].
+        at: gives the configurations at shares of the way, from 0 to 1; those of `configs` are at
+            equal shares.
     """
 
-    configs: list[tuple[float, ...]]
+    configs: list[Config]
     by_tip: bool
     v: float
-    end: tuple[float, ...]
+    end: Config
     radius: float
+    at: Callable[[Sequence[float]], list[Config]]
 
 
 def way_of(arm: Arm, name: str, args: Sequence[Any], start: Start) -> Way | None:
@@ -111,21 +119,27 @@ def way_of(arm: Arm, name: str, args: Sequence[Any], start: Start) -> Way | None
             return None
         return _joint_way(start.joints, tuple(target.tolist()), v, r)
     if name == "movel":
-        poses = _line(here, base @ Pose.of(args[0]).matrix)
+        poses, count = _line(here, base @ Pose.of(args[0]).matrix)
     elif name == "tcp_move":
-        poses = _line(here, here @ Pose.of(args[0]).matrix)
+        poses, count = _line(here, here @ Pose.of(args[0]).matrix)
     elif name == "wobj_move":
         inside = np.linalg.inv(base) @ here
         offset = Pose.of(args[0]).matrix
         moved = inside.copy()
         moved[:3, 3] += offset[:3, 3]
         moved[:3, :3] = offset[:3, :3] @ inside[:3, :3]
-        poses = _line(here, base @ moved)
+        poses, count = _line(here, base @ moved)
     else:
         first, second = (base @ Pose.of(args[n]).matrix for n in (0, 1))
-        poses = _arc(here, first, second, int(args[5]), full=name == "move_circle")
-    configs = [(*m[:3, :3].ravel().tolist(), *m[:3, 3].tolist()) for m in poses]
-    return Way(configs, True, v, _followed(arm, poses @ back, start.joints), r)
+        poses, count = _arc(here, first, second, int(args[5]), full=name == "move_circle")
+
+    def at(shares: Sequence[float]) -> list[Config]:
+        found = poses(shares)
+        return [(*m[:3, :3].ravel().tolist(), *m[:3, 3].tolist()) for m in found]
+
+    shares = np.linspace(0.0, 1.0, count + 1).tolist()
+    end = _followed(arm, poses(shares) @ back, start.joints)
+    return Way(at(shares), True, v, end, r, at)
 
 
 def _followed(arm: Arm, flange: Array, q: tuple[float, ...]) -> tuple[float, ...]:
@@ -141,26 +155,32 @@ def _followed(arm: Arm, flange: Array, q: tuple[float, ...]) -> tuple[float, ...
 def _joint_way(q0: Sequence[float], q1: Sequence[float], v: float, r: float) -> Way:
     start, end = np.array(q0), np.array(q1)
     count = min(_MOST, max(1, math.ceil(float(np.abs(end - start).max()) / _STEP)))
-    shares = np.linspace(0.0, 1.0, count + 1)[:, None]
-    configs = [tuple(row) for row in (start + shares * (end - start)).tolist()]
-    return Way(configs, False, v, configs[-1], r)
+
+    def at(shares: Sequence[float]) -> list[Config]:
+        return [tuple(row) for row in (start + np.outer(shares, end - start)).tolist()]
+
+    configs = at(np.linspace(0.0, 1.0, count + 1).tolist())
+    return Way(configs, False, v, configs[-1], r, at)
 
 
 def _count(length: float, turn: float) -> int:
     return min(_MOST, max(1, math.ceil(max(length / _STEP, turn / _TURN))))
 
 
-def _line(start: Array, end: Array) -> Array:
+def _line(start: Array, end: Array) -> _Poses:
     turn = rotvec_from_matrix(start[:3, :3].T @ end[:3, :3])
     length = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
-    shares = np.linspace(0.0, 1.0, _count(length, float(np.linalg.norm(turn))) + 1)[:, None]
-    poses = np.tile(np.eye(4), (len(shares), 1, 1))
-    poses[:, :3, :3] = start[:3, :3] @ matrix_from_rotvec(shares * turn)
-    poses[:, :3, 3] = start[:3, 3] + shares * (end[:3, 3] - start[:3, 3])
-    return poses
+
+    def poses(shares: Sequence[float]) -> Array:
+        found = np.tile(np.eye(4), (len(shares), 1, 1))
+        found[:, :3, :3] = start[:3, :3] @ matrix_from_rotvec(np.outer(shares, turn))
+        found[:, :3, 3] = start[:3, 3] + np.outer(shares, end[:3, 3] - start[:3, 3])
+        return found
+
+    return poses, _count(length, float(np.linalg.norm(turn)))
 
 
-def _arc(start: Array, first: Array, second: Array, mode: int, *, full: bool) -> Array:
+def _arc(start: Array, first: Array, second: Array, mode: int, *, full: bool) -> _Poses:
     """Poses on the circle through three points: to the third one, or once round."""
     a, b, c = (pose[:3, 3] for pose in (start, first, second))
     ab, ac = b - a, c - a
@@ -182,11 +202,15 @@ def _arc(start: Array, first: Array, second: Array, mode: int, *, full: bool) ->
     length = angle * float(np.linalg.norm(x))
     # An arc's chords bend away from it by the square of their angle: closer than on a line.
     count = max(_count(length, float(np.linalg.norm(turn))), math.ceil(angle / _TURN))
-    angles = np.linspace(0.0, angle, count + 1)[:, None]
-    poses = np.tile(np.eye(4), (count + 1, 1, 1))
-    poses[:, :3, :3] = matrix_from_rotvec(angles / angle * turn) @ start[:3, :3]
-    poses[:, :3, 3] = centre + np.cos(angles) * x + np.sin(angles) * y
-    return poses
+
+    def poses(shares: Sequence[float]) -> Array:
+        found = np.tile(np.eye(4), (len(shares), 1, 1))
+        found[:, :3, :3] = matrix_from_rotvec(np.outer(shares, turn)) @ start[:3, :3]
+        angles = angle * np.array(shares)[:, None]
+        found[:, :3, 3] = centre + np.cos(angles) * x + np.sin(angles) * y
+        return found
+
+    return poses, count
 
 
 def check_way(checker: EnvelopeChecker, way: Way) -> tuple[Crossing | None, float]:
@@ -205,7 +229,7 @@ def check_way(checker: EnvelopeChecker, way: Way) -> tuple[Crossing | None, floa
     found = checker.begin(here)
     if found is not None and found.action != "slow":
         return found, share
-    for there in way.configs[1:]:
+    for number, there in enumerate(way.configs[1:]):
         speed = 0.0
         if checker.times:
             speed = way.v
@@ -214,13 +238,39 @@ def check_way(checker: EnvelopeChecker, way: Way) -> tuple[Crossing | None, floa
                 speed *= moved / max(*(abs(b - a) for a, b in zip(here, there, strict=True)), 1e-12)
             elif math.dist(here[9:], there[9:]) < _SAME:
                 speed = 0.0  # it only turns
-        while found := checker.too_fast(share * speed) or checker.sweep(here, there, share * speed):
+        while found := checker.too_fast(share * speed) or _sweep(
+            checker, way, number, here, there, share * speed
+        ):
             if found.action != "slow":
                 return found, share
             most = checker.slow_speed(found.limit)
             share *= most / (share * speed) * (1 - 1e-9)
         here = there
     return None, share
+
+
+def _sweep(
+    checker: EnvelopeChecker, way: Way, number: int, here: Config, there: Config, speed: float
+) -> Crossing | None:
+    """Check a step of a way; where a limit seems to be crossed, in ever smaller steps.
+
+    How far bodies are from a straight line meanwhile is overrated by the square of what the joints
+    turn, which is much where the arm is nearly stretched.
+    """
+    steps = len(way.configs) - 1
+    todo = [(number / steps, (number + 1) / steps, there, _HALVINGS)]
+    while todo:
+        begin, end, there, left = todo.pop()
+        found = checker.sweep(here, there, speed)
+        if found is None:
+            here = there
+        elif left == 0:
+            return found
+        else:
+            middle = (begin + end) / 2
+            todo.append((middle, end, there, left - 1))
+            todo.append((begin, middle, way.at([middle])[0], left - 1))
+    return None
 
 
 def slower(name: str, args: Sequence[Any], share: float) -> tuple[Any, ...]:
