@@ -20,6 +20,9 @@ __all__ = ["CheckedFollower", "Follower"]
 
 #: how far axes that brake each in its own time leave the straight way: 7 % of it for two of them
 _STRAY = 0.1
+#: the same for one of the steps of a closer look; the last one ends as the cube of time does
+_STRAY_OF_STEP = 0.4
+_STEPS = 16
 
 
 class Follower:
@@ -189,4 +192,23 @@ class CheckedFollower(Follower):
         rest = limiter.braking()
         if not any(rest):
             return checker.sweep(here, here, speed)
-        return checker.sweep(here, self._place.seen(self._space.moved(config, rest)), speed)
+        found = checker.sweep(here, self._place.seen(self._space.moved(config, rest)), speed)
+        if found is None or found.action == "slow":
+            return found
+        return self._look_closer(here, speed)
+
+    def _look_closer(self, here: Sequence[float], speed: float) -> Crossing | None:
+        """The same in small steps: of a large one, how far bodies leave it is overrated."""
+        checker = self._checker
+        near, stray = checker.near, checker.stray
+        checker.stray = stray and _STRAY_OF_STEP
+        try:
+            for config in self._limiter.stopping(_STEPS):
+                there = self._place.seen(config)
+                found = checker.sweep(here, there, speed)
+                if found is not None:
+                    return found
+                here = there
+            return None
+        finally:
+            checker.near, checker.stray = near, stray

@@ -107,6 +107,14 @@ class Limiter:
         ticks = self.ticks_to_rest()
         return tuple([step * ticks for step in self._step])
 
+    def stopping(self, count: int) -> list[Config]:
+        """Places on the way on which it would come to rest from here, at equal distances."""
+        rest = self.braking()
+        moved = self._space.moved
+        return [
+            moved(self.config, tuple([n / count * r for r in rest])) for n in range(1, count + 1)
+        ]
+
     def follow(self, target: Config) -> Config:
         """One tick towards the target of this tick; returns the set-point."""
         gap = self._space.difference(self.config, target)
@@ -196,6 +204,7 @@ class JerkLimiter:
         self._generator = ruckig.Ruckig(6, period)
         self._input = ruckig.InputParameter(6)
         self._output = ruckig.OutputParameter(6)
+        self._trajectory = ruckig.Trajectory(6)
         self._top = _per_axis(space, limits.velocity)
         self._input.max_acceleration = _per_axis(space, limits.acceleration)
         self._input.max_jerk = _per_axis(space, limits.jerk)
@@ -227,6 +236,17 @@ class JerkLimiter:
         limits = zip(plan.max_acceleration, plan.max_jerk, strict=True)
         state = zip(self.velocity, self._acceleration, limits, strict=True)
         return tuple(_braking(v, a, top, jerk) for v, a, (top, jerk) in state)
+
+    def stopping(self, count: int) -> list[Config]:
+        """Places on the way on which it would come to rest from here, at equal times."""
+        self._plan_rest()
+        self._generator.calculate(self._input, self._trajectory)
+        duration = self._trajectory.duration
+        moved = self._space.moved
+        return [
+            moved(self.config, tuple(self._trajectory.at_time(n / count * duration)[0]))
+            for n in range(1, count + 1)
+        ]
 
     def follow(self, target: Config) -> Config:
         """One tick towards the target of this tick; returns the set-point."""
@@ -267,13 +287,7 @@ class JerkLimiter:
         """One tick of coming to rest within the limits; returns the set-point."""
         if self.velocity == _ZERO and self._acceleration == _ZERO:
             return self.config
-        plan = self._input
-        plan.control_interface = self._modes.Velocity
-        plan.current_position = plan.target_velocity = [0.0] * 6
-        plan.current_velocity = list(self.velocity)
-        plan.current_acceleration = list(self._acceleration)
-        plan.max_velocity = list(self._top)
-        plan.min_velocity = None
+        self._plan_rest()
         self._one_tick()
         self.velocity = tuple(self._output.new_velocity)
         if max(map(abs, self.velocity)) <= _MET > max(map(abs, self._acceleration)):
@@ -281,6 +295,15 @@ class JerkLimiter:
         self.config = self._space.moved(self.config, tuple(self._output.new_position))
         self._target = self.config
         return self.config
+
+    def _plan_rest(self) -> None:
+        plan = self._input
+        plan.control_interface = self._modes.Velocity
+        plan.current_position = plan.target_velocity = [0.0] * 6
+        plan.current_velocity = list(self.velocity)
+        plan.current_acceleration = list(self._acceleration)
+        plan.max_velocity = list(self._top)
+        plan.min_velocity = None
 
     def _one_tick(self) -> None:
         """Go the first tick of a new plan.
