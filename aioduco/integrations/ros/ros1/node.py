@@ -62,6 +62,7 @@ if TYPE_CHECKING:
 __all__ = ["NodeError", "main"]
 
 _LOOK_AT_MASTER = 1.0  # seconds between two looks at whether the master is there
+_LOOKS_AGAIN, _LOOK_AGAIN = 4, 0.005  # looks at one that closed its connection, and seconds between
 _SILENT = 5.0  # seconds for which a master may answer nothing; one that is busy takes its time
 _QUEUE = 10  # messages that wait for a slow subscriber
 
@@ -294,7 +295,7 @@ class _Shell:
         address = urlsplit(rosgraph.get_master_uri())
         host, port = address.hostname or "localhost", address.port or 11311
         start = heard = anyio.current_time()
-        here, closed, number = True, False, 0
+        here, closed = True, 0
         while True:
             connection: SocketStream | None = None
             refused = False
@@ -309,14 +310,16 @@ class _Shell:
                 _log.warning("the ROS master %s", "is back" if here else "is gone: goals end")
             if not here:
                 await self._node.goals.abandon("the ROS master is gone")
-            number = max(number + 1, int((anyio.current_time() - start) / _LOOK_AT_MASTER))
-            due = start + number * _LOOK_AT_MASTER
-            # A master that dies closes its connections: it is then looked at again at once. Once,
-            # for there may be one that keeps none.
-            if connection is not None and not closed:
-                closed = await _closes(connection, due)
+            passed = int((anyio.current_time() - start) / _LOOK_AT_MASTER)
+            due = start + (passed + 1) * _LOOK_AT_MASTER
+            # A master that dies closes its connections: it is then looked at again at once. A few
+            # times, for its port may close a little later, and a master may keep no connection.
+            if connection is not None and closed < _LOOKS_AGAIN:
+                closed = closed + 1 if await _closes(connection, due) else 0
+                if closed:
+                    await anyio.sleep(_LOOK_AGAIN)
             else:
-                closed = False
+                closed = 0
                 if connection is not None:
                     await connection.aclose()
                 await anyio.sleep_until(due)
