@@ -16,19 +16,44 @@ import signal
 import time
 from abc import ABC, abstractmethod
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from aioduco._wire.forks import fork_hooks
 from aioduco.errors import WrongLoop, WrongProcess
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator
+    from collections.abc import Callable, Generator, Sequence
 
     from aioduco._wire.idl import Function
     from aioduco._wire.worker import Worker
+    from aioduco.errors import ControllerError
 
 #: seconds after its deadline at which a call is given up although its thread has not come back
 GRACE: Final = 0.25
+
+
+class Answer(NamedTuple):
+    """What one of several questions came to.
+
+    Attributes:
+        value: the result; None if there is an error.
+        error: what the controller answered instead.
+        at: when the answer was there, by `time.monotonic()`.
+    """
+
+    value: Any
+    error: ControllerError | None
+    at: float
+
+    def get(self) -> Any:
+        """The result.
+
+        Raises:
+            ControllerError: the controller answered by an error.
+        """
+        if self.error is not None:
+            raise self.error
+        return self.value
 
 
 class Call(ABC):
@@ -42,6 +67,10 @@ class Call(ABC):
         function: the function of the wire; None only opens the connection.
         arguments: its encoded arguments.
         deadline: time of `time.monotonic()`, or None.
+
+    Attributes:
+        further: functions that only read, with their encoded arguments, that the thread asks after
+            it; its value is then a list of `Answer`, its own first.
     """
 
     __slots__ = (
@@ -50,6 +79,7 @@ class Call(ABC):
         "deadline",
         "error",
         "function",
+        "further",
         "handed_over",
         "value",
         "worker",
@@ -59,6 +89,7 @@ class Call(ABC):
         self.function = function
         self.arguments = arguments
         self.deadline = deadline
+        self.further: Sequence[tuple[Function, bytes]] = ()
         self.value: Any = None
         self.error: BaseException | None = None
         self.abandoned = False

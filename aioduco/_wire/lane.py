@@ -13,7 +13,14 @@ from anyio.lowlevel import checkpoint_if_cancelled
 from aioduco._wire import codec, idl
 from aioduco._wire.blocking import BlockingCalls
 from aioduco._wire.connection_factory import ConnectionFactory
-from aioduco._wire.handoff import AwaitedCall, Deadlines, OwnerLoop, ThreadEnd, loop_callback
+from aioduco._wire.handoff import (
+    Answer,
+    AwaitedCall,
+    Deadlines,
+    OwnerLoop,
+    ThreadEnd,
+    loop_callback,
+)
 from aioduco._wire.rpc import AsyncRpc
 from aioduco._wire.worker import AbandonOutcome, Worker, hung
 from aioduco._wire.worker_pool import WorkerPool
@@ -273,6 +280,44 @@ class WireLane:
             self.report(name, args, value, error, begin)
         return value
 
+    async def ask(self, *names: str) -> list[Answer]:
+        """Ask functions that only read and take nothing, one after the other on one connection.
+
+        All of them are one way to the thread and back, and have the lane's time limit together. If
+        the connection is lost, all are asked again on another one.
+
+        Args:
+            names: the functions, two at least.
+
+        Returns:
+            Their answers, of which any may be the controller's error.
+
+        Raises:
+            The errors of `call`, but for `ControllerError` and `OutcomeUnknown`.
+        """
+        questions = [
+            (self._functions[name], codec.encode(self._functions[name], ())) for name in names
+        ]
+        if self._state is not LaneState.OPEN:
+            raise ConnectionLost(f"{names[0]} was not sent, since {self!r} is not open")
+        begin = time.monotonic()
+        (function, encoded), *further = questions
+        call = AwaitedCall(
+            self.owner_loop, function, encoded, begin + self.call_timeout, self._finished
+        )
+        call.further = further
+        await checkpoint_if_cancelled()  # as in `call`
+        self._calls += len(names)
+        try:
+            answers: list[Answer] = await self._carry_out(call)
+        except BaseException as exc:
+            self.report(names[0], (), None, exc, begin)
+            raise
+        for name, answer in zip(names, answers, strict=True):
+            self.report(name, (), answer.value, answer.error, begin, answer.at)
+            begin = answer.at
+        return answers
+
     def report(
         self,
         name: str,
@@ -280,11 +325,13 @@ class WireLane:
         value: Any,
         error: BaseException | None,
         begin: float,
+        end: float | None = None,
     ) -> None:
         """Tell the hook and the observers that a call is over; from any thread."""
         if self._trace is None and not self.observers:
             return
-        end = time.monotonic()
+        if end is None:
+            end = time.monotonic()
         event = CallFinished(end, self.name, name, args, value, error, end - begin)
         if self._trace is not None:
             emit(self._trace, event)

@@ -10,10 +10,17 @@ from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._wire.forks import fork_hooks
-from aioduco._wire.handoff import Call
+from aioduco._wire.handoff import Answer, Call
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState, Progress
-from aioduco.errors import CallTimeout, ConnectError, ConnectionLost, NotSent, OutcomeUnknown
+from aioduco.errors import (
+    CallTimeout,
+    ConnectError,
+    ConnectionLost,
+    ControllerError,
+    NotSent,
+    OutcomeUnknown,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -265,6 +272,8 @@ class Worker:
         # a call that was abandoned before has a poisoned connection, which sends nothing
         call.handed_over = True
         try:
+            if call.further:
+                return _answers(connection, call)
             return connection.exchange(call.function, call.arguments, call.deadline)
         finally:
             if connection.state is not ConnectionState.IDLE:
@@ -291,6 +300,21 @@ class Worker:
         if self._is_open:
             self._is_open = False
             self._source.ended(connection)
+
+
+def _answers(connection: Connection, call: Call) -> list[Answer]:
+    """Ask for all of a call, one after the other."""
+    assert call.function is not None
+    found: list[Answer] = []
+    for function, arguments in ((call.function, call.arguments), *call.further):
+        value, error = None, None
+        try:
+            value = connection.exchange(function, arguments, call.deadline)
+        except ControllerError as exc:
+            # its traceback would refer to this list: a reference cycle
+            error = exc.with_traceback(None)
+        found.append(Answer(value, error, time.monotonic()))
+    return found
 
 
 def may_send_again(function: Function, progress: Progress) -> bool:

@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 
 
 class Samples:
-    """Makes samples of one robot, and numbers them: each kind by itself, from 0."""
+    """Makes samples of one robot, and numbers them: each kind by itself, from 0.
+
+    Each takes the time at which the answer came, by `time.monotonic()`; None: it comes just now.
+    """
 
     def __init__(self) -> None:
         self._states = itertools.count()
@@ -26,13 +29,13 @@ class Samples:
         self._io = itertools.count()
         self._forces = itertools.count()
 
-    def states(self, wire: Sequence[int]) -> RobotStates:
+    def states(self, wire: Sequence[int], at: float | None = None) -> RobotStates:
         """Make a sample of what get_robot_state returned.
 
         Raises:
             StaleState: fewer than four states came: the controller is still starting.
         """
-        at = time.monotonic()
+        at = time.monotonic() if at is None else at
         if len(wire) < 4:
             raise StaleState(
                 f"the controller sent {len(wire)} of its 4 states: it is still starting; ask again"
@@ -47,13 +50,13 @@ class Samples:
             mode=OperationMode(mode),
         )
 
-    def status(self, wire: rpc.RobotStatus) -> RobotStatus:
+    def status(self, wire: rpc.RobotStatus, at: float | None = None) -> RobotStatus:
         """Make a sample of what getRobotStatus returned.
 
         Raises:
             StaleState: positions are missing: the controller is still starting.
         """
-        at = time.monotonic()
+        at = time.monotonic() if at is None else at
         (
             speeds,
             accelerations,
@@ -105,15 +108,17 @@ class Samples:
             error=wire.robotError,
         )
 
-    def forces(self, tool: Sequence[float], external: Sequence[float]) -> ForceStatus:
+    def forces(
+        self, tool: Sequence[float], external: Sequence[float], at: float | None = None
+    ) -> ForceStatus:
         """Make a sample of what get_tcp_force and get_ext_torque returned."""
-        at = time.monotonic()
+        at = time.monotonic() if at is None else at
         tool_, external_ = vectors(tool, external)
         return ForceStatus(next(self._forces), at, tool_, external_)
 
-    def io(self, wire: rpc.IOStatus) -> IOStatus:
+    def io(self, wire: rpc.IOStatus, at: float | None = None) -> IOStatus:
         """Make a sample of what getRobotIOStatus returned."""
-        at = time.monotonic()
+        at = time.monotonic() if at is None else at
         return IOStatus(
             sequence=next(self._io),
             received_at=at,

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Generic, Literal, NamedTuple, TypeAlias, TypeV
 import anyio
 
 from aioduco.errors import (
-    ControllerError,
     DucoError,
     FeedOverflow,
     ParameterError,
@@ -31,7 +30,7 @@ from aioduco.models.state import ForceStatus, IOStatus, RobotStates, RobotStatus
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator
     from typing import Self
 
     from aioduco._wire.handoff import OwnerLoop
@@ -113,6 +112,9 @@ class Buffer(Generic[T]):
 
 #: part of the interval that a new one has in the measured rate
 _SMOOTHING = 0.1
+#: what is asked for each sample, and what more if forces are wanted
+_STATE = ("get_robot_state", "getRobotStatus", "getRobotIOStatus")
+_FORCES = ("get_tcp_force", "get_ext_torque")
 #: seconds between two attempts while nobody answers
 _RETRY_EVERY = 0.1
 
@@ -405,23 +407,17 @@ class StateFeed:
             ticker.period = 1.0 / self.rate
 
     async def _read(self) -> Snapshot:
-        rpc = self._lane.rpc
-        states = self._samples.states(await rpc.get_robot_state())
-        status = self._samples.status(await rpc.getRobotStatus())
-        io = self._samples.io(await rpc.getRobotIOStatus())
         wanted = self.forces or self.force_readers
-        forces = await self._read_forces() if wanted else None
+        states_, status_, io_, *rest = await self._lane.ask(*_STATE, *(_FORCES if wanted else ()))
+        states = self._samples.states(states_.get(), states_.at)
+        status = self._samples.status(status_.get(), status_.at)
+        io = self._samples.io(io_.get(), io_.at)
+        forces = None
+        if wanted:
+            # What a controller does not have, or does not tell, is not a number.
+            tool, external = (() if each.error else each.value for each in rest)
+            forces = self._samples.forces(tool, external, rest[-1].at)
         return Snapshot(self._count, states.received_at, states, status, io, forces)
-
-    async def _read_forces(self) -> ForceStatus:
-        """What a controller does not have, or does not tell, is not a number."""
-        found: list[Sequence[float]] = []
-        for ask in (self._lane.rpc.get_tcp_force, self._lane.rpc.get_ext_torque):
-            try:
-                found.append(await ask())
-            except ControllerError:
-                found.append(())
-        return self._samples.forces(*found)
 
     @property
     def _lacks_forces(self) -> bool:
