@@ -283,3 +283,65 @@ async def test_the_connection_of_a_lane_belongs_to_its_thread() -> None:
         assert connection.state is ConnectionState.IDLE
         with pytest.raises(RuntimeError, match="belongs to the thread"):
             connection.rpc.stop(True)
+
+
+# Several questions at once
+
+_STATE = ("get_robot_state", "getRobotStatus", "get_tcp_force")
+
+
+async def test_several_questions_are_asked_in_order_and_seen_one_by_one() -> None:
+    seen: list[TraceEvent] = []
+
+    def script(peer: Peer) -> None:
+        for name in _STATE:
+            call = peer.receive()
+            assert call is not None
+            if name == "get_tcp_force":
+                peer.send(exception(call.raw, 6, "not simulated"))
+            else:
+                peer.answer(call, [6, 1, 1, 0] if name == "get_robot_state" else None)
+        honest(peer)
+
+    async with opened(script) as (lane, server):
+        lane.observers.append(seen.append)
+        states, status, force = await lane.ask(*_STATE)
+        assert states.get() == [6, 1, 1, 0]
+        assert status.error is None
+        assert states.at <= status.at <= force.at
+        with pytest.raises(ControllerError, match="not simulated"):
+            force.get()
+        assert server.names == [*_STATE]
+        assert server.connections == 1
+        assert lane.statistics().calls == 3
+    ends = [event for event in seen if isinstance(event, CallFinished)]
+    assert [event.function for event in ends] == [*_STATE]
+    assert [event.at for event in ends] == [states.at, status.at, force.at]
+    assert isinstance(ends[2].error, ControllerError)
+
+
+async def test_several_questions_are_asked_again_on_another_connection() -> None:
+    def breaking(peer: Peer) -> None:
+        # A connection that was used before may have died since.
+        for _ in ("stop", "get_robot_state"):
+            call = peer.receive()
+            assert call is not None
+            peer.answer(call)
+        peer.receive()
+        peer.reset()
+
+    async with opened(breaking, honest) as (lane, server):
+        await lane.rpc.stop(True)
+        assert len(await lane.ask(*_STATE)) == 3
+        assert server.names == ["stop", *_STATE[:2], *_STATE]
+        assert server.connections == 2
+
+
+async def test_several_questions_without_an_answer_are_over_in_time() -> None:
+    gate = Gate()
+    async with opened(gate, call_timeout=SHORT) as (lane, server):
+        with pytest.raises(ConnectionLost):
+            await lane.ask(*_STATE)
+        assert lane.statistics().failed == 1
+        gate.open()
+        assert set(server.names) <= {*_STATE[:1]}
