@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 GRACE: Final = 0.25
 
 
-class Answer(NamedTuple):
+class ReadResult(NamedTuple):
     """What one of several questions came to.
 
     Attributes:
@@ -70,7 +70,7 @@ class Call(ABC):
 
     Attributes:
         further: functions that only read, with their encoded arguments, that the thread asks after
-            it; its value is then a list of `Answer`, its own first.
+            it; its value is then a list of `ReadResult`, its own first.
     """
 
     __slots__ = (

@@ -14,10 +14,10 @@ from aioduco._wire import codec, idl
 from aioduco._wire.blocking import BlockingCalls
 from aioduco._wire.connection_factory import ConnectionFactory
 from aioduco._wire.handoff import (
-    Answer,
     AwaitedCall,
     Deadlines,
     OwnerLoop,
+    ReadResult,
     ThreadEnd,
     loop_callback,
 )
@@ -280,7 +280,7 @@ class WireLane:
             self.report(name, args, value, error, begin)
         return value
 
-    async def ask(self, *names: str) -> list[Answer]:
+    async def ask(self, *names: str) -> list[ReadResult]:
         """Ask functions that only read and take nothing, one after the other on one connection.
 
         All of them are one way to the thread and back, and have the lane's time limit together. If
@@ -309,7 +309,7 @@ class WireLane:
         await checkpoint_if_cancelled()  # as in `call`
         self._calls += len(names)
         try:
-            answers: list[Answer] = await self._carry_out(call)
+            answers: list[ReadResult] = await self._carry_out(call)
         except BaseException as exc:
             self.report(names[0], (), None, exc, begin)
             raise

@@ -10,7 +10,7 @@ from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._wire.forks import fork_hooks
-from aioduco._wire.handoff import Answer, Call
+from aioduco._wire.handoff import Call, ReadResult
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState, Progress
 from aioduco.errors import (
@@ -302,10 +302,10 @@ class Worker:
             self._source.ended(connection)
 
 
-def _answers(connection: Connection, call: Call) -> list[Answer]:
+def _answers(connection: Connection, call: Call) -> list[ReadResult]:
     """Ask for all of a call, one after the other."""
     assert call.function is not None
-    found: list[Answer] = []
+    found: list[ReadResult] = []
     for function, arguments in ((call.function, call.arguments), *call.further):
         value, error = None, None
         try:
@@ -313,7 +313,7 @@ def _answers(connection: Connection, call: Call) -> list[Answer]:
         except ControllerError as exc:
             # its traceback would refer to this list: a reference cycle
             error = exc.with_traceback(None)
-        found.append(Answer(value, error, time.monotonic()))
+        found.append(ReadResult(value, error, time.monotonic()))
     return found
 
 
