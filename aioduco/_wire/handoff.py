@@ -22,6 +22,7 @@ from aioduco._wire.forks import fork_hooks
 from aioduco.errors import WrongLoop, WrongProcess
 
 if TYPE_CHECKING:
+    import contextvars
     from collections.abc import Callable, Generator, Sequence
 
     from aioduco._wire.idl import Function
@@ -266,6 +267,46 @@ def _discard(work: Any) -> None:
         work.close()
 
 
+class _Answer(asyncio.Future[Any]):
+    """What a task waits for, and by which it goes on in the same turn of the loop.
+
+    An asyncio future that is set has its task go on in the next turn, after a look at all sockets
+    and timers: a fifth of a call. A callback of the loop that sets this one has it go on at once.
+    """
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        super().__init__(loop=loop)
+        #: what has the task go on, and its context; None until it waits, and when it waits no more
+        self.waiter: tuple[Callable[[Any], object], contextvars.Context] | None = None
+        self._taken = False
+
+    def add_done_callback(
+        self, fn: Callable[[Any], object], *, context: contextvars.Context | None = None
+    ) -> None:
+        """As for any future; the task that waits, which is alone in this, names its context."""
+        super().add_done_callback(fn, context=context)
+        if context is not None:
+            self.waiter = fn, context
+
+    def resume(self, set_it: Callable[[], None]) -> None:
+        """Set it, and have the task go on; in a callback of the loop, where no other task runs.
+
+        If an interrupt ends this half-way, a second time does the rest.
+        """
+        waiter = self.waiter
+        if self.done() and not (self._taken and waiter):
+            # the loop has the task go on: it was cancelled, or did not wait yet
+            return
+        if waiter is None:
+            set_it()
+            return
+        self._taken = True
+        self.remove_done_callback(waiter[0])
+        if not self.done():
+            set_it()
+        waiter[1].run(waiter[0], self)
+
+
 class AwaitedCall(Call):
     """A call that a task of the event loop awaits.
 
@@ -274,7 +315,7 @@ class AwaitedCall(Call):
         finished: called on the loop when the thread is done with the call.
     """
 
-    __slots__ = ("_finished", "_future", "loop", "overdue")
+    __slots__ = ("_answer", "_finished", "loop", "overdue")
 
     def __init__(
         self,
@@ -286,7 +327,7 @@ class AwaitedCall(Call):
     ) -> None:
         super().__init__(function, arguments, deadline)
         self.loop = owner_loop.require(self.name)
-        self._future: asyncio.Future[Any] = self.loop.create_future()
+        self._answer = _Answer(self.loop)
         self._finished = finished
         #: whether its deadline has been seen to pass once
         self.overdue = False
@@ -294,7 +335,7 @@ class AwaitedCall(Call):
     @property
     def refused(self) -> bool:
         """Whether no task waits for it any more; such a call is not handed to a thread."""
-        return self._future.done()
+        return self._answer.done()
 
     @property
     def due(self) -> float:
@@ -305,7 +346,7 @@ class AwaitedCall(Call):
 
     def __await__(self) -> Generator[Any, None, Any]:
         """Wait for the value; raises what the call raised."""
-        return self._future.__await__()
+        return self._answer.__await__()
 
     def notify(self) -> None:
         """Have `finished` called on the loop."""
@@ -316,19 +357,28 @@ class AwaitedCall(Call):
             return
 
     def settle(self) -> None:
-        """Give the waiting task what the thread left; on the loop."""
-        error, self.error = self.error, None
-        if error is not None:
-            # not kept here too: its traceback refers to this call: a reference cycle
-            self.fail(error)
-        elif not self._future.done():
-            self._future.set_result(self.value)
+        """Give the waiting task what the thread left, and resume it; in a callback of the loop."""
+        if not self.loop.is_closed():
+            self._answer.resume(self._set)
+        # not kept: its traceback refers to this call: a reference cycle
+        self.error = None
+
+    def _set(self) -> None:
+        if self.error is not None:
+            self._answer.set_exception(self.error)
+        else:
+            self._answer.set_result(self.value)
 
     def fail(self, error: BaseException) -> None:
-        """Have the waiting task raise this; on the loop."""
+        """Have the waiting task raise this, on the loop's next turn; on the loop."""
         # a task of a loop that was closed meanwhile waits no more
-        if not self._future.done() and not self.loop.is_closed():
-            self._future.set_exception(error)
+        if not self._answer.done() and not self.loop.is_closed():
+            self._answer.set_exception(error)
+
+    def over(self) -> None:
+        """The task waits no more."""
+        self._answer.waiter = None
+        self.error = None
 
 
 class Deadlines:

@@ -356,6 +356,7 @@ class WireLane:
             raise
         finally:
             self._deadlines.discard(call)
+            call.over()
 
     def _give_up(self, call: AwaitedCall) -> None:
         """The task that waited was cancelled or interrupted: nothing of the call stays behind."""

@@ -318,8 +318,10 @@ class Trials:
         except aioduco.StreamLeavesEnvelope:
             self.counts["streams ended before a zone"] += 1
             nearest = min(least(zones, points), least(zones, self._stops()))
-            clear = f"{upsample} ended, {nearest:.4f} m clear of all zones"
-            assert nearest < STRAIGHT, clear
+            # the set-point that was not sent is as far ahead as there were ticks without one
+            ahead = self._fastest() * stream.statistics().missed / RATE
+            clear = f"{upsample} ended, {nearest:.4f} m clear of all zones, {ahead:.4f} ahead"
+            assert nearest < STRAIGHT + ahead, clear
         except aioduco.StreamRefused:
             self.counts["streams ended by a collision"] += 1  # with the floor, or with itself
         else:
@@ -366,6 +368,13 @@ class Trials:
             generator.calculate(plan, stop)
             found.append(q + shares * np.array(stop.at_time(stop.duration)[0]))
         return np.concatenate(found)
+
+    def _fastest(self) -> float:
+        """How fast a body was at the most, by the set-points that were sent [m/s]."""
+        sent = np.array(self._seen.setpoints)
+        if len(sent) < 2:
+            return 0.0
+        return float(np.linalg.norm(np.diff(places(sent), axis=0), axis=2).max() * RATE)
 
     def _stopping(self) -> float:
         """The way that a body takes to stop, at the most, at the speeds that the arm had [m]."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import contextvars
+import sys
 import threading
 import time
 from typing import TYPE_CHECKING
@@ -19,7 +21,8 @@ from aioduco.testing import eventually, eventually_async, no_leaks
 from .servers import PATIENCE, ScriptedServer
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
+    from types import FrameType
 
 STOP = idl.functions()["stop"]
 ARGUMENTS = codec.encode(STOP, (True,))
@@ -27,6 +30,122 @@ ARGUMENTS = codec.encode(STOP, (True,))
 
 def nothing(*_: object) -> None:
     """Nobody is told."""
+
+
+# Answers
+
+
+async def test_a_task_goes_on_in_the_turn_of_the_loop_in_which_its_call_is_settled() -> None:
+    call = awaited(OwnerLoop(), None)
+    name = contextvars.ContextVar("name", default="another's")
+    told: list[object] = []
+
+    async def wait() -> None:
+        name.set("its own")
+        told.append(await call)
+        told.append(name.get())
+        told.append(asyncio.current_task() is task)
+
+    task = asyncio.create_task(wait())
+    await asyncio.sleep(0)
+    call.value = 7
+
+    def settle() -> None:
+        call.settle()
+        told.append("settled")
+
+    asyncio.get_running_loop().call_soon(settle)
+    await task
+    assert told == [7, "its own", True, "settled"]
+
+
+async def test_a_call_that_is_settled_before_its_task_waits_has_its_value() -> None:
+    call = awaited(OwnerLoop(), None)
+    call.value = 7
+    call.settle()
+    call.settle()
+    assert await call == 7
+
+
+@pytest.mark.parametrize("then", ["settled", "cancelled"])
+async def test_a_task_goes_on_once_if_its_call_is_cancelled_and_settled(then: str) -> None:
+    """In one turn of the loop, in either order."""
+    call = awaited(OwnerLoop(), None)
+    came: list[str] = []
+
+    async def wait() -> None:
+        try:
+            await call
+        except asyncio.CancelledError:
+            came.append("cancelled")
+            raise
+        came.append("answered")
+        await asyncio.sleep(0)
+
+    task = asyncio.create_task(wait())
+    await asyncio.sleep(0)
+    turns = [call.settle, task.cancel] if then == "cancelled" else [task.cancel, call.settle]
+    for turn in turns:
+        asyncio.get_running_loop().call_soon(turn)
+    with pytest.raises(asyncio.CancelledError):
+        await task
+    assert came == (["answered"] if then == "cancelled" else ["cancelled"])
+
+
+async def test_an_interrupt_in_the_middle_of_settling_leaves_no_task_behind() -> None:
+    """After whichever line it comes: settled once more, the task goes on, and once."""
+    loop = asyncio.get_running_loop()
+    lines, interrupted = 0, True
+    while interrupted:
+        lines += 1
+        call = awaited(OwnerLoop(), None)
+        call.value = 7
+        came: list[object] = []
+
+        async def wait(call: AwaitedCall = call, came: list[object] = came) -> None:
+            came.append(await call)
+
+        task = asyncio.create_task(wait())
+        await asyncio.sleep(0)
+        interrupted = await _interrupted(loop, call, after=lines)
+        loop.call_soon(call.settle)
+        await task
+        assert came == [7]
+    assert lines > 8
+
+
+async def _interrupted(loop: asyncio.AbstractEventLoop, call: AwaitedCall, after: int) -> bool:
+    """Settle a call in a callback of the loop; whether it was interrupted at that line."""
+    left, told = after, loop.create_future()
+
+    def trace(frame: FrameType, event: str, _: object) -> Callable[..., object] | None:
+        nonlocal left
+        if frame.f_code.co_filename != handoff.__file__:
+            return None
+        if event == "line":
+            left -= 1
+            if not left:
+                sys.settrace(None)
+                raise _Interrupt
+        return trace
+
+    def settle() -> None:
+        sys.settrace(trace)
+        try:
+            call.settle()
+        except _Interrupt:
+            told.set_result(True)
+        else:
+            told.set_result(False)
+        finally:
+            sys.settrace(None)
+
+    loop.call_soon(settle)
+    return bool(await told)
+
+
+class _Interrupt(BaseException):
+    """What a handler of a signal raises, wherever the main thread is."""
 
 
 # Deadlines
