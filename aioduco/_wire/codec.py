@@ -15,6 +15,8 @@ from aioduco._wire.type_checks import TypeMismatch
 from aioduco.errors import ControllerError, ParameterError, UnknownFunction
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from aioduco._wire.idl import Function
 
 #: thriftpy2 ships types of half of its functions
@@ -96,7 +98,16 @@ class ReplyReader:
     neither, so after a time-out its next call returns the answer to the one before.
     """
 
-    __slots__ = ("_function", "_known", "_result", "_scanner", "_sequence", "_start", "failed")
+    __slots__ = (
+        "_function",
+        "_known",
+        "_read",
+        "_result",
+        "_scanner",
+        "_sequence",
+        "_start",
+        "failed",
+    )
 
     def __init__(self, function: Function, sequence: int) -> None:
         self._function = function
@@ -104,8 +115,9 @@ class ReplyReader:
         self._sequence = _sequence(sequence)
         self._scanner: StructScanner | None = None
         self._start = 0
-        #: the length of a reply that need not be measured
+        #: the length of a reply that need not be measured, and what reads it
         self._known = 0
+        self._read: Callable[[bytes | bytearray, int], Any] | None = None
         #: whether the controller answered by an application error
         self.failed = False
 
@@ -140,8 +152,12 @@ class ReplyReader:
         """Whether this is a whole reply to this call of a layout that was met before."""
         head = _REPLY + self._function.head + self._sequence
         start = len(head)
-        if not (data.startswith(head) and self._function.layouts.known(data[start:])):
+        if not data.startswith(head):
             return False
+        layout = self._function.layouts.find(data[start:])
+        if layout is None:
+            return False
+        self._read = layout.read
         self._start = start
         self._known = len(data)
         return True
@@ -176,6 +192,8 @@ class ReplyReader:
             ControllerError: the controller answered by an application error.
             UnknownFunction: the controller does not have the function.
         """
+        if self._read is not None:
+            return self._read(data, self._start)
         function = self._function
         buffer = TCyMemoryBuffer(bytes(data[self._start : self.length]))
         protocol = _protocol(buffer)

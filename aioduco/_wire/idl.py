@@ -114,7 +114,7 @@ class Function:
         self.number: bool = not self.void and self.result.thrift_spec[0][0] in _WHOLE
         self.head: bytes = struct.pack("!i", len(name)) + name.encode()
         self.texts: bool = _has_text(self.result.thrift_spec)
-        self.layouts: Layouts = Layouts()
+        self.layouts: Layouts = Layouts(self.result.thrift_spec)
         #: one factory per parameter for the value that a field left out stands for
         self.zeros: tuple[Any, ...] = tuple(
             entry[2] if entry[0] == TType.STRUCT else _ZERO[entry[0]] for entry in entries

@@ -1,21 +1,24 @@
-"""Replies of a layout that was met before, and so need not be measured field by field.
+"""Replies of a layout that was met before, and so need not be measured or read field by field.
 
 Most replies to a function differ in their values alone: the bytes between these, which are types,
 field ids, counts and lengths, are always the same. They are kept from a reply that `framing` has
 measured. A reply that is as long, and has the same bytes in the same places, would be measured with
-the same outcome.
+the same outcome. Where all its values are numbers, one format of `struct` reads them at once.
 """
 
 from __future__ import annotations
 
 import struct
-from typing import Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from thriftpy2.thrift import TType
 
 from aioduco._wire.framing import FIXED_WIDTHS
 
-__all__ = ["Layouts"]
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+__all__ = ["Layout", "Layouts"]
 
 #: the longest reply whose layout is kept; a status has 1 kB
 _LONGEST: Final = 4096
@@ -25,23 +28,51 @@ _MOST: Final = 4
 
 _I32 = struct.Struct("!i").unpack_from
 
+#: how `struct` reads a value of the wire's types
+_FORMATS: Final = {
+    TType.BOOL: "?",
+    TType.BYTE: "b",
+    TType.I16: "h",
+    TType.I32: "i",
+    TType.I64: "q",
+    TType.DOUBLE: "d",
+}
+
+
+class Layout(NamedTuple):
+    """How the result structs of some replies are laid out.
+
+    Attributes:
+        mask: which bits are no value's.
+        heads: how these are.
+        read: reads the value of such a reply, given all its bytes and where the struct begins; None
+            where it holds anything but numbers, or not every field.
+    """
+
+    mask: int
+    heads: int
+    read: Callable[[bytes | bytearray, int], Any] | None
+
 
 class Layouts:
-    """The layouts of the replies to one function, by length."""
+    """The layouts of the replies to one function, by length.
 
-    __slots__ = ("_kept",)
+    Args:
+        spec: thriftpy2's of the result struct.
+    """
 
-    def __init__(self) -> None:
-        #: which bits are no value's, and how they are
-        self._kept: dict[int, tuple[int, int]] = {}
+    __slots__ = ("_kept", "_spec")
 
-    def known(self, struct: bytes | bytearray) -> bool:
-        """Whether this is the struct of a whole reply, laid out as one that was kept."""
+    def __init__(self, spec: Mapping[int, Any]) -> None:
+        self._spec = spec
+        self._kept: dict[int, Layout] = {}
+
+    def find(self, struct: bytes | bytearray) -> Layout | None:
+        """The layout, if this is the struct of a whole reply that is laid out as one was before."""
         kept = self._kept.get(len(struct))
-        if kept is None:
-            return False
-        mask, heads = kept
-        return int.from_bytes(struct, "big") & mask == heads
+        if kept is None or int.from_bytes(struct, "big") & kept.mask != kept.heads:
+            return None
+        return kept
 
     def keep(self, struct: bytes | bytearray) -> None:
         """Keep the layout of a struct that was measured: it is whole, and fits."""
@@ -51,7 +82,88 @@ class Layouts:
         mask = bytearray(b"\xff" * size)
         _clear_values(struct, 0, mask)
         number = int.from_bytes(mask, "big")
-        self._kept[size] = number, int.from_bytes(struct, "big") & number
+        heads = int.from_bytes(struct, "big") & number
+        self._kept[size] = Layout(number, heads, _reader(self._spec, struct))
+
+
+def _reader(
+    spec: Mapping[int, Any], data: bytes | bytearray
+) -> Callable[[bytes | bytearray, int], Any] | None:
+    """What reads the value out of results that are laid out as this one."""
+    if list(spec) != [0] or data[:3] != bytes((spec[0][0], 0, 0)):
+        return None
+    kind: int = spec[0][0]
+    formats: list[str] = []
+    build: Callable[[tuple[Any, ...]], Any]
+    if kind == TType.STRUCT:
+        shape = spec[0][2]
+        fields = shape.thrift_spec
+        places = _fields(fields, data, formats)
+        if places is None or shape.__match_args__ != tuple(entry[1] for entry in fields.values()):
+            return None
+        build = _builder(shape, places)
+    else:
+        place = _place(kind, data, 3, formats, 0)
+        if place is None:
+            return None
+        build = _one if isinstance(place[0], int) else list
+    unpack = struct.Struct("!3x" + "".join(formats)).unpack_from
+    return lambda reply, start: build(unpack(reply, start))
+
+
+#: which of the numbers that were read a value is, or which ones a list is of
+_Where = int | slice
+
+
+def _fields(
+    spec: Mapping[int, Any], data: bytes | bytearray, formats: list[str]
+) -> list[_Where] | None:
+    """Where the fields of a struct are; None if it cannot be read so, or they are not all there."""
+    places: list[_Where] = []
+    at, count = 3, 0
+    for number, (kind, *_) in spec.items():
+        if data[at : at + 3] != bytes((kind, number >> 8, number & 0xFF)):
+            return None
+        formats.append("3x")
+        place = _place(kind, data, at + 3, formats, count)
+        if place is None:
+            return None
+        where, at, count = place
+        places.append(where)
+    return places if data[at] == TType.STOP else None
+
+
+def _place(
+    kind: int, data: bytes | bytearray, at: int, formats: list[str], count: int
+) -> tuple[_Where, int, int] | None:
+    """Where a value is, behind so many numbers; its end, and how many numbers came by then."""
+    if kind in _FORMATS:
+        formats.append(_FORMATS[kind])
+        return count, at + FIXED_WIDTHS[kind], count + 1
+    if kind != TType.LIST or data[at] not in _FORMATS:
+        return None
+    size = _I32(data, at + 1)[0]
+    formats.append(f"5x{size}{_FORMATS[data[at]]}")
+    end = at + 5 + size * FIXED_WIDTHS[data[at]]
+    return slice(count, count + size), end, count + size
+
+
+def _one(numbers: tuple[Any, ...]) -> Any:
+    return numbers[0]
+
+
+def _builder(shape: Any, places: list[_Where]) -> Callable[[tuple[Any, ...]], Any]:
+    """What makes a struct of its numbers; its fields are the parameters of its class."""
+
+    def build(numbers: tuple[Any, ...]) -> Any:
+        return shape(
+            *[
+                numbers[where] if isinstance(where, int) else list(numbers[where])
+                for where in places
+            ]
+        )
+
+    return build
 
 
 def _clear_values(data: bytes | bytearray, at: int, mask: bytearray) -> int:

@@ -7,7 +7,7 @@ import contextvars
 import sys
 import threading
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -84,8 +84,8 @@ async def test_a_task_goes_on_once_if_its_call_is_cancelled_and_settled(then: st
 
     task = asyncio.create_task(wait())
     await asyncio.sleep(0)
-    turns = [call.settle, task.cancel] if then == "cancelled" else [task.cancel, call.settle]
-    for turn in turns:
+    turns: list[Callable[[], object]] = [call.settle, task.cancel]
+    for turn in turns if then == "cancelled" else reversed(turns):
         asyncio.get_running_loop().call_soon(turn)
     with pytest.raises(asyncio.CancelledError):
         await task
@@ -118,7 +118,7 @@ async def _interrupted(loop: asyncio.AbstractEventLoop, call: AwaitedCall, after
     """Settle a call in a callback of the loop; whether it was interrupted at that line."""
     left, told = after, loop.create_future()
 
-    def trace(frame: FrameType, event: str, _: object) -> Callable[..., object] | None:
+    def trace(frame: FrameType, event: str, _: object) -> Any:
         nonlocal left
         if frame.f_code.co_filename != handoff.__file__:
             return None
