@@ -1,21 +1,27 @@
-"""A fleet under one event loop: what 32 robots cost, and how soon all of them are stopped.
+"""A fleet under one event loop: what 32 and 100 robots cost, and how soon all of them are stopped.
 
 Each robot has its heartbeat, a feed of its state at 20 Hz with a reader, and motions one after
-another. The controllers have trivial handlers and live in one other process.
+another. The controllers have trivial handlers and live in one other process. In turn with each stop
+of all, as many bare sends: what the same bytes take on open connections, while the fleet goes on.
 """
 
 from __future__ import annotations
 
 import os
 import resource
+import socket
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import anyio
 from _common import ServerProcess, arguments, print_table, scheduling, spread, write_results
 
 import aioduco
+from aioduco._wire import codec, idl
 from aioduco._wire.lane import WireLane
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 HOST = "127.0.0.1"
 FEED_RATE = 20.0
@@ -67,11 +73,46 @@ async def stop_all(fleet: list[Member]) -> float:
     async with anyio.create_task_group() as tasks:
         for member in fleet:
             tasks.start_soon(member.robot._supervisor.stop_channel.stop, 5.0)
+    return await seen(fleet, begin) - begin
+
+
+class Bare:
+    """The bytes of a stop for each controller, on connections that nothing else uses."""
+
+    def __init__(self, ports: Iterable[int]) -> None:
+        function = idl.functions()["stop"]
+        self._message = codec.message(function, 1, codec.encode(function, (True,)))
+        self._sockets = [socket.create_connection((HOST, port)) for port in ports]
+        for each in self._sockets:
+            each.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    async def stop_all(self, fleet: list[Member]) -> float:
+        """As `stop_all`, by bare sends; the answers are taken afterwards."""
+        for member in fleet:
+            await member.lane.rpc.get_system_value_list("stops")
+        begin = time.monotonic()
+        for each in self._sockets:
+            each.sendall(self._message)
+        last = await seen(fleet, begin)
+        for each in self._sockets:
+            each.recv(4096)
+        return last - begin
+
+    def close(self) -> None:
+        for each in self._sockets:
+            each.close()
+
+
+async def seen(fleet: list[Member], begin: float) -> float:
+    """When the last controller's handler was reached; it may be on its way."""
     last = begin
     for member in fleet:
-        reached = await member.lane.rpc.get_system_value_list("stops")
-        last = max(last, min(at for at in reached if at >= begin))
-    return last - begin
+        after: list[float] = []
+        while not after:
+            reached = await member.lane.rpc.get_system_value_list("stops")
+            after = [at for at in reached if at >= begin]
+        last = max(last, min(after))
+    return last
 
 
 async def measure(server: ServerProcess, guard: bool, seconds: float, stops: int) -> dict[str, Any]:
@@ -98,10 +139,14 @@ async def measure(server: ServerProcess, guard: bool, seconds: float, stops: int
         share = (cpu(pid) - before) / wall
         rate = (sum(member.samples for member in fleet) - samples) / wall / len(fleet)
         motions = sum(member.motions for member in fleet)
-        late = []
+        late, bare_late = [], []
+        bare = Bare(server.endpoints.values())
         for _ in range(stops):
             await anyio.sleep(0.05)
             late.append(await stop_all(fleet))
+            await anyio.sleep(0.05)
+            bare_late.append(await bare.stop_all(fleet))
+        bare.close()
         tasks.cancel_scope.cancel()
     for member in fleet:
         await member.robot.aclose()
@@ -112,30 +157,45 @@ async def measure(server: ServerProcess, guard: bool, seconds: float, stops: int
         "samples_per_second_each": round(rate, 1),
         "motions": motions,
         "stop_all": spread(late) | {"stops": stops},
+        "bare_sends": spread(bare_late) | {"stops": stops},
     }
 
 
 def main() -> None:
     options = arguments(__doc__, "fleet")
-    count, seconds, stops = (8, 3.0, 20) if options.quick else (32, 20.0, 200)
-    results: dict[str, Any] = {"scheduling": scheduling()}
-    for name, guard in (("without guard", False), ("with guard", True)):
-        with ServerProcess("fleet_server.py", str(count)) as server:
-            results[name] = anyio.run(measure, server, guard, seconds, stops)
+    counts, seconds, stops = ((8,), 3.0, 20) if options.quick else ((32, 100), 20.0, 200)
+    fleets: dict[str, dict[str, Any]] = {}
+    for count in counts:
+        for name, guard in (("without guard", False), ("with guard", True)):
+            with ServerProcess("fleet_server.py", str(count)) as server:
+                found = anyio.run(measure, server, guard, seconds, stops)
+            fleets[f"{count} robots, {name}"] = found
+    columns = [
+        "fleet",
+        "cores",
+        "samples/s",
+        "motions",
+        "p50",
+        "p99",
+        "max",
+        "bare p50",
+        "bare p99",
+    ]
     rows = [
         [
             name,
-            f["robots"],
             f["cores"],
             f["samples_per_second_each"],
             f["motions"],
             *(round(f["stop_all"][p] / 1000, 2) for p in ("p50_us", "p99_us", "max_us")),
+            *(round(f["bare_sends"][p] / 1000, 2) for p in ("p50_us", "p99_us")),
         ]
-        for name, f in results.items()
-        if isinstance(f, dict)
+        for name, f in fleets.items()
     ]
-    columns = ["fleet", "robots", "cores", "samples/s", "motions", "p50", "p99", "max"]
-    print_table("One event loop; the stop of all robots [ms]", columns, rows)
+    print_table(
+        "One event loop; the stop of all robots, and as many bare sends [ms]", columns, rows
+    )
+    results = {"scheduling": scheduling(), "fleets": fleets}
     if options.save:
         print("written:", write_results("fleet", results).name)
 

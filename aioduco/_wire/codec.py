@@ -26,6 +26,9 @@ _CALL: Final = b"\x80\x01\x00\x01"
 _REPLY: Final = b"\x80\x01\x00\x02"
 _EXCEPTION: Final = b"\x80\x01\x00\x03"
 
+#: a struct without fields
+_NOTHING: Final = b"\0"
+
 _sequence = struct.Struct("!i").pack
 
 #: sequence ids run from 1 to here and begin again
@@ -47,6 +50,8 @@ def encode(function: Function, args: tuple[Any, ...]) -> bytes:
         TypeError: the number of arguments is wrong.
     """
     parameters = function.parameters
+    if not args and not parameters:
+        return _NOTHING
     if len(args) != len(parameters):
         raise TypeError(
             f"{function.name} takes {len(parameters)} arguments ({', '.join(parameters)}), "

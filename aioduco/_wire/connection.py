@@ -474,6 +474,6 @@ class Connection:
 
 def _check_silent(stream: DeadlineSocket) -> None:
     """Before anything is sent, find out whether the other side closed it or sent bytes."""
-    stray = stream.waiting_bytes()
+    stray = b"" if stream.silent else stream.waiting_bytes()
     if stray:
         raise Malformed(f"bytes came that nobody asked for: {stray!r}")

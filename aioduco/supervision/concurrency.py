@@ -14,6 +14,12 @@ opened in one task and closed in another: by the set-up and the tear-down of a t
 two cells of a notebook.
 
 `every`: an absolute schedule. A turn that comes late does not move the later ones.
+
+`Alarm`: a wait that ends at a time, or before. A cancel scope with a deadline costs half as much
+again, and tasks are asked about thirty times a second for each robot.
+
+`on_grid`: what waits for many robots of one loop is due at the same moments, where it need not be
+exact. Most of what a wait costs is the turn of the loop, which then serves several.
 """
 
 from __future__ import annotations
@@ -34,7 +40,19 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine
     from typing import Self
 
-__all__ = ["BackgroundTasks", "DaemonThread", "Ticker", "every", "run_to_completion"]
+__all__ = [
+    "GRID",
+    "Alarm",
+    "BackgroundTasks",
+    "DaemonThread",
+    "Ticker",
+    "every",
+    "on_grid",
+    "run_to_completion",
+]
+
+#: time between two moments of `on_grid` [s]
+GRID = 0.002
 
 T = TypeVar("T")
 
@@ -99,6 +117,53 @@ def every(period: float, first: float | None = None) -> Ticker:
         An iterator over the times when the turns were due [s of `time.monotonic`].
     """
     return Ticker(period, time.monotonic() if first is None else first)
+
+
+def on_grid(at: float) -> float:
+    """The last moment of the grid before a time, or the time itself [s of `time.monotonic`]."""
+    return at - at % GRID
+
+
+class Alarm:
+    """Wakes the task that waits for it when its time has come, or when it is rung before."""
+
+    __slots__ = ("_rung", "_waiter")
+
+    def __init__(self) -> None:
+        self._rung = False
+        self._waiter: asyncio.Future[None] | None = None
+
+    def ring(self) -> None:
+        """Wake the task that waits, or the next one that comes to wait; on the event loop."""
+        self._rung = True
+        if self._waiter is not None:
+            _wake(self._waiter)
+
+    async def wait(self, due: float | None = None) -> None:
+        """Wait until it is rung, or until the time has come.
+
+        Args:
+            due: the time [s of `time.monotonic`]; None: until it is rung.
+        """
+        if self._rung:
+            self._rung = False
+            return
+        loop = asyncio.get_running_loop()
+        waiter = self._waiter = loop.create_future()
+        timer = None
+        if due is not None:
+            timer = loop.call_later(max(due - time.monotonic(), 0.0), _wake, waiter)
+        try:
+            await waiter
+        finally:
+            self._waiter, self._rung = None, False
+            if timer is not None:
+                timer.cancel()
+
+
+def _wake(waiter: asyncio.Future[None]) -> None:
+    if not waiter.done():
+        waiter.set_result(None)
 
 
 async def run_to_completion(step: Callable[[], Awaitable[T]]) -> tuple[T, BaseException | None]:

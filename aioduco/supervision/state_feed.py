@@ -27,7 +27,7 @@ from aioduco.errors import (
 )
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.models.state import ForceStatus, IOStatus, RobotStates, RobotStatus, Sample
-from aioduco.supervision.concurrency import every
+from aioduco.supervision.concurrency import every, on_grid
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -216,7 +216,9 @@ class Subscription(Generic[T]):
 
     async def __anext__(self) -> T:
         self._owner_loop.require("the next item")
-        await anyio.lowlevel.checkpoint()
+        if self._buffer.ready:
+            # else the wait is one
+            await anyio.lowlevel.checkpoint()
         while not self._buffer.ready:
             if self._over is not None:
                 raise self._over
@@ -394,7 +396,7 @@ class StateFeed:
             self._background.start(self._run(), "aioduco feed")
 
     async def _run(self) -> None:
-        ticker = every(1.0 / self.rate)
+        ticker = every(1.0 / self.rate, first=on_grid(time.monotonic()))
         async for _ in ticker:
             try:
                 snapshot = await self._read()

@@ -5,7 +5,8 @@ asked about often when something is likely to happen and seldom when not:
 
 - just after acceptance, when it starts, is refused, or was short;
 - near its expected end and shortly after, if an end can be expected;
-- in between at a rate that still keeps the notice of an unexpected end short.
+- in between after a quarter of the time that it has run, or is still to run, whichever is shorter,
+  at a rate that still keeps the notice of an unexpected end short.
 
 Due times are absolute: a late question does not move the ones after it. Questions that were missed
 are left out, not caught up with.
@@ -38,6 +39,7 @@ from aioduco.errors import (
 )
 from aioduco.models.enums import Outcome, TaskState
 from aioduco.reporting import BackgroundLogger
+from aioduco.supervision.concurrency import GRID, Alarm, on_grid
 from aioduco.supervision.task import Task, TaskControl
 from aioduco.supervision.task_state import STOOD, TaskLifecycle
 from aioduco.trace import tell
@@ -58,13 +60,11 @@ FAST = 0.002
 #: seconds between polls of a task whose end cannot be expected; half of it is the median delay
 STEADY = 0.005
 #: seconds between polls at most, far from an expected end
-SLOW = 0.025
-#: for how long after its acceptance a task counts as fresh [s]
-FRESH = 0.05
+SLOW = 0.05
 #: for how long after its expected end a task is asked about at the fast rate [s]
 OVERDUE = 0.1
-#: part of the time that remains until the expected end that may pass without a poll
-_APPROACH = 0.25
+#: part of the time since its acceptance, and until its expected end, that passes without a poll
+SHARE = 0.25
 
 K = TypeVar("K", bound=Hashable)
 
@@ -76,11 +76,9 @@ def interval(age: float, remaining: float | None = None) -> float:
         age: seconds since the controller accepted the task.
         remaining: seconds until its expected end, negative after it; None if unknown.
     """
-    if age < FRESH:
-        return FAST
     if remaining is None or remaining < -OVERDUE:
-        return STEADY
-    return min(max(remaining * _APPROACH, FAST), SLOW)
+        return min(max(age * SHARE, FAST), STEADY)
+    return min(max(min(age, remaining) * SHARE, FAST), SLOW)
 
 
 class PollSchedule(Generic[K]):
@@ -115,10 +113,16 @@ class PollSchedule(Generic[K]):
         return key, self._due[key]
 
     def asked(self, key: K, now: float, every: float) -> None:
-        """`key` was asked: its next due time is `every` after the last, or after now if past."""
+        """`key` was asked: its next due time is `every` after the last, or after now if past.
+
+        A long interval may be shorter by `GRID`.
+        """
         if key in self._due:
             due = self._due[key] + every
-            self._due[key] = due if due > now else now + every
+            if due <= now:
+                due = now + every
+            # those of other robots then are due at the same moments, and cost one turn of the loop
+            self._due[key] = on_grid(due) if every >= 4 * GRID else due
 
 
 #: seconds for one answer about a task
@@ -177,7 +181,7 @@ class TaskFollower:
         self._arm = arm
         self._background = background
         self._schedule: PollSchedule[Task] = PollSchedule()
-        self._wake = anyio.Event()
+        self._alarm = Alarm()
         self._seen: dict[Task, float] = {}
         self._closed = False
         self._error_list: tuple[str, ...] = ()
@@ -204,8 +208,7 @@ class TaskFollower:
             return
         self._seen[task] = task.accepted_at
         self._schedule.add(task, task.accepted_at)
-        wake, self._wake = self._wake, anyio.Event()
-        wake.set()
+        self._alarm.ring()
         tell(self.observers, task)
 
     async def error_list(self) -> tuple[str, ...]:
@@ -268,13 +271,11 @@ class TaskFollower:
             while True:
                 first = self._schedule.first()
                 if first is None:
-                    await self._wake.wait()
+                    await self._alarm.wait()
                     continue
                 task, due = first
-                delay = due - time.monotonic()
-                if delay > 0:
-                    with anyio.move_on_after(delay):
-                        await self._wake.wait()
+                if due > time.monotonic():
+                    await self._alarm.wait(due)
                     continue
                 await self._ask(task)
         finally:

@@ -1,13 +1,15 @@
-"""`every`: turns on an absolute schedule, on a clock that only the test moves."""
+"""`every`: turns on an absolute schedule, on a clock that only the test moves; and `Alarm`."""
 
 from __future__ import annotations
+
+import time
 
 import anyio
 import anyio.lowlevel
 import pytest
 
 from aioduco.supervision import concurrency
-from aioduco.supervision.concurrency import every
+from aioduco.supervision.concurrency import Alarm, every
 
 
 class Clock:
@@ -84,3 +86,39 @@ async def test_a_schedule_that_began_earlier_tells_how_late_its_first_turn_is(cl
     assert await anext(ticker) == 999.75
     assert clock.now == 1000.0
     assert await anext(ticker) == 1000.25
+
+
+async def test_an_alarm_wakes_when_its_time_has_come() -> None:
+    due = time.monotonic() + 0.02
+    await Alarm().wait(due)
+    assert time.monotonic() >= due - 0.001  # the loop's clock is that coarse on some systems
+
+
+async def test_an_alarm_wakes_at_once_when_it_is_rung() -> None:
+    alarm = Alarm()
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(alarm.wait, time.monotonic() + 3600.0)
+        await anyio.lowlevel.checkpoint()
+        alarm.ring()
+        alarm.ring()
+    # that was all for who waited: the next one waits again
+    with anyio.move_on_after(0.01) as scope:
+        await alarm.wait()
+    assert scope.cancelled_caught
+
+
+async def test_an_alarm_that_was_rung_before_anybody_waited_wakes_the_first_one() -> None:
+    alarm = Alarm()
+    alarm.ring()
+    await alarm.wait()
+    with anyio.move_on_after(0.01) as scope:
+        await alarm.wait()
+    assert scope.cancelled_caught
+
+
+async def test_an_alarm_whose_wait_was_cancelled_serves_the_next_one() -> None:
+    alarm = Alarm()
+    with anyio.move_on_after(0.0):
+        await alarm.wait(time.monotonic() + 3600.0)
+    alarm.ring()
+    await alarm.wait()

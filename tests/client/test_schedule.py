@@ -6,9 +6,11 @@ import random
 import statistics
 
 import hypothesis.strategies as st
+import pytest
 from hypothesis import given
 
-from aioduco.supervision.task_follower import FAST, FRESH, SLOW, STEADY, PollSchedule, interval
+from aioduco.supervision.concurrency import GRID
+from aioduco.supervision.task_follower import FAST, SHARE, SLOW, STEADY, PollSchedule, interval
 
 AGES = st.floats(0, 1e6)
 REMAINING = st.one_of(st.none(), st.floats(-1e6, 1e6))
@@ -19,12 +21,19 @@ def test_every_interval_is_within_its_bounds(age: float, remaining: float | None
     assert FAST <= interval(age, remaining) <= SLOW
 
 
-@given(st.floats(0, FRESH, exclude_max=True), REMAINING)
+@given(st.floats(0, FAST / SHARE), REMAINING)
 def test_a_fresh_task_is_asked_about_often(age: float, remaining: float | None) -> None:
     assert interval(age, remaining) == FAST
 
 
-@given(st.floats(FRESH, 1e6), st.floats(0, 1e6))
+@given(AGES, st.floats(0, 1e6))
+def test_an_end_of_which_nobody_knew_is_seen_within_a_share_of_the_time(
+    age: float, remaining: float
+) -> None:
+    assert interval(age, remaining) <= max(age * SHARE, FAST)
+
+
+@given(AGES, st.floats(0, 1e6))
 def test_an_expected_end_is_never_slept_through(age: float, remaining: float) -> None:
     assert interval(age, remaining) <= max(remaining, FAST)
 
@@ -81,6 +90,23 @@ def test_due_times_are_absolute() -> None:
     assert schedule.first() == ("a", 10.005)
     schedule.asked("a", 10.5, 0.005)  # far behind: the missed ones are left out
     assert schedule.first() == ("a", 10.505)
+
+
+@given(st.floats(0.0, 1e5), st.floats(0.0, 0.01), st.floats(FAST, SLOW))
+def test_long_intervals_end_on_the_grid_and_never_later(
+    begin: float, late: float, every: float
+) -> None:
+    schedule: PollSchedule[int] = PollSchedule()
+    schedule.add(1, begin)
+    schedule.asked(1, begin + late, every)
+    _, due = schedule.first() or (0, 0.0)
+    asked = begin + every if begin + every > begin + late else begin + late + every
+    assert begin + late < due <= asked
+    if every >= 4 * GRID:
+        assert asked - due <= GRID * 1.0001
+        assert due / GRID == pytest.approx(round(due / GRID), abs=1e-4)
+    else:
+        assert due == asked
 
 
 def test_more_tasks_than_time_are_asked_in_turn() -> None:
