@@ -274,11 +274,9 @@ class _Answer(asyncio.Future[Any]):
     and timers: a fifth of a call. A callback of the loop that sets this one has it go on at once.
     """
 
-    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
-        super().__init__(loop=loop)
-        #: what has the task go on, and its context; None until it waits, and when it waits no more
-        self.waiter: tuple[Callable[[Any], object], contextvars.Context] | None = None
-        self._taken = False
+    #: what has the task go on, and its context; None until it waits, and when it waits no more
+    waiter: tuple[Callable[[Any], object], contextvars.Context] | None = None
+    _taken = False
 
     def add_done_callback(
         self, fn: Callable[[Any], object], *, context: contextvars.Context | None = None
@@ -327,7 +325,7 @@ class AwaitedCall(Call):
     ) -> None:
         super().__init__(function, arguments, deadline)
         self.loop = owner_loop.require(self.name)
-        self._answer = _Answer(self.loop)
+        self._answer = _Answer(loop=self.loop)
         self._finished = finished
         #: whether its deadline has been seen to pass once
         self.overdue = False
@@ -381,6 +379,10 @@ class AwaitedCall(Call):
         self.error = None
 
 
+def _due(call: AwaitedCall) -> float:
+    return call.due
+
+
 class Deadlines:
     """Sees that no task waits past its deadline, even if a thread hangs.
 
@@ -431,7 +433,7 @@ class Deadlines:
         now = time.monotonic()
         self._timer = None
         self._expires_at = math.inf
-        for call in [call for call in self.calls if call.due <= now]:
+        for call in sorted((call for call in self.calls if call.due <= now), key=_due):
             again, call.overdue = call.overdue, True
             self._expired(call, again)
             if again:

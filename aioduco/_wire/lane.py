@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import enum
+import math
 import time
 import warnings
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import anyio
+from anyio import current_effective_deadline
 from anyio.lowlevel import checkpoint_if_cancelled
 
 from aioduco._wire import codec, idl
@@ -263,7 +265,8 @@ class WireLane:
         call = AwaitedCall(self.owner_loop, function, encoded, deadline, self._finished)
         # a task whose scope is cancelled already sends nothing: from here to the thread there is
         # no other point at which it would notice
-        await checkpoint_if_cancelled()
+        if current_effective_deadline() == -math.inf:
+            await checkpoint_if_cancelled()
         self._calls += 1
         if begun is not None:
             begun(call)
@@ -306,7 +309,8 @@ class WireLane:
             self.owner_loop, function, encoded, begin + self.call_timeout, self._finished
         )
         call.further = further
-        await checkpoint_if_cancelled()  # as in `call`
+        if current_effective_deadline() == -math.inf:
+            await checkpoint_if_cancelled()  # as in `call`
         self._calls += len(names)
         try:
             answers: list[ReadResult] = await self._carry_out(call)

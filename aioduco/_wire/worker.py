@@ -123,7 +123,8 @@ class Worker:
 
     def submit(self, call: Call) -> None:
         """Hand a call to the thread; the claim must be held, and is released by the thread."""
-        self.start()
+        if not self._started:
+            self._thread.start()
         call.worker = self
         self._current = call
         connection = self._connection
