@@ -152,6 +152,55 @@ def set_first(priority: int) -> bool:
     )
 
 
+def goes_first() -> int:
+    """The calling thread's priority for real time; 0: none."""
+    if not hasattr(os, "sched_getparam"):
+        return 0
+    return os.sched_getparam(0).sched_priority
+
+
+#: time for its signal to be heeded, before the system ends the process [µs]
+_HEEDED: Final = 1_000_000
+
+
+def go_first_by_moments(longest: float, given_back: Callable[[], object]) -> bool:
+    """Have this process's main thread run before all that have no priority, for moments at a time.
+
+    Once it has used a processor for longer without a wait, it is one like all others again: what
+    does not wait would keep everything else from that processor. The system watches that, and ends
+    the process if it goes on without heeding it.
+
+    Args:
+        longest: how long [s].
+        given_back: called in the main thread when that came to pass.
+
+    Returns:
+        Whether the system did it; False as well where the thread has a policy of its own already.
+    """
+    try:
+        import resource  # noqa: PLC0415  # not on Windows
+
+        watched = resource.RLIMIT_RTTIME
+    except (ImportError, AttributeError):
+        return False
+    if os.sched_getscheduler(0) != os.SCHED_OTHER:
+        return False
+
+    def give_back(*_: object) -> None:
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        given_back()
+
+    _, most = resource.getrlimit(watched)
+    soft = int(longest * 1e6)
+    hard = soft + _HEEDED if most == resource.RLIM_INFINITY else most
+    signal.signal(signal.SIGXCPU, give_back)
+    try:
+        resource.setrlimit(watched, (min(soft, hard), hard))
+    except (OSError, ValueError):
+        return False
+    return set_first(1)
+
+
 def _allowed(name: str, request: Callable[[], Any]) -> bool:
     if not hasattr(os, name):
         return False

@@ -22,6 +22,7 @@ RATE = 1000
 BURST = 0.015
 LANES = {
     "process": LaneOptions(lane="process"),
+    "without priority": LaneOptions(lane="process", priority=0),
     "urgent": LaneOptions(lane="process", priority=50),
     "thread": LaneOptions(lane="thread", timeout=2.0),
 }

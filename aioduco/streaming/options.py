@@ -57,7 +57,9 @@ class LaneOptions(WorkerSettings):
         lane: "process" for one of its own, which nothing in the program can delay; "thread" for
             light use, or where no process can be started.
         cpus: processors that the worker may use; none given: all.
-        priority: priority under SCHED_FIFO, 1 to 99, if the system allows it; 0: none.
+        priority: priority under SCHED_FIFO, 1 to 99, if the system allows it; 0: none. None: a
+            worker with a process of its own takes the lowest by itself, where the system allows it,
+            once it is woken late; it loses it if it ever works for 50 ms without a wait.
         spin: how long before each tick to watch the clock instead of sleeping [s]. It costs
             that share of a processor and takes the system's wake-up time out of the lateness.
         timeout: most time for one answer of the controller [s].
@@ -68,7 +70,8 @@ class LaneOptions(WorkerSettings):
     def __post_init__(self) -> None:
         if self.lane not in ("process", "thread"):
             raise ParameterError("lane", self.lane, '"process" or "thread"')
-        _PRIORITY("priority", self.priority)
+        if self.priority is not None:
+            _PRIORITY("priority", self.priority)
         for name in ("spin", "timeout", "connect_timeout", "watch"):
             _TIME(name, getattr(self, name))
 

@@ -55,6 +55,7 @@ class StreamStatistics(NamedTuple):
         actions_late: actions that came when their time had passed.
         exhausted: times at which the actions were at their end and no chunk was there.
         unmet: what was asked of the system and not allowed.
+        priority: the worker's priority for real time; 0: none.
         lateness: how late ticks began, those that were skipped included [s].
         interval: time between two ticks [s].
         round_trip: time from a set-point sent to its answer [s].
@@ -83,6 +84,7 @@ class StreamStatistics(NamedTuple):
     actions_late: int
     exhausted: int
     unmet: tuple[str, ...]
+    priority: int
     lateness: Percentiles
     interval: Percentiles
     round_trip: Percentiles
@@ -119,6 +121,7 @@ class StreamStatistics(NamedTuple):
             actions_late=words[StatusWord.ACTIONS_LATE],
             exhausted=words[StatusWord.EXHAUSTED],
             unmet=tuple(str(flag.name).lower() for flag in Unmet(words[StatusWord.UNMET])),
+            priority=words[StatusWord.PRIORITY],
             lateness=times["lateness"],
             interval=times["interval"],
             round_trip=times["round_trip"],
@@ -171,6 +174,8 @@ class StreamStatistics(NamedTuple):
                 f" · {self.chunks} chunks, {self.chunks_late} late, "
                 f"{self.chunks_dropped} dropped, {self.exhausted} times none left"
             )
+        if self.priority:
+            counts += f" · SCHED_FIFO {self.priority}"
         title = f"{self.state.name}{f' ({self.reason.name})' if self.reason else ''} · {counts}"
         times = [
             (f"{name.replace('_', ' ')}: {meaning}", getattr(self, name))

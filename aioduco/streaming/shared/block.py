@@ -93,6 +93,8 @@ class StatusWord(IntEnum):
     CHUNKS_DROPPED = 19
     ACTIONS_LATE = 20
     EXHAUSTED = 21
+    #: the worker's priority for real time
+    PRIORITY = 22
 
 
 class Unmet(IntFlag):

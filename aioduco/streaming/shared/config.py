@@ -51,7 +51,7 @@ class WorkerSettings:
 
     lane: Literal["process", "thread"] = "process"
     cpus: Sequence[int] = ()
-    priority: int = 0
+    priority: int | None = None
     spin: float = 0.0
     timeout: float = 1.0
     connect_timeout: float = 10.0

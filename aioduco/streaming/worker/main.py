@@ -20,7 +20,15 @@ import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from aioduco._platform import ending_signals, handed_socket, readiness, set_affinity, set_first
+from aioduco._platform import (
+    ending_signals,
+    go_first_by_moments,
+    goes_first,
+    handed_socket,
+    readiness,
+    set_affinity,
+    set_first,
+)
 from aioduco._wire.connection import Connection
 from aioduco._wire.lifecycle import ConnectionState
 from aioduco.errors import ControllerError, DucoError, OutcomeUnknown, StopUnconfirmed
@@ -52,6 +60,8 @@ _STOPS = (
 )
 _ANSWER = 50_000  # ns: no controller answers sooner
 _SLICE = 100_000  # ns: the shortest that the system gives
+_LATE = 1_000_000  # ns of lateness, or a quarter of a period, after which a worker goes first
+_LONGEST = 0.05  # s of work without a wait, after which it does not any more
 _LOOK = 5_000_000  # ns between two looks at whether the program lives
 _STANDING = 2  # answers in a row that the arm does not move
 _STAND_EVERY = 10_000_000  # ns between two questions for that
@@ -91,6 +101,7 @@ class StreamWorker:
         reason, text = Reason.NONE, ""
         connection = self._connection(keeps_overdue=True)
         block.status[StatusWord.UNMET] = prepare(self._config.options)
+        block.status[StatusWord.PRIORITY] = goes_first()
         try:
             connection.open()
             self._driver = self._make_driver(connection)
@@ -207,10 +218,17 @@ class StreamWorker:
         work = block.histograms["work"].record
         status = block.status
         schedule = Schedule(int(config.period * 1e9), clock())
-        before = clock()
+        before = now = clock()
+        late = min(schedule.period // 4, _LATE)
+        may_go_first = self._process and config.options.priority is None
         while True:
             due = schedule.due
+            asleep = now < due
             now = sleep_until(due, spin)
+            # late by the system that woke it, and not by its own work
+            if may_go_first and asleep and now - due > late:
+                may_go_first = False
+                self._go_first()
             lateness(now - due)
             interval(now - before)
             before = now
@@ -228,6 +246,16 @@ class StreamWorker:
             for missed in range(schedule.advance(now)):
                 lateness(now - due - (missed + 1) * schedule.period)
             status[StatusWord.MISSED] = schedule.missed
+
+    def _go_first(self) -> None:
+        """Run before all that have no priority, for as long as the work of a tick is a moment's."""
+        status = self._block.status
+
+        def given_back() -> None:
+            status[StatusWord.PRIORITY] = 0
+
+        if go_first_by_moments(_LONGEST, given_back):
+            status[StatusWord.PRIORITY] = goes_first()
 
     def _obey(self, driver: Driver, now: int) -> None:
         """Do what the program wants, and see whether it lives."""
