@@ -188,9 +188,10 @@ async def test_cancelled_it_halts() -> None:
 
 
 async def test_dh_halts_where_it_is() -> None:
-    gripper, peer = dh(timeout=0.1)
+    gripper, peer = dh()
     async with gripper:
         await gripper.activate()
+        gripper._timeout = 0.1
         peer.before_read = lambda _: peer.registers.update({0x0201: 0, 0x0202: 777})
         with pytest.raises(errors.GripperTimeout, match="halted"):
             await gripper.close()
