@@ -508,9 +508,16 @@ def blocks(options: argparse.Namespace, log: Path | None) -> Iterator[Outcome]:
             if known.pop("seed") == options.seed and left.pop(known["first"], None) is not None:
                 yield Outcome(**known)
     with ProcessPoolExecutor(options.processes, max_tasks_per_child=1) as pool:
-        waiting = [pool.submit(block, numbers, options.seed) for numbers in left.values()]
+        waiting = {pool.submit(block, numbers, options.seed): numbers for numbers in left.values()}
         for future in as_completed(waiting):
-            found = future.result()
+            try:
+                found = future.result()
+            except Exception as exc:
+                # such as a simulator that a busy machine did not let begin: the rest goes on
+                lost = f"{type(exc).__name__}: {exc}".splitlines()[0]
+                numbers = waiting[future]
+                yield Outcome(numbers[0], {}, {}, None, dict.fromkeys(map(str, numbers), lost))
+                continue
             if log is not None:
                 with log.open("a", encoding="utf-8") as file:
                     file.write(json.dumps({"seed": options.seed, **vars(found)}) + "\n")
