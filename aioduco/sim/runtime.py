@@ -2,8 +2,13 @@
 
 Who may touch what:
 - the world belongs to this thread alone;
-- the controller is changed only under the lock, which is never held across a world step, so that
-  a command waits for one tick at most;
+- the controller is changed only under the lock, which is held neither across a world step nor
+  while a motion is planned, so that a command waits for one tick at most;
+- motions are planned outside the lock, one at a time and in their order: by the thread whose
+  command brought them, or by a thread of their own if they come of the cycle itself. Planning
+  touches nothing but the values that it begins with, and gives others their turn between slices of
+  its work; a stop drops it there. Where simulated time has no pace of its own (as fast as possible,
+  or in step lock) it stands meanwhile, so that chance does not say in which cycle a motion begins;
 - readers take the latest snapshot, which is immutable, without a lock.
 """
 
@@ -22,7 +27,8 @@ from aioduco.models.enums import RobotState
 from aioduco.sim.clock import CycleSchedule, LoopStatistics, LoopTimes, checked_speed
 from aioduco.sim.cycle import DriveCommand, SensedState
 from aioduco.sim.physics.temperature import Temperatures
-from aioduco.sim.planner.path import JointSetPoint
+from aioduco.sim.planner.path import JointSetPoint, PlanError
+from aioduco.sim.planner.slices import PlanDropped
 from aioduco.sim.refusal import Pending, Refusal
 
 if TYPE_CHECKING:
@@ -34,9 +40,11 @@ if TYPE_CHECKING:
     from aioduco.models.enums import TaskState
     from aioduco.models.pose import PoseLike
     from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
+    from aioduco.sim.controller.motion_queue import Planning
     from aioduco.sim.controller.motion_settings import OptimizationSwitches, WeaveSelection
     from aioduco.sim.controller.state_machine import Controller, ControllerState
     from aioduco.sim.cycle import Plant
+    from aioduco.sim.planner.mover import Drafted
 
     Vector = NDArray[np.float64]
     #: is given the state after a cycle, and what says what of the arm touches what
@@ -52,6 +60,11 @@ _WARMING = 0.1
 _HOLD = 2.0
 #: real time between two looks at whether a change of the controller is over [s]
 _CHANGE = 2e-5
+#: real time for which planning gives way to the other threads, which need no longer to begin; as
+#: long as it sleeps they are not kept waiting by the interpreter's lock [s]
+_WAY = 5e-5
+#: real time of work after which it does [s]
+_WORK = 5e-4
 #: simulated time of standing after which the physics need no further steps [s]
 _SETTLING = 0.3
 
@@ -147,6 +160,7 @@ class SimulationRuntime:
         on_network: Callable[[bool | None], None] = lambda _up: None,
     ) -> None:
         self._controller = controller
+        controller.plan_aside()
         self._plant = plant
         self.cycle = cycle
         self._pace = CycleSchedule(cycle, speed)
@@ -155,6 +169,14 @@ class SimulationRuntime:
         self._sense = sense
         self._on_network = on_network
         self._lock = threading.Lock()
+        self._cycle_lock = _CycleLock(self)
+        self._planner = threading.Lock()  # held by the thread that plans; taken before `_lock`
+        self._planning: Planning | None = None
+        self._worked_from = 0.0
+        self._waits_for_plan = threading.Event()
+        self._planning_thread = threading.Thread(
+            target=self._plan_aside, name="sim-planner", daemon=True
+        )
         self._wake = threading.Event()
         self._news = threading.Condition()
         self._watchers = 0
@@ -242,6 +264,8 @@ class SimulationRuntime:
     def command(self) -> Iterator[Controller]:
         """The controller, to give it commands; readers see their effect when this ends.
 
+        A motion that was commanded has been planned by then, or its task has ended.
+
         Raises:
             Refusal: The simulation has failed.
         """
@@ -250,6 +274,17 @@ class SimulationRuntime:
         if self._within:  # a program of the controller makes a call, under the lock of the tick
             yield self._controller
             return
+        with self._changing() as controller:
+            before = controller.unplanned
+            yield controller
+            came = controller.unplanned
+        self._wake.set()
+        if came is not None and came != before:
+            self._plan(came)
+
+    @contextlib.contextmanager
+    def _changing(self) -> Iterator[Controller]:
+        """The controller under the lock, and what has to be told when it has been changed."""
         with self._lock:
             self._change = object()
             try:
@@ -260,7 +295,59 @@ class SimulationRuntime:
                 released = self._take_answered()
         for event in released:
             event.set()
-        self._wake.set()
+
+    def turn(self) -> None:
+        """Let other threads go on; for what plans, between two slices of its work.
+
+        Raises:
+            PlanDropped: Nobody waits for the plan any more.
+        """
+        if self._closing or self._controller.planning is not self._planning:
+            raise PlanDropped
+        if time.perf_counter() - self._worked_from >= _WORK:
+            time.sleep(_WAY)
+            self._worked_from = time.perf_counter()
+
+    def _plan(self, id_: int | None = None) -> None:
+        """Plan what waits for it, in order: up to a motion, or all."""
+        while not self._closing:
+            with self._planner:
+                with self._lock:
+                    if id_ is not None and not self._controller.awaits_plan(id_):
+                        return
+                    planning = self._planning = self._controller.next_plan()
+                if planning is None:
+                    return
+                self._worked_from = time.perf_counter()
+                with contextlib.suppress(PlanDropped):
+                    self._take_plan(planning)
+            if planning.id != id_:
+                time.sleep(_WAY)  # those who wait to plan their own motion come first
+
+    def _take_plan(self, planning: Planning) -> None:
+        came: Drafted | PlanError
+        try:
+            came = planning.draft.work(self.turn)
+        except PlanError as exc:
+            came = exc
+        except PlanDropped:
+            raise
+        except Exception as exc:
+            with self._changing() as controller:
+                controller.take_plan(planning, PlanError("parameter", repr(exc)))
+            raise
+        with self._changing() as controller:
+            controller.take_plan(planning, came)
+
+    def _plan_aside(self) -> None:
+        """Plan what comes of the cycle itself. Runs on a thread of its own."""
+        try:
+            while not self._closing:
+                self._waits_for_plan.wait()
+                self._waits_for_plan.clear()
+                self._plan()
+        except Exception as exc:
+            self._fail(exc)
 
     def task_state(self, id_: int) -> TaskState:
         """State of a task, not before the snapshot shows the cycle in which it came about."""
@@ -436,13 +523,15 @@ class SimulationRuntime:
         return self._times.statistics(self._pace.slipped)
 
     def start(self) -> None:
-        """Start the thread."""
+        """Start the threads."""
         self._thread.start()
+        self._planning_thread.start()
 
     def release(self) -> None:
         """Let go of every call that waits for a task, now and from now on."""
         self._closing = True
         self._stands.set()
+        self._waits_for_plan.set()
         with self._lock:
             waiters, self._waiters = self._waiters, {}
         for events in waiters.values():
@@ -457,8 +546,9 @@ class SimulationRuntime:
     def close(self) -> None:
         """End the thread, and return when it has ended."""
         self.release()
-        if self._thread.is_alive():
-            self._thread.join()
+        for thread in (self._thread, self._planning_thread):
+            if thread.is_alive():
+                thread.join()
 
     # -- the thread ----------------------------------------------------------------------------
 
@@ -466,10 +556,13 @@ class SimulationRuntime:
         try:
             self._loop()
         except Exception as exc:
-            _log.exception("the simulation failed")
-            self._failure = exc
-            self._change = None
-            self.release()
+            self._fail(exc)
+
+    def _fail(self, exc: Exception) -> None:
+        _log.exception("the simulation failed")
+        self._failure = exc
+        self._change = None
+        self.release()
 
     def _loop(self) -> None:
         idle, late, begun = False, 0.0, 0.0
@@ -573,7 +666,7 @@ class SimulationRuntime:
             powered = self._snapshot.view.robot in (RobotState.DISABLE, RobotState.ENABLE)
             self._warmth.tick(at - self._warm_at, torque, powered=powered)
             self._warm_at = at
-        with self._lock:
+        with self._cycle_lock:
             simulated = self._controller.simulated
             sensed = SensedState(
                 at, time.monotonic(), q, qd, wrench, plant.external_torque, plant.touched
@@ -604,6 +697,8 @@ class SimulationRuntime:
             self._busy = self._controller.busy
             released = self._take_answered()
             network = None if self._controller.halted else not self._controller.starting
+            if self._controller.unplanned is not None and not self._planner.locked():
+                self._waits_for_plan.set()  # nobody's command is waiting for it
         if (observer := self.observer) is not None:
             observer(self._snapshot, plant.touched)
         for event in released:
@@ -614,6 +709,12 @@ class SimulationRuntime:
         if network is not self._network:
             self._network = network
             self._on_network(network)
+
+    def _stands_for_plans(self) -> bool:
+        """Whether the next cycle has to wait until motions are planned. Under the lock."""
+        if self._controller.unplanned is None or self._closing:
+            return False
+        return self._limit is not None or math.isinf(self._speed)
 
     def _take_answered(self) -> list[threading.Event]:
         """Those who wait for the tasks that ended or were passed on. Under the lock."""
@@ -631,3 +732,20 @@ class SimulationRuntime:
         changing = changing or self._limit is not None
         self._quiet = 0 if changing else self._quiet + cycles
         return self._quiet * self.cycle >= _SETTLING
+
+
+class _CycleLock:
+    """The runtime's lock as a cycle takes it: not before all is planned, where time has no pace."""
+
+    def __init__(self, runtime: SimulationRuntime) -> None:
+        self._runtime = runtime
+
+    def __enter__(self) -> None:
+        self._runtime._lock.acquire()
+        while self._runtime._stands_for_plans():
+            self._runtime._lock.release()
+            self._runtime._plan()
+            self._runtime._lock.acquire()
+
+    def __exit__(self, *_: object) -> None:
+        self._runtime._lock.release()

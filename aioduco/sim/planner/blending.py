@@ -104,9 +104,7 @@ def blend(first: Segment, second: Segment, turn: Turn = no_turn) -> Blend | None
     speed = first.v + (second.v - first.v) * nodes / corner.length
     if together:
         points, rate = corner.poses(nodes)[:, :3, 3], min(first.a, second.a)
-        limits = tool_limits(
-            first.arm, nodes, joints, points, speed, rate, share=_SHARE, turn=turn
-        )
+        limits = tool_limits(first.arm, nodes, joints, points, speed, rate, share=_SHARE, turn=turn)
     else:
         # Between a joint move and a line only the joints have a common limit.
         moves = [segment for segment in (first, second) if segment.curve is None]

@@ -96,14 +96,11 @@ def axes_limits(
             push[part] = ((rates[part] - bend * highest[:, None]) / slope).min(axis=1)
             brake[part] = (braking / slope).min(axis=1)
     pieces = count - 1
-    return PathLimits(
-        nodes.tolist(),
-        ceiling.tolist(),
-        _least(push),
-        [math.inf] * pieces,
-        [0.0] * pieces,
-        _least(brake),
-    )
+    places, highest_there = nodes.tolist(), ceiling.tolist()
+    turn()
+    pushes, brakes = _least(push), _least(brake)
+    turn()
+    return PathLimits(places, highest_there, pushes, [math.inf] * pieces, [0.0] * pieces, brakes)
 
 
 def _least(values: Array) -> list[float]:
@@ -156,7 +153,8 @@ def tool_limits(
     if share is not None:
         left = a - curvature * np.array(limits.ceiling)
         return limits._replace(total=(np.minimum(left[:-1], left[1:]) / widest).tolist())
-    return limits._replace(
-        total=(a / widest).tolist(),
-        curvature=(np.maximum(curvature[:-1], curvature[1:]) / widest).tolist(),
-    )
+    total = (a / widest).tolist()
+    turn()
+    bent = (np.maximum(curvature[:-1], curvature[1:]) / widest).tolist()
+    turn()
+    return limits._replace(total=total, curvature=bent)

@@ -1,7 +1,7 @@
 """The mover: one set-point per controller cycle, along a queue of motions.
 
-It has no clock and no thread. Each `tick` is one cycle; everything between is a plain call. A motion
-that takes long to plan need not hold the cycles up: `draft` says what it is planned from, which
+It has no clock and no thread. Each `tick` is one cycle; everything between is a plain call. What
+takes long to plan need not hold the cycles up: `draft` says what it is planned from, which
 never changes, `Draft.work` plans it wherever there is time, and `take` puts it into the queue.
 
 Along the path of the running motion a `TimeLaw` says how fast the arm may be at each place. Most of
@@ -30,7 +30,16 @@ if TYPE_CHECKING:
     from aioduco.sim.planner.slices import Turn
     from aioduco.sim.planner.timing import TimeLaw
 
-__all__ = ["Draft", "Drafted", "MotionEvent", "MotionEventKind", "Mover", "MoverTick", "Segment", "Travel"]
+__all__ = [
+    "Draft",
+    "Drafted",
+    "MotionEvent",
+    "MotionEventKind",
+    "Mover",
+    "MoverTick",
+    "Segment",
+    "Travel",
+]
 
 MotionEventKind: TypeAlias = Literal["started", "finished", "blended", "stopped", "failed"]
 

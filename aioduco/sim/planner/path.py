@@ -236,7 +236,7 @@ def differentiate(values: Array, step: float, turn: Turn = no_turn) -> tuple[Arr
         First derivatives, sixth order, and second derivatives, fifth order or better. (n, k) each.
     """
     first, second = _edges()
-    count, half = len(values), _STENCIL // 2
+    half = _STENCIL // 2
     slope, bend = np.empty_like(values), np.empty_like(values)
     windows = np.lib.stride_tricks.sliding_window_view(values, _STENCIL, axis=0)
     for part in slices(len(windows), turn, LONG_SLICE):

@@ -16,9 +16,9 @@ __all__ = ["LONG_SLICE", "SLICE", "PlanDropped", "Turn", "no_turn", "slices"]
 Turn: TypeAlias = Callable[[], None]
 
 #: samples or nodes of a path that are worked at between two turns
-SLICE = 128
+SLICE = 64
 #: the same for what is but a few operations on each
-LONG_SLICE = 1024
+LONG_SLICE = 512
 
 
 class PlanDropped(Exception):

@@ -135,7 +135,18 @@ class TimeLaw:
         start: s at the beginning.
     """
 
-    __slots__ = ("_ahead", "_duration", "_end", "_end_speed", "_goal", "_rate", "_s", "_t", "_v", "start")
+    __slots__ = (
+        "_ahead",
+        "_duration",
+        "_end",
+        "_end_speed",
+        "_goal",
+        "_rate",
+        "_s",
+        "_t",
+        "_v",
+        "start",
+    )
 
     def __init__(self, start: float, speed: float) -> None:
         self._s, self._v, self._t = [start], [speed], [0.0]

@@ -108,7 +108,9 @@ def _check_singular(arm: Arm, q: Array, turn: Turn = no_turn) -> None:
     if values.min() < SINGULAR:
         place, kind = np.unravel_index(int(values.argmin()), values.shape)
         part_of_way = float(place) / max(len(q) - 1, 1)
-        raise PlanError("singular", f"{_NAMES[int(kind)]} singularity {part_of_way:.0%} along the path")
+        raise PlanError(
+            "singular", f"{_NAMES[int(kind)]} singularity {part_of_way:.0%} along the path"
+        )
 
 
 def check_limits(arm: Arm, q: Array) -> None:
@@ -232,9 +234,7 @@ def pass_singularities(
     return path
 
 
-def passing_limits(
-    arm: Arm, path: Path, v: float, a: float, turn: Turn = no_turn
-) -> PathLimits:
+def passing_limits(arm: Arm, path: Path, v: float, a: float, turn: Turn = no_turn) -> PathLimits:
     """Give the limits of such a path: speed and acceleration along the curve, and the joints' own.
 
     Args:
