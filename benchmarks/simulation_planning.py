@@ -34,7 +34,7 @@ SHAPES = {"triangle": 1, "sine": 2, "circle": 3, "trapezoid": 4, "eight": 5}
 
 
 class WatchedLock:
-    """A lock that notes for how long it is held [s]."""
+    """A lock that notes how much its holder works while it is held [s]: it is never waited in."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -43,11 +43,11 @@ class WatchedLock:
 
     def acquire(self) -> bool:
         self._lock.acquire()
-        self._since = time.perf_counter()
+        self._since = time.thread_time()
         return True
 
     def release(self) -> None:
-        self.held.append(time.perf_counter() - self._since)
+        self.held.append(time.thread_time() - self._since)
         self._lock.release()
 
     __enter__ = acquire
@@ -57,26 +57,29 @@ class WatchedLock:
 
 
 class Watch:
-    """Watches a running simulator: its lock, and the slices in which it plans."""
+    """Watches a running simulator: its lock, and the work in the slices in which it plans [s]."""
 
     def __init__(self, sim: Simulator) -> None:
         runtime: Any = sim._runtime
         self.lock = runtime._lock = WatchedLock()
         self.slices: list[float] = []
-        self._turn, self._since = runtime.turn, 0.0
-        runtime.turn = self._take_turn
+        self._since = 0.0
+        self._turn, self._take = runtime.turn, runtime._take_plan
+        runtime.turn, runtime._take_plan = self._take_turn, self._take_plan
 
     def clear(self) -> None:
         self.lock.held.clear()
         self.slices.clear()
-        self._since = time.perf_counter()
+
+    def _take_plan(self, planning: object) -> None:
+        self._since = time.thread_time()
+        self._take(planning)
+        self.slices.append(time.thread_time() - self._since)
 
     def _take_turn(self) -> None:
-        self.slices.append(time.perf_counter() - self._since)
-        try:
-            self._turn()
-        finally:
-            self._since = time.perf_counter()
+        self.slices.append(time.thread_time() - self._since)
+        self._turn()
+        self._since = time.thread_time()
 
 
 def weave(robot: RpcClient, shape: int, swings: int, v: float = 0.02) -> None:
@@ -111,6 +114,12 @@ def chain(start: Pose, robot: RpcClient) -> int:
     return id_
 
 
+def alone(sim: Simulator, ask: Ask) -> None:
+    """Ask on a connection of its own, which the thread of another must not use."""
+    with client(sim.port) as robot:
+        ask(robot)
+
+
 def measured(sim: Simulator, watch: Watch, ask: Ask) -> dict[str, float]:
     """Ask for a motion, once to its plan's end, and once to stop in the middle."""
     with client(sim.port) as robot, client(sim.port) as other:
@@ -122,7 +131,7 @@ def measured(sim: Simulator, watch: Watch, ask: Ask) -> dict[str, float]:
         other.stop(True)
         waits = []
         for share in (0.25, 0.5, 0.75):
-            asking = threading.Thread(target=ask, args=(robot,))
+            asking = threading.Thread(target=alone, args=(sim, ask))
             asking.start()
             time.sleep(share * took)
             stopped = time.perf_counter()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.sim.planner.path import differentiate
-from aioduco.sim.planner.slices import LONG_SLICE, no_turn, slices
+from aioduco.sim.planner.slices import LONG_SLICE, listed, no_turn, slices
 from aioduco.sim.planner.timing import PathLimits
 
 if TYPE_CHECKING:
@@ -53,9 +53,9 @@ def joint_limits(
         top: highest (ds/dt)² for other reasons; one, or one for each node.
         turn: called between slices of the work.
     """
-    speeds = np.minimum(np.broadcast_to(v, len(nodes))[:, None], arm.velocity)
+    speeds = np.minimum(np.reshape(v, (-1, 1)), arm.velocity)
     drives = np.array(arm.acceleration)
-    rates = np.minimum(np.broadcast_to(a, len(nodes))[:, None], drives)
+    rates = np.minimum(np.reshape(a, (-1, 1)), drives)
     return axes_limits(nodes, joints, speeds, rates, STOPPING * drives, share, top, turn)
 
 
@@ -85,28 +85,31 @@ def axes_limits(
     speeds = np.broadcast_to(speeds, (count, axes.shape[2]))
     rates = np.broadcast_to(rates, (count, axes.shape[2]))
     top = np.broadcast_to(top, count)
-    ceiling, push, brake = np.empty(count), np.empty(count), np.empty(count)
+    ceilings: list[float] = []
+    push, brake = np.empty(count), np.empty(count)
     for part in slices(count, turn, LONG_SLICE):
         slope, bend = np.abs(axes[part, 1]), np.abs(axes[part, 2])
         with np.errstate(divide="ignore", over="ignore"):
             fast = (speeds[part] / slope).min(axis=1) ** 2
             highest = np.minimum(fast, (share * rates[part] / bend).min(axis=1))
             highest = np.minimum(np.minimum(highest, top[part]), _HIGHEST)
-            ceiling[part] = highest
+            ceilings += highest.tolist()
             push[part] = ((rates[part] - bend * highest[:, None]) / slope).min(axis=1)
             brake[part] = (braking / slope).min(axis=1)
     pieces = count - 1
-    places, highest_there = nodes.tolist(), ceiling.tolist()
-    turn()
-    pushes, brakes = _least(push), _least(brake)
-    turn()
-    return PathLimits(places, highest_there, pushes, [math.inf] * pieces, [0.0] * pieces, brakes)
+    return PathLimits(
+        listed(nodes, turn),
+        ceilings,
+        _least(push, turn),
+        [math.inf] * pieces,
+        [0.0] * pieces,
+        _least(brake, turn),
+    )
 
 
-def _least(values: Array) -> list[float]:
+def _least(values: Array, turn: Turn) -> list[float]:
     """Give the less of both ends of each piece."""
-    least: list[float] = np.minimum(np.minimum(values[:-1], values[1:]), _HIGHEST).tolist()
-    return least
+    return listed(np.minimum(np.minimum(values[:-1], values[1:]), _HIGHEST), turn)
 
 
 def tool_limits(
@@ -135,11 +138,12 @@ def tool_limits(
         turn: called between slices of the work.
     """
     velocity, acceleration = differentiate(points, float(nodes[1]), turn)
-    stretch = np.linalg.norm(velocity, axis=1)
+    stretch, curvature = np.empty(len(points)), np.empty(len(points))
+    for part in slices(len(points), turn, LONG_SLICE):
+        stretch[part] = np.linalg.norm(velocity[part], axis=1)
+        curvature[part] = np.linalg.norm(acceleration[part], axis=1)
     if stretch.max() < _STRAIGHT:
         stretch = np.ones_like(stretch)  # it only turns, and its unit is the radian
-    turn()
-    curvature = np.linalg.norm(acceleration, axis=1)
     curvature[curvature < _STRAIGHT] = 0.0
     most = _ACROSS if share is None else share
     with np.errstate(divide="ignore"):
@@ -148,13 +152,10 @@ def tool_limits(
     limits = joint_limits(
         arm, nodes, joints, math.inf, math.inf, share=share or SHARE, top=top, turn=turn
     )
-    turn()
     widest = np.maximum(np.maximum(stretch[:-1], stretch[1:]), _STRAIGHT)
     if share is not None:
         left = a - curvature * np.array(limits.ceiling)
         return limits._replace(total=(np.minimum(left[:-1], left[1:]) / widest).tolist())
-    total = (a / widest).tolist()
+    bends = np.maximum(curvature[:-1], curvature[1:]) / widest
     turn()
-    bent = (np.maximum(curvature[:-1], curvature[1:]) / widest).tolist()
-    turn()
-    return limits._replace(total=total, curvature=bent)
+    return limits._replace(total=listed(a / widest, turn), curvature=listed(bends, turn))

@@ -171,17 +171,15 @@ class Path:
             s: the distances.
             turn: called between slices of the work.
         """
-        bounds = np.array(self.bounds)
         if len(s) <= LONG_SLICE:
-            return self._sample(s, bounds)
+            return self._sample(s)
         result = np.empty((len(s), 3, self._coefficients[0].shape[1]))
         for part in slices(len(s), turn, LONG_SLICE):
-            result[part] = self._sample(s[part], bounds)
+            result[part] = self._sample(s[part])
         return result
 
-    def _sample(self, s: Array, bounds: Array) -> Array:
-        places = np.clip(np.searchsorted(bounds, s, side="right") - 1, 0, len(self._gains) - 1)
-        pieces = places.tolist()
+    def _sample(self, s: Array) -> Array:
+        pieces = list(map(self._place, s.tolist()))
         gain = np.array([self._gains[piece] for piece in pieces])
         u = (s - np.array([self._origins[piece] for piece in pieces])) * gain
         power = np.arange(6)

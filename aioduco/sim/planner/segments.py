@@ -329,7 +329,7 @@ def spiral_move(
     """
     start, frame = _start(arm, q0, tool)
     end = None if target is None else target @ frame
-    curve = spiral(start, centre, turns, axial, radius, end)
+    curve = spiral(start, centre, turns, axial, radius, end, turn)
     return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, turn)
 
 
@@ -373,7 +373,7 @@ def spline_move(
         if not through:
             _check(v, a, r)
             return replace(stay(arm, q0), radius=r, v=v, a=a, tool=frame)
-    curve = spline(start, through)
+    curve = spline(start, through, turn)
     return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, turn)
 
 
@@ -436,6 +436,7 @@ def _followed(
     for part in slices(len(nodes), turn, LONG_SLICE):
         points[part] = curve.poses(nodes[part])[:, :3, 3]
     limits = tool_limits(arm, nodes, path.sample(nodes, turn), points, v, a, turn=turn)
+    turn()
     slowest = math.sqrt(min(limits.ceiling))
     if slowest < _SLOWEST * v:
         place = "near a singularity of the path" if laid is curve else "the weave"

@@ -9,9 +9,12 @@ that a slice takes, so a plan comes out the same on every machine.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
-__all__ = ["LONG_SLICE", "SLICE", "PlanDropped", "Turn", "no_turn", "slices"]
+if TYPE_CHECKING:
+    from aioduco.models.rotation import Array
+
+__all__ = ["LONG_SLICE", "SLICE", "PlanDropped", "Turn", "listed", "no_turn", "slices"]
 
 Turn: TypeAlias = Callable[[], None]
 
@@ -40,3 +43,11 @@ def slices(count: int, turn: Turn, size: int = SLICE) -> Iterator[slice]:
     for begin in range(0, count, size):
         yield slice(begin, min(begin + size, count))
         turn()
+
+
+def listed(values: Array, turn: Turn) -> list[float]:
+    """Give an array as a list, with a turn after each of its slices. Shape (n,)."""
+    numbers: list[float] = []
+    for part in slices(len(values), turn, 8 * LONG_SLICE):
+        numbers += values[part].tolist()
+    return numbers

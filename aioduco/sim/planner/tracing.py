@@ -147,6 +147,7 @@ def trace(arm: Arm, q0: Array, curve: Curve, tool: Array, turn: Turn = no_turn) 
     path, samples = fit(joints, length, max(count, length / curve.detail), turn)
     _check_singular(arm, samples, turn)
     check_limits(arm, samples)
+    turn()
     return path
 
 
@@ -175,11 +176,15 @@ def fit(
         s = np.linspace(0.0, length, 2 * pieces + 1)
         every = joints(s)
         q = every[::2]
-        turn()
-        if np.abs(np.diff(q, axis=0)).max() < STRIDE:
+        steps = [
+            np.abs(np.diff(q[part.start : part.stop + 1], axis=0)).max()
+            for part in slices(pieces, turn, LONG_SLICE)
+        ]
+        if max(steps) < STRIDE:
             path = Path.through(q, *differentiate(q, length / pieces, turn), length, turn)
-            turn()
-            if np.abs(path.sample(s[1::2], turn)[:, 0] - every[1::2]).max() < _EXACT:
+            between = path.sample(s[1::2], turn)[:, 0]
+            if np.abs(between - every[1::2]).max() < _EXACT:
+                turn()
                 return path, every
         if 2 * pieces > most:
             raise PlanError("singular", "the path passes through a singularity")
