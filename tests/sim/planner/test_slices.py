@@ -213,7 +213,7 @@ def test_a_law_knows_early_that_it_does_not_end_soon(monkeypatch: pytest.MonkeyP
 
 
 def to(q: float, r: float = 0.0) -> Callable[[Array], Segment]:
-    goal = HOME + [q, 0.0, 0.0, 0.0, 0.0, 0.0]
+    goal = HOME + np.array([q, 0.0, 0.0, 0.0, 0.0, 0.0])
     return lambda start: joint_move(FIVE, start, goal, 1.0, 4.0, r)
 
 
