@@ -61,17 +61,18 @@ class Watch:
 
     def __init__(self, sim: Simulator) -> None:
         runtime: Any = sim._runtime
-        self.lock = runtime._lock = WatchedLock()
+        planning = runtime.planning
+        self.lock = runtime._lock = planning._lock = WatchedLock()
         self.slices: list[float] = []
         self._since = 0.0
-        self._turn, self._take = runtime.turn, runtime._take_plan
-        runtime.turn, runtime._take_plan = self._take_turn, self._take_plan
+        self._turn, self._take = planning.turn, planning._plan
+        planning.turn, planning._plan = self._take_turn, self._plan
 
     def clear(self) -> None:
         self.lock.held.clear()
         self.slices.clear()
 
-    def _take_plan(self, planning: object) -> None:
+    def _plan(self, planning: object) -> None:
         self._since = time.thread_time()
         self._take(planning)
         self.slices.append(time.thread_time() - self._since)

@@ -4,11 +4,9 @@ Who may touch what:
 - the world belongs to this thread alone;
 - the controller is changed only under the lock, which is held neither across a world step nor
   while a motion is planned, so that a command waits for one tick at most;
-- motions are planned outside the lock, one at a time and in their order: by the thread whose
-  command brought them, or by a thread of their own if they come of the cycle itself. Planning
-  touches nothing but the values that it begins with, and gives others their turn between slices of
-  its work; a stop drops it there. Where simulated time has no pace of its own (as fast as possible,
-  or in step lock) it stands meanwhile, so that chance does not say in which cycle a motion begins;
+- motions are planned outside the lock (see `planning`). Where simulated time has no pace of its own
+  (as fast as possible, or in step lock) it stands meanwhile, so that chance does not say in which
+  cycle a motion begins;
 - readers take the latest snapshot, which is immutable, without a lock.
 """
 
@@ -27,8 +25,8 @@ from aioduco.models.enums import RobotState
 from aioduco.sim.clock import CycleSchedule, LoopStatistics, LoopTimes, checked_speed
 from aioduco.sim.cycle import DriveCommand, SensedState
 from aioduco.sim.physics.temperature import Temperatures
-from aioduco.sim.planner.path import JointSetPoint, PlanError
-from aioduco.sim.planner.slices import PlanDropped
+from aioduco.sim.planner.path import JointSetPoint
+from aioduco.sim.planning import Planning
 from aioduco.sim.refusal import Pending, Refusal
 
 if TYPE_CHECKING:
@@ -40,11 +38,9 @@ if TYPE_CHECKING:
     from aioduco.models.enums import TaskState
     from aioduco.models.pose import PoseLike
     from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
-    from aioduco.sim.controller.motion_queue import Planning
     from aioduco.sim.controller.motion_settings import OptimizationSwitches, WeaveSelection
     from aioduco.sim.controller.state_machine import Controller, ControllerState
     from aioduco.sim.cycle import Plant
-    from aioduco.sim.planner.mover import Drafted
 
     Vector = NDArray[np.float64]
     #: is given the state after a cycle, and what says what of the arm touches what
@@ -60,11 +56,6 @@ _WARMING = 0.1
 _HOLD = 2.0
 #: real time between two looks at whether a change of the controller is over [s]
 _CHANGE = 2e-5
-#: real time for which planning gives way to the other threads, which need no longer to begin; as
-#: long as it sleeps they are not kept waiting by the interpreter's lock [s]
-_WAY = 5e-5
-#: real time of work after which it does [s]
-_WORK = 5e-4
 #: simulated time of standing after which the physics need no further steps [s]
 _SETTLING = 0.3
 
@@ -160,7 +151,6 @@ class SimulationRuntime:
         on_network: Callable[[bool | None], None] = lambda _up: None,
     ) -> None:
         self._controller = controller
-        controller.plan_aside()
         self._plant = plant
         self.cycle = cycle
         self._pace = CycleSchedule(cycle, speed)
@@ -170,13 +160,7 @@ class SimulationRuntime:
         self._on_network = on_network
         self._lock = threading.Lock()
         self._cycle_lock = _CycleLock(self)
-        self._planner = threading.Lock()  # held by the thread that plans; taken before `_lock`
-        self._planning: Planning | None = None
-        self._worked_from = 0.0
-        self._waits_for_plan = threading.Event()
-        self._planning_thread = threading.Thread(
-            target=self._plan_aside, name="sim-planner", daemon=True
-        )
+        self.planning = Planning(controller, self._lock, self._changing, self._fail)
         self._wake = threading.Event()
         self._news = threading.Condition()
         self._watchers = 0
@@ -280,7 +264,7 @@ class SimulationRuntime:
             came = controller.unplanned
         self._wake.set()
         if came is not None and came != before:
-            self._plan(came)
+            self.planning.plan(came)
 
     @contextlib.contextmanager
     def _changing(self) -> Iterator[Controller]:
@@ -295,59 +279,6 @@ class SimulationRuntime:
                 released = self._take_answered()
         for event in released:
             event.set()
-
-    def turn(self) -> None:
-        """Let other threads go on; for what plans, between two slices of its work.
-
-        Raises:
-            PlanDropped: Nobody waits for the plan any more.
-        """
-        if self._closing or self._controller.planning is not self._planning:
-            raise PlanDropped
-        if time.perf_counter() - self._worked_from >= _WORK:
-            time.sleep(_WAY)
-            self._worked_from = time.perf_counter()
-
-    def _plan(self, id_: int | None = None) -> None:
-        """Plan what waits for it, in order: up to a motion, or all."""
-        while not self._closing:
-            with self._planner:
-                with self._lock:
-                    if id_ is not None and not self._controller.awaits_plan(id_):
-                        return
-                    planning = self._planning = self._controller.next_plan()
-                if planning is None:
-                    return
-                self._worked_from = time.perf_counter()
-                with contextlib.suppress(PlanDropped):
-                    self._take_plan(planning)
-            if planning.id != id_:
-                time.sleep(_WAY)  # those who wait to plan their own motion come first
-
-    def _take_plan(self, planning: Planning) -> None:
-        came: Drafted | PlanError
-        try:
-            came = planning.draft.work(self.turn)
-        except PlanError as exc:
-            came = exc
-        except PlanDropped:
-            raise
-        except Exception as exc:
-            with self._changing() as controller:
-                controller.take_plan(planning, PlanError("parameter", repr(exc)))
-            raise
-        with self._changing() as controller:
-            controller.take_plan(planning, came)
-
-    def _plan_aside(self) -> None:
-        """Plan what comes of the cycle itself. Runs on a thread of its own."""
-        try:
-            while not self._closing:
-                self._waits_for_plan.wait()
-                self._waits_for_plan.clear()
-                self._plan()
-        except Exception as exc:
-            self._fail(exc)
 
     def task_state(self, id_: int) -> TaskState:
         """State of a task, not before the snapshot shows the cycle in which it came about."""
@@ -525,13 +456,13 @@ class SimulationRuntime:
     def start(self) -> None:
         """Start the threads."""
         self._thread.start()
-        self._planning_thread.start()
+        self.planning.start()
 
     def release(self) -> None:
         """Let go of every call that waits for a task, now and from now on."""
         self._closing = True
         self._stands.set()
-        self._waits_for_plan.set()
+        self.planning.end()
         with self._lock:
             waiters, self._waiters = self._waiters, {}
         for events in waiters.values():
@@ -546,9 +477,9 @@ class SimulationRuntime:
     def close(self) -> None:
         """End the thread, and return when it has ended."""
         self.release()
-        for thread in (self._thread, self._planning_thread):
-            if thread.is_alive():
-                thread.join()
+        if self._thread.is_alive():
+            self._thread.join()
+        self.planning.join()
 
     # -- the thread ----------------------------------------------------------------------------
 
@@ -697,8 +628,7 @@ class SimulationRuntime:
             self._busy = self._controller.busy
             released = self._take_answered()
             network = None if self._controller.halted else not self._controller.starting
-            if self._controller.unplanned is not None and not self._planner.locked():
-                self._waits_for_plan.set()  # nobody's command is waiting for it
+            self.planning.plan_aside()
         if (observer := self.observer) is not None:
             observer(self._snapshot, plant.touched)
         for event in released:
@@ -744,7 +674,7 @@ class _CycleLock:
         self._runtime._lock.acquire()
         while self._runtime._stands_for_plans():
             self._runtime._lock.release()
-            self._runtime._plan()
+            self._runtime.planning.plan()
             self._runtime._lock.acquire()
 
     def __exit__(self, *_: object) -> None:

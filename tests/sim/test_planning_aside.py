@@ -14,7 +14,7 @@ from aioduco.errors import ConnectionLost, ControllerError
 from aioduco.models.enums import ProgramState, TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.runtime import SimulationRuntime
+from aioduco.sim.planning import Planning as PlanningThreads
 from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing import eventually
 
@@ -42,19 +42,20 @@ class Parking:
         self.go = threading.Event()
         self.turns = 0
         self.after = 10  # turns that it has before
-        self.times: list[float] = []
-        turn = SimulationRuntime.turn
+        self.now: Callable[[], float] = lambda: 0.0
+        self.times: list[float] = []  # simulated times of the turns
+        turn = PlanningThreads.turn
 
-        def parked(runtime: SimulationRuntime) -> None:
+        def parked(planning: PlanningThreads) -> None:
             self.turns += 1
-            self.times.append(runtime.now())
+            self.times.append(self.now())
             if self.turns > self.after:
                 self.reached.set()
                 while not self.go.wait(0.001):
-                    turn(runtime)  # as between any two slices, but there is no next one
-            turn(runtime)
+                    turn(planning)  # as between any two slices, but there is no next one
+            turn(planning)
 
-        monkeypatch.setattr(SimulationRuntime, "turn", parked)
+        monkeypatch.setattr(PlanningThreads, "turn", parked)
 
     def wait(self) -> None:
         assert self.reached.wait(30.0)
@@ -144,9 +145,9 @@ def test_the_arm_goes_on_while_the_next_motion_is_planned(
 
 
 def test_without_a_clock_time_stands_while_a_motion_is_planned(
-    robot: Program, parking: Parking
+    sim: Simulator, robot: Program, parking: Parking
 ) -> None:
-    parking.after = 10**9
+    parking.after, parking.now = 10**9, lambda: sim.time
     robot.to(1.5, *READY[1:], v=0.1, block=False)
     parking.times.clear()
     line(robot, y=0.05)

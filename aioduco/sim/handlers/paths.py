@@ -144,7 +144,7 @@ class PathSection(HandlerSection):
             axes = arguments.wobj(self._frames, wobj).matrix[:3, :3]
             weave = replace(weave, work_object=axes)
         around = self._runtime.optimization.avoids
-        return {"weave": weave, "around": around, "turn": self._runtime.turn}
+        return {"weave": weave, "around": around, "turn": self._runtime.planning.turn}
 
     def _to_joints(self, target: Sequence[float], pace: tuple[float, float], r: float) -> Plan:
         """To joints, all arriving together."""

@@ -227,7 +227,7 @@ class VelocityHandlers(HandlerSection):
                 speed,
                 _JOG_LINE_ACCELERATION,
                 tool=tool,
-                turn=self._runtime.turn,
+                turn=self._runtime.planning.turn,
             )
 
         return line
