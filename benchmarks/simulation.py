@@ -5,7 +5,9 @@
 The first rows say what is asked for and whether it was reached: by a simulator in a process of its
 own, on a core of its own, whose arm moves all the time. Run it on a quiet machine with two cores.
 Each model makes the same joint moves and lines at its full speed and acceleration, once through
-the planner and MuJoCo together.
+the planner and MuJoCo together. Then come motions that take long to plan: what that takes in all,
+for how long the controller's lock is held meanwhile, how long the slices of the work are, and how
+long a stop waits that comes in the middle.
 """
 
 from __future__ import annotations
@@ -15,6 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from _common import arguments, percentile, print_table, write_results
+from simulation_planning import judged
+from simulation_planning import measure as measure_planning
 from simulation_service import measure
 
 from aioduco.kinematics import Arm, arm, models
@@ -89,7 +93,10 @@ def cycles(any_arm: Arm, repeats: int) -> dict[str, Any]:
 
 def main() -> None:
     options = arguments(__doc__, "simulation")
+    planning = measure_planning(options.quick)
     service = measure(options.quick)
+    service["asked_for"] |= judged(planning)
+    service["long_plans"] = planning
     for title, table in service.items():
         rows = [[name, *row.values()] for name, row in table.items()]
         print_table(title.replace("_", " "), ["", *next(iter(table.values()))], rows)

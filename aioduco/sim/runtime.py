@@ -2,8 +2,11 @@
 
 Who may touch what:
 - the world belongs to this thread alone;
-- the controller is changed only under the lock, which is never held across a world step, so that
-  a command waits for one tick at most;
+- the controller is changed only under the lock, which is held neither across a world step nor
+  while a motion is planned, so that a command waits for one tick at most;
+- motions are planned outside the lock (see `planning`). Where simulated time has no pace of its own
+  (as fast as possible, or in step lock) it stands meanwhile, so that chance does not say in which
+  cycle a motion begins;
 - readers take the latest snapshot, which is immutable, without a lock.
 """
 
@@ -23,6 +26,7 @@ from aioduco.sim.clock import CycleSchedule, LoopStatistics, LoopTimes, checked_
 from aioduco.sim.cycle import DriveCommand, SensedState
 from aioduco.sim.physics.temperature import Temperatures
 from aioduco.sim.planner.path import JointSetPoint
+from aioduco.sim.planning import Planning
 from aioduco.sim.refusal import Pending, Refusal
 
 if TYPE_CHECKING:
@@ -155,6 +159,8 @@ class SimulationRuntime:
         self._sense = sense
         self._on_network = on_network
         self._lock = threading.Lock()
+        self._cycle_lock = _CycleLock(self)
+        self.planning = Planning(controller, self._lock, self._changing, self._fail)
         self._wake = threading.Event()
         self._news = threading.Condition()
         self._watchers = 0
@@ -242,6 +248,8 @@ class SimulationRuntime:
     def command(self) -> Iterator[Controller]:
         """The controller, to give it commands; readers see their effect when this ends.
 
+        A motion that was commanded has been planned by then, or its task has ended.
+
         Raises:
             Refusal: The simulation has failed.
         """
@@ -250,6 +258,17 @@ class SimulationRuntime:
         if self._within:  # a program of the controller makes a call, under the lock of the tick
             yield self._controller
             return
+        with self._changing() as controller:
+            before = controller.unplanned
+            yield controller
+            came = controller.unplanned
+        self._wake.set()
+        if came is not None and came != before:
+            self.planning.plan(came)
+
+    @contextlib.contextmanager
+    def _changing(self) -> Iterator[Controller]:
+        """The controller under the lock, and what has to be told when it has been changed."""
         with self._lock:
             self._change = object()
             try:
@@ -260,7 +279,6 @@ class SimulationRuntime:
                 released = self._take_answered()
         for event in released:
             event.set()
-        self._wake.set()
 
     def task_state(self, id_: int) -> TaskState:
         """State of a task, not before the snapshot shows the cycle in which it came about."""
@@ -436,13 +454,15 @@ class SimulationRuntime:
         return self._times.statistics(self._pace.slipped)
 
     def start(self) -> None:
-        """Start the thread."""
+        """Start the threads."""
         self._thread.start()
+        self.planning.start()
 
     def release(self) -> None:
         """Let go of every call that waits for a task, now and from now on."""
         self._closing = True
         self._stands.set()
+        self.planning.end()
         with self._lock:
             waiters, self._waiters = self._waiters, {}
         for events in waiters.values():
@@ -459,6 +479,7 @@ class SimulationRuntime:
         self.release()
         if self._thread.is_alive():
             self._thread.join()
+        self.planning.join()
 
     # -- the thread ----------------------------------------------------------------------------
 
@@ -466,10 +487,13 @@ class SimulationRuntime:
         try:
             self._loop()
         except Exception as exc:
-            _log.exception("the simulation failed")
-            self._failure = exc
-            self._change = None
-            self.release()
+            self._fail(exc)
+
+    def _fail(self, exc: Exception) -> None:
+        _log.exception("the simulation failed")
+        self._failure = exc
+        self._change = None
+        self.release()
 
     def _loop(self) -> None:
         idle, late, begun = False, 0.0, 0.0
@@ -573,7 +597,7 @@ class SimulationRuntime:
             powered = self._snapshot.view.robot in (RobotState.DISABLE, RobotState.ENABLE)
             self._warmth.tick(at - self._warm_at, torque, powered=powered)
             self._warm_at = at
-        with self._lock:
+        with self._cycle_lock:
             simulated = self._controller.simulated
             sensed = SensedState(
                 at, time.monotonic(), q, qd, wrench, plant.external_torque, plant.touched
@@ -604,6 +628,7 @@ class SimulationRuntime:
             self._busy = self._controller.busy
             released = self._take_answered()
             network = None if self._controller.halted else not self._controller.starting
+            self.planning.plan_aside()
         if (observer := self.observer) is not None:
             observer(self._snapshot, plant.touched)
         for event in released:
@@ -614,6 +639,12 @@ class SimulationRuntime:
         if network is not self._network:
             self._network = network
             self._on_network(network)
+
+    def _stands_for_plans(self) -> bool:
+        """Whether the next cycle has to wait until motions are planned. Under the lock."""
+        if self._controller.unplanned is None or self._closing:
+            return False
+        return self._limit is not None or math.isinf(self._speed)
 
     def _take_answered(self) -> list[threading.Event]:
         """Those who wait for the tasks that ended or were passed on. Under the lock."""
@@ -631,3 +662,20 @@ class SimulationRuntime:
         changing = changing or self._limit is not None
         self._quiet = 0 if changing else self._quiet + cycles
         return self._quiet * self.cycle >= _SETTLING
+
+
+class _CycleLock:
+    """The runtime's lock as a cycle takes it: not before all is planned, where time has no pace."""
+
+    def __init__(self, runtime: SimulationRuntime) -> None:
+        self._runtime = runtime
+
+    def __enter__(self) -> None:
+        self._runtime._lock.acquire()
+        while self._runtime._stands_for_plans():
+            self._runtime._lock.release()
+            self._runtime.planning.plan()
+            self._runtime._lock.acquire()
+
+    def __exit__(self, *_: object) -> None:
+        self._runtime._lock.release()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,22 @@ def impossible(code: Any = "unreachable") -> Callable[[Vector], Any]:
     return plan
 
 
+class FakeDrafted(NamedTuple):
+    key: int
+    segment: Any
+
+
+class FakeDraft(NamedTuple):
+    key: int
+    plan: Callable[[Vector], Any]
+    start: Vector
+
+    def work(self, turn: Callable[[], None]) -> FakeDrafted:
+        segment = self.plan(self.start)
+        turn()
+        return FakeDrafted(self.key, segment)
+
+
 class FakeMover:
     """Moves at constant speed; takes `BRAKING` cycles to stand."""
 
@@ -85,6 +101,13 @@ class FakeMover:
             self._queue.append((key, lambda _q: made))
         else:
             self._queue.append((key, plan))
+
+    def draft(self, key: int, plan: Callable[[Vector], Any]) -> FakeDraft:
+        return FakeDraft(key, plan, self.setpoint.q)
+
+    def take(self, drafted: FakeDrafted) -> bool:
+        self._queue.append((drafted.key, lambda _q: drafted.segment))
+        return True
 
     def tick(self) -> Any:
         events: list[tuple[int, str, str]] = []

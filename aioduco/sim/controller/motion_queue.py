@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from aioduco.models.enums import TaskState
 from aioduco.sim.controller.tasks import MotionPhase
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from aioduco.sim.controller.tasks import TaskTable
     from aioduco.sim.controller.triggers import MotionTriggers
     from aioduco.sim.planner.follower import FollowError, TargetFollower
-    from aioduco.sim.planner.mover import Mover
+    from aioduco.sim.planner.mover import Draft, Drafted, Mover
     from aioduco.sim.planner.path import JointSetPoint
     from aioduco.sim.planner.segments import Segment
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     #: makes the segment of one motion, given the joints [rad] that it starts from
     Plan = Callable[[Vector], Segment]
 
-__all__ = ["Following"]
+__all__ = ["Following", "Planning"]
 
 #: motions that may wait behind each other; the manual gives no number
 CAPACITY = 1000
@@ -71,12 +71,29 @@ def _no_target(_follower: TargetFollower) -> None:
     """It was made with all that it follows."""
 
 
+class Planning(NamedTuple):
+    """A motion that is being planned aside.
+
+    Attributes:
+        id: of its task.
+        draft: what it is planned from; its `work` is to be done.
+    """
+
+    id: int
+    draft: Draft
+
+
 class MotionQueue:
     """Motion tasks one behind the other, without a clock.
 
     Those with a path are the mover's, which looks ahead from one to the next. One that follows
     targets as they come runs alone: it waits until those before it have ended, and those behind it
     wait here, since they begin where it ends.
+
+    A motion with a path is planned when it comes, or `aside`: then it waits here, too, in its
+    order, until it has been planned by whoever asks for `next_plan` and brings what came of it to
+    `take_plan`. At most one is being planned. Whatever ends its task drops it, and what is brought
+    of it later is not taken.
 
     Invariants: every task that was appended ends exactly once; none is told to be stopped or
     paused before the arm stands.
@@ -103,6 +120,9 @@ class MotionQueue:
         self._follower: TargetFollower | None = None
         self._following: tuple[int, Following] | None = None
         self._behind: deque[tuple[int, Plan | Following]] = deque()
+        self.aside: bool = False  # whether motions are planned by another, and not when they come
+        self._unplanned: deque[tuple[int, Plan]] = deque()  # before those behind
+        self._planning: Planning | None = None  # the first of them
         self.failures: list[str] = []
         self.faults: list[str] = []
 
@@ -185,6 +205,10 @@ class MotionQueue:
             self._phase = MotionPhase.RUNNING
 
     def _append(self, id_: int, plan: Plan) -> None:
+        if self.aside:
+            self._unplanned.append((id_, plan))
+            return
+
         def checked(start: Vector) -> Segment:
             # Here and not by the mover's event: it may plan the next motion before it tells.
             if id_ not in self._queue:
@@ -202,6 +226,41 @@ class MotionQueue:
             self._mover.append(id_, checked)
         except PlanError:
             self._settle()
+
+    @property
+    def unplanned(self) -> int | None:
+        """The last motion that is still to be planned; None if there is none."""
+        return self._unplanned[-1][0] if self._unplanned else None
+
+    @property
+    def planning(self) -> Planning | None:
+        """What is being planned; None also once it was dropped."""
+        return self._planning
+
+    def awaits_plan(self, id_: int) -> bool:
+        """Whether a motion is still to be planned."""
+        return any(waiting[0] == id_ for waiting in self._unplanned)
+
+    def next_plan(self) -> Planning | None:
+        """What is to be planned next, from now on; None if there is nothing."""
+        if not self._unplanned:
+            return None
+        id_, plan = self._unplanned[0]
+        self._planning = Planning(id_, self._mover.draft(id_, plan))
+        return self._planning
+
+    def take_plan(self, planning: Planning, came: Drafted | PlanError) -> None:
+        """Take what came of planning a motion, unless it was dropped meanwhile."""
+        if self._planning is not planning:
+            return
+        self._planning = None
+        if isinstance(came, PlanError):
+            self._fail(planning.id, came)
+            self._settle()
+        elif self._mover.take(came):  # else what it was planned from has changed: once more
+            self._unplanned.popleft()
+            if came.segment.radius > 0.0:
+                self._blending[planning.id] = None
 
     def read_ahead(self, part: int, count: int) -> None:
         """Answer blocking calls as early as programs read on, so that their motions can blend.
@@ -284,6 +343,7 @@ class MotionQueue:
             self._ending = (state, message)
         self._phase = MotionPhase.STOPPING
         self._behind.clear()
+        self._drop_plans()
         self._mover.stop()
         if self._follower is not None:
             self._follower.stop()
@@ -429,6 +489,8 @@ class MotionQueue:
             return
         if not self._queue and self._phase is not MotionPhase.STOPPING:
             self._phase = MotionPhase.IDLE
+            if self._mover.paused:  # all that was paused came to nothing
+                self._mover.resume()
         if not self._at_rest:
             return
         if self._phase is MotionPhase.STOPPING:
@@ -462,12 +524,21 @@ class MotionQueue:
         if self._follower is not None:
             self._leave(self._follower.setpoint.q)
         self._behind.clear()
+        self._drop_plans()
         self._phase = MotionPhase.IDLE
         self._finish_waiting()
+
+    def _drop_plans(self) -> None:
+        self._unplanned.clear()
+        self._planning = None
 
     def _end(self, id_: int, state: TaskState, message: str = "", *, reached: bool = False) -> None:
         del self._queue[id_]
         self._blending.pop(id_, None)
+        if self._unplanned and self.awaits_plan(id_):
+            self._unplanned = deque(each for each in self._unplanned if each[0] != id_)
+            if self._planning is not None and self._planning.id == id_:
+                self._planning = None
         if self._triggers:
             self._triggers.end(id_, self._time, self.setpoint, reached=reached)
         self._tasks.set(id_, state, message)

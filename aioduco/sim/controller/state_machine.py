@@ -1,7 +1,8 @@
 """The controller as a state machine: no clock, no thread, no wire, no physics.
 
 `tick` is called once per cycle with what the arm's sensors say, and answers with what its drives
-get. Commands come between ticks; each makes a task and returns its id.
+get. Commands come between ticks; each makes a task and returns its id. Motions are planned when
+they come, or after `plan_aside` by who runs the controller, beside other commands and ticks.
 
 Invariants:
 - set-points reach the drives only while the robot is enabled and no STOP0 holds;
@@ -43,12 +44,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from aioduco.sim.cabinet.tools import Tool, WorkObject
-    from aioduco.sim.controller.motion_queue import Following, Plan
+    from aioduco.sim.controller.motion_queue import Following, Plan, Planning
     from aioduco.sim.controller.programs import RunningProgram
     from aioduco.sim.controller.triggers import MotionTriggers
     from aioduco.sim.force.control import ForceControl
     from aioduco.sim.force.sensor import ForceSensor
-    from aioduco.sim.planner.mover import Mover
+    from aioduco.sim.planner.mover import Drafted, Mover
+    from aioduco.sim.planner.path import PlanError
 
     Vector = NDArray[np.float64]
 
@@ -382,6 +384,35 @@ class Controller:
         self.tasks.set(id_, state, message)
         self.note_error(f"{name}: {message}")
         return id_
+
+    # -- motions that are planned aside ------------------------------------------------------
+
+    def plan_aside(self) -> None:
+        """Have motions wait for `next_plan` and `take_plan` from now on."""
+        self._motion.aside = True
+
+    @property
+    def unplanned(self) -> int | None:
+        """The last motion that is still to be planned; None if there is none."""
+        return self._motion.unplanned
+
+    @property
+    def planning(self) -> Planning | None:
+        """What is being planned; None also once it was dropped."""
+        return self._motion.planning
+
+    def awaits_plan(self, id_: int) -> bool:
+        """Whether a motion is still to be planned."""
+        return self._motion.awaits_plan(id_)
+
+    def next_plan(self) -> Planning | None:
+        """What is to be planned next; None if there is nothing."""
+        return self._motion.next_plan()
+
+    def take_plan(self, planning: Planning, came: Drafted | PlanError) -> None:
+        """Take what came of planning a motion, unless it was dropped meanwhile."""
+        self._motion.take_plan(planning, came)
+        self._collect_failures()
 
     # -- what is not a task ------------------------------------------------------------------
 

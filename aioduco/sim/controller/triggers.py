@@ -91,8 +91,8 @@ class MotionTriggers:
                 self.start = None
                 start.fire()
         if end is not None and end.amount >= 0.0:
-            left = travel.remaining if end.by_time else travel.left
-            if left <= end.amount + 1e-9:
+            by_time = end.by_time
+            if travel.ends_within(end.amount) if by_time else travel.left <= end.amount + 1e-9:
                 self.end = None
                 end.fire()
 

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from aioduco.sim.controller.motion_queue import Plan
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.planner.segments import Segment
+    from aioduco.sim.planner.slices import Turn
     from aioduco.sim.planner.weaving import Weave
 
     Vector = NDArray[np.float64]
@@ -57,10 +58,12 @@ class PathOptions(TypedDict):
     Attributes:
         weave: laid over the path; None while that is switched off.
         around: whether singularities are passed by the joints.
+        turn: lets others go on while they are planned.
     """
 
     weave: Weave | None
     around: bool
+    turn: Turn
 
 
 class PathSection(HandlerSection):
@@ -140,7 +143,8 @@ class PathSection(HandlerSection):
         if weave is not None:
             axes = arguments.wobj(self._frames, wobj).matrix[:3, :3]
             weave = replace(weave, work_object=axes)
-        return {"weave": weave, "around": self._runtime.optimization.avoids}
+        around = self._runtime.optimization.avoids
+        return {"weave": weave, "around": around, "turn": self._runtime.planning.turn}
 
     def _to_joints(self, target: Sequence[float], pace: tuple[float, float], r: float) -> Plan:
         """To joints, all arriving together."""

@@ -220,7 +220,15 @@ class VelocityHandlers(HandlerSection):
             goal[:3, 3] += axes @ step[:3]
             goal[:3, :3] = matrix_from_rotvec(axes @ step[3:]) @ tip[:3, :3]
             flange = goal @ np.linalg.inv(tool)
-            return line_move(self._arm, start, flange, speed, _JOG_LINE_ACCELERATION, tool=tool)
+            return line_move(
+                self._arm,
+                start,
+                flange,
+                speed,
+                _JOG_LINE_ACCELERATION,
+                tool=tool,
+                turn=self._runtime.planning.turn,
+            )
 
         return line
 

@@ -14,9 +14,11 @@ import numpy as np
 
 from aioduco.sim.planner.limits import SHARE, axes_limits
 from aioduco.sim.planner.path import Path
+from aioduco.sim.planner.slices import no_turn
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
+    from aioduco.sim.planner.slices import Turn
     from aioduco.sim.planner.timing import PathLimits
 
 __all__ = ["ExternalAxesMove", "blended"]
@@ -44,10 +46,12 @@ class ExternalAxesMove:
     braking: Array
     path: Path | None = None
 
-    def limits(self, path: Path, nodes: Array, share: float = SHARE) -> PathLimits:
+    def limits(
+        self, path: Path, nodes: Array, share: float = SHARE, turn: Turn = no_turn
+    ) -> PathLimits:
         """Give what the axes' speeds and accelerations leave along their path."""
-        speeds, rates = self.velocity, self.acceleration
-        return axes_limits(nodes, path.sample(nodes), speeds, rates, self.braking, share=share)
+        speeds, rates, ways = self.velocity, self.acceleration, path.sample(nodes, turn)
+        return axes_limits(nodes, ways, speeds, rates, self.braking, share, turn=turn)
 
 
 def blended(first: ExternalAxesMove, second: ExternalAxesMove, leave: float, enter: float) -> Path:

@@ -1,8 +1,9 @@
 """Blends (轨迹融合): from one motion into the next without standing at the corner between them.
 
 The queue of motions is looked at as a whole: where they blend, and how fast each may end. Its
-entries are values. A motion that comes in makes a new queue, which is taken only if the motion
-that is running can still keep to it: otherwise there is no blend, and the old one stands.
+entries are values. A motion that comes in makes a new queue, which takes long and so is done beside
+the queue that runs; it is taken only if the motion that is running by then can still keep to it:
+otherwise there is no blend, and the old one stands.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 from aioduco.sim.planner.axes import blended
 from aioduco.sim.planner.limits import joint_limits, tool_limits
 from aioduco.sim.planner.path import PlanError
+from aioduco.sim.planner.slices import no_turn
 from aioduco.sim.planner.timing import allowed, backward
 from aioduco.sim.planner.tracing import check_limits, fit, trace
 
@@ -23,10 +25,11 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.path import Path
     from aioduco.sim.planner.segments import Segment
+    from aioduco.sim.planner.slices import Turn
     from aioduco.sim.planner.timing import PathLimits
 
 
-__all__ = ["Blend", "Entry", "append", "blend"]
+__all__ = ["Blend", "Entry", "alone", "blend", "joined", "keeps"]
 
 _PIECES = 24
 _LEAST = 1e-6  # radius below which there is no blend [m]
@@ -54,7 +57,7 @@ class Blend(NamedTuple):
     axes: Path | None = None
 
 
-def blend(first: Segment, second: Segment) -> Blend | None:
+def blend(first: Segment, second: Segment, turn: Turn = no_turn) -> Blend | None:
     """Blend one motion into the next, within the radius of the first.
 
     While the first motion slows down to its end, the second sets off from its start; what each
@@ -64,6 +67,7 @@ def blend(first: Segment, second: Segment) -> Blend | None:
     Args:
         first: a motion with a blend radius.
         second: the motion that begins where the first ends.
+        turn: called between slices of the work.
 
     Returns:
         The blend, or None where there can be none and the first motion stops at its end: as
@@ -75,7 +79,9 @@ def blend(first: Segment, second: Segment) -> Blend | None:
     if (one and one.numbers) != (two and two.numbers):
         return None
     left = _reach(first, backwards=True)
+    turn()
     enter = _reach(second, backwards=False, radius=first.radius)
+    turn()
     if left is None or enter is None:
         return None
     corner = _Corner(first, second, first.path.end - left, enter)
@@ -86,29 +92,30 @@ def blend(first: Segment, second: Segment) -> Blend | None:
     )
     try:
         if together:
-            path = trace(first.arm, corner.joints(np.zeros(1))[0], corner, first.tool)
+            start = corner.joints(np.zeros(1))[0]
+            path = trace(first.arm, start, corner, first.tool, turn)
         else:
-            path, samples = fit(corner.joints, corner.length, _PIECES)
+            path, samples = fit(corner.joints, corner.length, _PIECES, turn)
             check_limits(first.arm, samples)
     except PlanError:
         return None
     nodes = path.nodes()
-    joints = path.sample(nodes)
+    joints = path.sample(nodes, turn)
     speed = first.v + (second.v - first.v) * nodes / corner.length
     if together:
         points, rate = corner.poses(nodes)[:, :3, 3], min(first.a, second.a)
-        limits = tool_limits(first.arm, nodes, joints, points, speed, rate, share=_SHARE)
+        limits = tool_limits(first.arm, nodes, joints, points, speed, rate, share=_SHARE, turn=turn)
     else:
         # Between a joint move and a line only the joints have a common limit.
         moves = [segment for segment in (first, second) if segment.curve is None]
         rate = min((segment.a for segment in moves), default=math.inf)
         common = speed if len(moves) == 2 else math.inf
-        limits = joint_limits(first.arm, nodes, joints, common, rate, share=_SHARE)
+        limits = joint_limits(first.arm, nodes, joints, common, rate, share=_SHARE, turn=turn)
     axes = None
     if one is not None and two is not None:
         axes = blended(one, two, corner.leave, enter)
         for move in (one, two):
-            limits = limits.least(move.limits(axes, nodes, _SHARE))
+            limits = limits.least(move.limits(axes, nodes, _SHARE, turn))
     return Blend(corner.leave, enter, path, limits, enter / left, axes)
 
 
@@ -215,41 +222,59 @@ class Entry:
         return self.path.end if self.path is not None else 0.0
 
 
-def append(
-    queue: tuple[Entry, ...], key: int, segment: Segment, at: float, speed: float
-) -> tuple[Entry, ...]:
-    """Put a motion at the end of the queue, and blend the last one into it where that can be.
+def alone(key: int, segment: Segment, turn: Turn = no_turn) -> Entry:
+    """Give the entry of a motion that begins and ends at a stand.
+
+    Args:
+        key: of the motion.
+        segment: the motion.
+        turn: called between slices of the work.
+    """
+    axes = segment.axes.path if segment.axes is not None else None
+    entry = Entry(key, segment, segment.path, segment.limits, axes=axes)
+    return _settle((entry,), turn)[0]
+
+
+def joined(queue: tuple[Entry, ...], new: Entry, turn: Turn = no_turn) -> tuple[Entry, ...] | None:
+    """Blend the last motion of a queue into a new one.
 
     Args:
         queue: the queue, the running motion first.
-        key: of the new motion.
-        segment: the new motion.
-        at: distance along the path of the running motion.
-        speed: highest ds/dt there by the law that it follows.
+        new: the new motion, alone.
+        turn: called between slices of the work.
 
     Returns:
-        The new queue.
+        The new queue; None where the last motion stops at its end.
     """
-    axes = segment.axes.path if segment.axes is not None else None
-    new = Entry(key, segment, segment.path, segment.limits, axes=axes)
-    corner = blend(queue[-1].segment, segment) if queue else None
-    if corner is not None:
-        joined = _settle((*queue[:-1], _leave(queue[-1], corner), _enter(new, corner)))
-        running = joined[0]
-        if running.path is None or running.limits is None:
-            return joined
-        if at < running.path.end and speed * speed <= allowed(running.limits, running.back, at):
-            return joined
-    return _settle((*queue, new))
+    corner = blend(queue[-1].segment, new.segment, turn) if queue else None
+    if corner is None:
+        return None
+    left = _leave(queue[-1], corner, turn)
+    return _settle((*queue[:-1], left, _enter(new, corner, turn)), turn)
 
 
-def _leave(entry: Entry, corner: Blend) -> Entry:
+def keeps(entry: Entry, at: float, speed: float) -> bool:
+    """Whether a motion that runs can keep to another entry of it.
+
+    Args:
+        entry: the other one.
+        at: distance along its path.
+        speed: highest ds/dt there by the law that it follows.
+    """
+    if entry.path is None or entry.limits is None:
+        return True
+    return at < entry.path.end and speed * speed <= allowed(entry.limits, entry.back, at)
+
+
+def _leave(entry: Entry, corner: Blend, turn: Turn) -> Entry:
     assert entry.path is not None
     assert entry.limits is not None
     end = corner.leave + (entry.blend.enter if entry.blend is not None else 0.0)
+    path = entry.path.slice(0.0, end)
+    turn()
     return replace(
         entry,
-        path=entry.path.slice(0.0, end),
+        path=path,
         limits=entry.limits.slice(0.0, end),
         blends=True,
         exit=-1.0,
@@ -257,22 +282,25 @@ def _leave(entry: Entry, corner: Blend) -> Entry:
     )
 
 
-def _enter(entry: Entry, corner: Blend) -> Entry:
+def _enter(entry: Entry, corner: Blend, turn: Turn) -> Entry:
     assert entry.path is not None
     assert entry.limits is not None
     axes = entry.axes
     if axes is not None and corner.axes is not None:
         axes = corner.axes.then(axes.slice(corner.enter, axes.end))
-    return replace(
-        entry,
-        path=corner.path.then(entry.path.slice(corner.enter, entry.path.end)),
-        limits=corner.limits.then(entry.limits.slice(corner.enter, entry.path.end)),
-        blend=corner,
-        axes=axes,
-    )
+    path = entry.path.slice(corner.enter, entry.path.end)
+    turn()
+    path = corner.path.then(path)
+    turn()
+    limits = entry.limits.slice(corner.enter, entry.path.end)
+    turn()
+    limits = corner.limits.then(limits)
+    turn()
+    # Its end is still at a stand, but the nodes are others.
+    return replace(entry, path=path, limits=limits, blend=corner, axes=axes, exit=-1.0)
 
 
-def _settle(queue: tuple[Entry, ...]) -> tuple[Entry, ...]:
+def _settle(queue: tuple[Entry, ...], turn: Turn) -> tuple[Entry, ...]:
     """Carry from the last motion to the first how fast each may end."""
     settled = list(queue)
     exit_ = 0.0
@@ -284,7 +312,7 @@ def _settle(queue: tuple[Entry, ...]) -> tuple[Entry, ...]:
             settled[i] = replace(entry, exit=exit_)
             exit_ = 0.0
             continue
-        back = tuple(backward(entry.limits, exit_))
+        back = tuple(backward(entry.limits, exit_, turn))
         settled[i] = replace(entry, exit=exit_, back=back)
         exit_ = back[0] / entry.blend.ratio**2 if entry.blend is not None else 0.0
     return tuple(settled)

@@ -20,11 +20,13 @@ from aioduco.models.rotation import (
     rotvec_from_matrix,
 )
 from aioduco.sim.planner.path import PlanError
+from aioduco.sim.planner.slices import LONG_SLICE, no_turn, slices
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from aioduco.models.rotation import Array
+    from aioduco.sim.planner.slices import Turn
 
 
 __all__ = [
@@ -212,6 +214,7 @@ class ByLength:
 
     Args:
         poses: poses over u. Shape (n,) to (n, 4, 4).
+        turn: called between slices of the work.
 
     Attributes:
         length: of the curve of the positions [m].
@@ -221,10 +224,12 @@ class ByLength:
 
     detail: float = math.inf
 
-    def __init__(self, poses: Callable[[Array], Array]) -> None:
+    def __init__(self, poses: Callable[[Array], Array], turn: Turn = no_turn) -> None:
         self._poses = poses
         self._u = np.linspace(0.0, 1.0, _TABLE + 1)
-        table = poses(self._u)
+        table = np.empty((_TABLE + 1, 4, 4))
+        for part in slices(_TABLE + 1, turn, LONG_SLICE):
+            table[part] = poses(self._u[part])
         points, rotations = table[:, :3, 3], table[:, :3, :3]
         step = np.linalg.norm(np.diff(points, axis=0), axis=1)
         if step.min() < 1e-9 / _TABLE:
@@ -232,8 +237,11 @@ class ByLength:
         self._s = np.concatenate([[0.0], np.cumsum(step)])
         self._slope = np.gradient(self._u, self._s, edge_order=2)
         self.length: float = float(self._s[-1])
-        turns = rotvec_from_matrix(np.swapaxes(rotations[:-1], -1, -2) @ rotations[1:])
-        self.turning: float = float(np.linalg.norm(turns, axis=1).sum())
+        self.turning: float = 0.0
+        back = np.swapaxes(rotations[:-1], -1, -2)
+        for part in slices(_TABLE, turn, LONG_SLICE):
+            turns = rotvec_from_matrix(back[part] @ rotations[1:][part])
+            self.turning += float(np.linalg.norm(turns, axis=1).sum())
 
     def poses(self, s: Array) -> Array:
         """Give the poses at distances s. Shape (n,) to (n, 4, 4)."""
@@ -248,7 +256,13 @@ class ByLength:
 
 
 def spiral(
-    start: Array, centre: Array, turns: float, axial: float, radius: float, end: Array | None = None
+    start: Array,
+    centre: Array,
+    turns: float,
+    axial: float,
+    radius: float,
+    end: Array | None = None,
+    turn: Turn = no_turn,
 ) -> ByLength:
     """Give a spiral from the start (manual 1.3.5, move_spiral).
 
@@ -263,6 +277,7 @@ def spiral(
         radius: at the end [m].
         end: a last pose; if given, it says the radius, the way along z and the orientation, and
             the turns are those nearest to `turns` that end there. Shape (4, 4).
+        turn: called between slices of the work.
 
     Raises:
         PlanError: the start is on the axis, or there is no way to go.
@@ -271,13 +286,13 @@ def spiral(
     first = (back @ start)[:3, 3]
     began = math.hypot(first[0], first[1])
     angle = 2 * math.pi * turns
-    turn = np.zeros(3)
+    twist = np.zeros(3)
     if end is not None:
         last = (back @ end)[:3, 3]
         radius, axial = math.hypot(last[0], last[1]), last[2] - first[2]
         between = math.atan2(last[1], last[0]) - math.atan2(first[1], first[0])
         angle = between + 2 * math.pi * round((angle - between) / (2 * math.pi))
-        turn = rotvec_from_matrix(end[:3, :3] @ start[:3, :3].T)
+        twist = rotvec_from_matrix(end[:3, :3] @ start[:3, :3].T)
     if began < POINT or radius < 0.0:
         raise PlanError("parameter", "a spiral begins at a distance from its axis")
     if abs(angle) * max(began, radius) < POINT and abs(axial) < POINT:
@@ -292,14 +307,14 @@ def spiral(
             axis=-1,
         )
         out = np.zeros((len(u), 4, 4))
-        out[:, :3, :3] = matrix_from_rotvec(u[:, None] * turn) @ start[:3, :3]
+        out[:, :3, :3] = matrix_from_rotvec(u[:, None] * twist) @ start[:3, :3]
         out[:, :, 3] = points @ centre.T
         return out
 
-    return ByLength(poses)
+    return ByLength(poses, turn)
 
 
-def spline(start: Array, targets: Sequence[Array]) -> ByLength:
+def spline(start: Array, targets: Sequence[Array], turn: Turn = no_turn) -> ByLength:
     """Give a smooth curve from the start through poses (manual 1.3.5, spline).
 
     Position and orientation are natural cubic splines over the distance between the poses, with
@@ -308,6 +323,7 @@ def spline(start: Array, targets: Sequence[Array]) -> ByLength:
     Args:
         start: first pose. Shape (4, 4).
         targets: poses to go through, the last one to end at. Shapes (4, 4).
+        turn: called between slices of the work.
 
     Raises:
         PlanError: there is no target, or two poses that follow each other are at one point.
@@ -338,7 +354,7 @@ def spline(start: Array, targets: Sequence[Array]) -> ByLength:
         out[:, 3, 3] = 1.0
         return out
 
-    return ByLength(poses)
+    return ByLength(poses, turn)
 
 
 def _bends(knots: Array, values: Array) -> Array:

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from aioduco.sim.planner.path import differentiate
+from aioduco.sim.planner.slices import LONG_SLICE, listed, no_turn, slices
 from aioduco.sim.planner.timing import PathLimits
 
 if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
+    from aioduco.sim.planner.slices import Turn
 
 __all__ = ["SHARE", "STOPPING", "axes_limits", "joint_limits", "tool_limits"]
 
@@ -36,6 +38,7 @@ def joint_limits(
     *,
     share: float = SHARE,
     top: Array | float = math.inf,
+    turn: Turn = no_turn,
 ) -> PathLimits:
     """Give the limits of a path on which every joint keeps to a speed and an acceleration.
 
@@ -48,11 +51,12 @@ def joint_limits(
         share: of the acceleration that the bends of the path may take at most; what they leave is
             for changes of the speed along it.
         top: highest (ds/dt)² for other reasons; one, or one for each node.
+        turn: called between slices of the work.
     """
-    speeds = np.minimum(np.broadcast_to(v, len(nodes))[:, None], arm.velocity)
+    speeds = np.minimum(np.reshape(v, (-1, 1)), arm.velocity)
     drives = np.array(arm.acceleration)
-    rates = np.minimum(np.broadcast_to(a, len(nodes))[:, None], drives)
-    return axes_limits(nodes, joints, speeds, rates, STOPPING * drives, share=share, top=top)
+    rates = np.minimum(np.reshape(a, (-1, 1)), drives)
+    return axes_limits(nodes, joints, speeds, rates, STOPPING * drives, share, top, turn)
 
 
 def axes_limits(
@@ -61,9 +65,9 @@ def axes_limits(
     speeds: Array,
     rates: Array,
     braking: Array,
-    *,
     share: float = SHARE,
     top: Array | float = math.inf,
+    turn: Turn = no_turn,
 ) -> PathLimits:
     """Give the limits of a path on which each of some axes keeps to a speed and an acceleration.
 
@@ -75,28 +79,37 @@ def axes_limits(
         braking: accelerations that a stop uses. Shape (k,).
         share: of the acceleration that the bends of the path may take at most.
         top: highest (ds/dt)² for other reasons; one, or one for each node.
+        turn: called between slices of the work.
     """
-    slope, bend = np.abs(axes[:, 1]), np.abs(axes[:, 2])
-    with np.errstate(divide="ignore", over="ignore"):
-        ceiling = np.minimum((speeds / slope).min(axis=1) ** 2, (share * rates / bend).min(axis=1))
-        ceiling = np.minimum(np.minimum(ceiling, top), _HIGHEST)
-        push = ((rates - bend * ceiling[:, None]) / slope).min(axis=1)
-        brake = (braking / slope).min(axis=1)
-    pieces = len(nodes) - 1
+    count = len(nodes)
+    speeds = np.broadcast_to(speeds, (count, axes.shape[2]))
+    rates = np.broadcast_to(rates, (count, axes.shape[2]))
+    top = np.broadcast_to(top, count)
+    ceilings: list[float] = []
+    push, brake = np.empty(count), np.empty(count)
+    for part in slices(count, turn, LONG_SLICE):
+        slope, bend = np.abs(axes[part, 1]), np.abs(axes[part, 2])
+        with np.errstate(divide="ignore", over="ignore"):
+            fast = (speeds[part] / slope).min(axis=1) ** 2
+            highest = np.minimum(fast, (share * rates[part] / bend).min(axis=1))
+            highest = np.minimum(np.minimum(highest, top[part]), _HIGHEST)
+            ceilings += highest.tolist()
+            push[part] = ((rates[part] - bend * highest[:, None]) / slope).min(axis=1)
+            brake[part] = (braking / slope).min(axis=1)
+    pieces = count - 1
     return PathLimits(
-        nodes.tolist(),
-        ceiling.tolist(),
-        _least(push),
+        listed(nodes, turn),
+        ceilings,
+        _least(push, turn),
         [math.inf] * pieces,
         [0.0] * pieces,
-        _least(brake),
+        _least(brake, turn),
     )
 
 
-def _least(values: Array) -> list[float]:
+def _least(values: Array, turn: Turn) -> list[float]:
     """Give the less of both ends of each piece."""
-    least: list[float] = np.minimum(np.minimum(values[:-1], values[1:]), _HIGHEST).tolist()
-    return least
+    return listed(np.minimum(np.minimum(values[:-1], values[1:]), _HIGHEST), turn)
 
 
 def tool_limits(
@@ -108,6 +121,7 @@ def tool_limits(
     a: float,
     *,
     share: float | None = None,
+    turn: Turn = no_turn,
 ) -> PathLimits:
     """Give the limits of a path on which the tool centre point keeps to a speed and acceleration.
 
@@ -121,22 +135,27 @@ def tool_limits(
         share: of the acceleration that the bends of the path may take at most, where the path's
             parameter is not the distance, and so the acceleration along it is not square to that
             across it; None where it is.
+        turn: called between slices of the work.
     """
-    velocity, acceleration = differentiate(points, float(nodes[1]))
-    stretch = np.linalg.norm(velocity, axis=1)
+    velocity, acceleration = differentiate(points, float(nodes[1]), turn)
+    stretch, curvature = np.empty(len(points)), np.empty(len(points))
+    for part in slices(len(points), turn, LONG_SLICE):
+        stretch[part] = np.linalg.norm(velocity[part], axis=1)
+        curvature[part] = np.linalg.norm(acceleration[part], axis=1)
     if stretch.max() < _STRAIGHT:
         stretch = np.ones_like(stretch)  # it only turns, and its unit is the radian
-    curvature = np.linalg.norm(acceleration, axis=1)
     curvature[curvature < _STRAIGHT] = 0.0
     most = _ACROSS if share is None else share
     with np.errstate(divide="ignore"):
         top = np.minimum((v / stretch) ** 2, most * a / curvature)
-    limits = joint_limits(arm, nodes, joints, math.inf, math.inf, share=share or SHARE, top=top)
+    turn()
+    limits = joint_limits(
+        arm, nodes, joints, math.inf, math.inf, share=share or SHARE, top=top, turn=turn
+    )
     widest = np.maximum(np.maximum(stretch[:-1], stretch[1:]), _STRAIGHT)
     if share is not None:
         left = a - curvature * np.array(limits.ceiling)
         return limits._replace(total=(np.minimum(left[:-1], left[1:]) / widest).tolist())
-    return limits._replace(
-        total=(a / widest).tolist(),
-        curvature=(np.maximum(curvature[:-1], curvature[1:]) / widest).tolist(),
-    )
+    bends = np.maximum(curvature[:-1], curvature[1:]) / widest
+    turn()
+    return limits._replace(total=listed(a / widest, turn), curvature=listed(bends, turn))

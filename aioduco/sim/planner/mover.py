@@ -1,6 +1,8 @@
 """The mover: one set-point per controller cycle, along a queue of motions.
 
-It has no clock and no thread. Each `tick` is one cycle; everything between is a plain call.
+It has no clock and no thread. Each `tick` is one cycle; everything between is a plain call. What
+takes long to plan need not hold the cycles up: `draft` says what it is planned from, which
+never changes, `Draft.work` plans it wherever there is time, and `take` puts it into the queue.
 
 Along the path of the running motion a `TimeLaw` says how fast the arm may be at each place. Most of
 the time the arm keeps to it ("tracking"), at the global speed: time then runs slower by that
@@ -14,9 +16,10 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from aioduco.sim.planner.blending import Entry, append
+from aioduco.sim.planner.blending import Entry, alone, joined, keeps
 from aioduco.sim.planner.path import JointSetPoint, PlanError
 from aioduco.sim.planner.segments import Segment, carry
+from aioduco.sim.planner.slices import no_turn
 from aioduco.sim.planner.timing import fastest
 
 if TYPE_CHECKING:
@@ -24,13 +27,24 @@ if TYPE_CHECKING:
 
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
+    from aioduco.sim.planner.slices import Turn
     from aioduco.sim.planner.timing import TimeLaw
 
-__all__ = ["MotionEvent", "MotionEventKind", "Mover", "MoverTick", "Segment", "Travel"]
+__all__ = [
+    "Draft",
+    "Drafted",
+    "MotionEvent",
+    "MotionEventKind",
+    "Mover",
+    "MoverTick",
+    "Segment",
+    "Travel",
+]
 
 MotionEventKind: TypeAlias = Literal["started", "finished", "blended", "stopped", "failed"]
 
 
+_SOON = 1e-9  # what rounding adds to a time [s]
 _MOST = 300_000  # pieces of all paths in the queue: what memory there is for them is bounded
 
 
@@ -54,16 +68,82 @@ class Travel(NamedTuple):
 
     Attributes:
         elapsed: time that it has moved [s].
-        remaining: time to its end at the global speed, if nothing comes in between [s].
         distance: way behind it, in the unit of its path: metres of the tool centre point, or
             radians of the joint that turns furthest.
         left: way ahead of it.
+        law: that it keeps to.
+        speed: global speed, 0.01 to 1.
     """
 
     elapsed: float
-    remaining: float
     distance: float
     left: float
+    law: TimeLaw
+    speed: float
+
+    @property
+    def remaining(self) -> float:
+        """Time to its end at the global speed, if nothing comes in between [s]."""
+        return (self.law.duration - self.law.time(self.distance)) / self.speed
+
+    def ends_within(self, time: float) -> bool:
+        """Whether it ends within a time [s]; lays no more of the law than it takes to tell."""
+        return self.law.over(self.law.time(self.distance) + (time + _SOON) * self.speed)
+
+
+class Drafted(NamedTuple):
+    """A motion that has been planned.
+
+    Attributes:
+        draft: what it was planned from.
+        segment: the motion.
+        alone: its entry, if it begins at a stand.
+        joined: the queue with it, if the one before it blends into it.
+    """
+
+    draft: Draft
+    segment: Segment
+    alone: Entry
+    joined: tuple[Entry, ...] | None
+
+
+class Draft(NamedTuple):
+    """What a motion is planned from: values, which nothing changes while it is planned.
+
+    Attributes:
+        key: names the motion in events.
+        plan: makes the motion for the joints [rad] at which it begins. Shape (6,).
+        start: joints at which it begins [rad]. Shape (6,).
+        queue: the motions before it, the running one first.
+        axes: where those leave external axes, by number.
+    """
+
+    key: int
+    plan: Callable[[Array], Segment]
+    start: Array
+    queue: tuple[Entry, ...]
+    axes: dict[int, float]
+
+    def work(self, turn: Turn = no_turn) -> Drafted:
+        """Plan the motion, its blend with the one before it included.
+
+        Args:
+            turn: called between slices of the work; may raise PlanDropped.
+
+        Raises:
+            PlanError: from `plan`, or the motion cannot be behind those before it.
+        """
+        segment = self.plan(self.start.copy())
+        turn()
+        if np.abs(segment.q_start - self.start).max() > 1e-9:
+            raise PlanError("parameter", "the motion does not begin where the one before it ends")
+        if segment.axes is not None:
+            segment = carry(segment, self.axes, turn)
+        pieces = sum(len(path.bounds) for entry in self.queue if (path := entry.path) is not None)
+        if segment.path is not None and pieces + len(segment.path.bounds) > _MOST:
+            raise PlanError("limits", "the motions that wait are too long to be known at once")
+        new = alone(self.key, segment, turn)
+        return Drafted(self, segment, new, joined(self.queue, new, turn))
 
 
 class MoverTick(NamedTuple):
@@ -159,8 +239,7 @@ class Mover:
         """How far the active motion has come; None before it has started."""
         if self._law is None:
             return None
-        remaining = (self._law.duration - self._law.time(self._s)) / self._speed
-        return Travel(self._elapsed, remaining, self._s, self._law.end - self._s)
+        return Travel(self._elapsed, self._s, self._law.end - self._s, self._law, self._speed)
 
     def append(self, key: int, plan: Callable[[Array], Segment]) -> None:
         """Put a motion at the end of the queue.
@@ -173,22 +252,51 @@ class Mover:
         Raises:
             PlanError: from `plan`; the queue is as it was.
         """
+        self.take(self.draft(key, plan).work())
+
+    def draft(self, key: int, plan: Callable[[Array], Segment]) -> Draft:
+        """Give what a motion at the end of the queue is planned from; arguments as of `append`.
+
+        Raises:
+            PlanError: the arm is stopping.
+        """
         if self._stopping:
             raise PlanError("parameter", "the arm is stopping")
-        start = self._queue[-1].segment.q_end if self._queue else self._setpoint.q
-        segment = plan(start.copy())
-        if np.abs(segment.q_start - start).max() > 1e-9:
-            raise PlanError("parameter", "the motion does not begin where the one before it ends")
-        if segment.axes is not None:
-            segment = carry(segment, self._left_by_queue())
-        pieces = sum(len(path.bounds) for entry in self._queue if (path := entry.path) is not None)
-        if segment.path is not None and pieces + len(segment.path.bounds) > _MOST:
-            raise PlanError("limits", "the motions that wait are too long to be known at once")
-        running = self._queue[0] if self._queue else None
+        return Draft(key, plan, self._end, self._queue, {**self._axes, **self._left_by_queue()})
+
+    def take(self, drafted: Drafted) -> bool:
+        """Put a motion that was drafted at the end of the queue.
+
+        Cycles may have gone by since. Motions that have ended meanwhile are no longer before it,
+        and if the arm has come too far to blend into it, the motion before it stops at its end.
+
+        Returns:
+            Whether it was put there. Not where it was drafted behind another motion than the last
+            one, or for another place: it has to be drafted again.
+        """
+        queue, before = self._queue, drafted.draft.queue
+        last = queue[-1] is before[-1] if queue and before else not queue
+        if self._stopping or not last or not np.array_equal(self._end, drafted.draft.start):
+            return False
+        if not queue or drafted.joined is None:
+            self._queue = (*queue, drafted.alone)
+            return True
+        blending = drafted.joined[len(before) - len(queue) :]
         speed = self._law.speed(self._s) if self._law is not None else 0.0
-        self._queue = append(self._queue, key, segment, self._s, speed)
-        if running is not None and self._queue[0] is not running and self._law is not None:
-            self._follow(speed, self._s)
+        if blending[0] is queue[0]:
+            self._queue = blending
+        elif keeps(blending[0], self._s, speed):
+            self._queue = blending
+            if self._law is not None:
+                self._follow(speed, self._s)
+        else:
+            self._queue = (*queue, drafted.alone)
+        return True
+
+    @property
+    def _end(self) -> Array:
+        """The joints at which the queue ends [rad], where the next motion begins. Shape (6,)."""
+        return self._queue[-1].segment.q_end if self._queue else self._setpoint.q
 
     def pause(self) -> None:
         """Slow down along the path, at the motion's own acceleration, and stand."""
@@ -276,7 +384,7 @@ class Mover:
         """Keep to the law, to the given time of it."""
         law = self._law
         assert law is not None
-        if time >= law.duration:
+        if law.over(time):
             end = law.end_speed
             if self._settles(law):
                 return

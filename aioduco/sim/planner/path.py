@@ -6,14 +6,18 @@ motion that has none.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
+from aioduco.sim.planner.slices import LONG_SLICE, no_turn, slices
+
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
+    from aioduco.sim.planner.slices import Turn
 
 
 __all__ = ["JointSetPoint", "Path", "PlanCode", "PlanError", "differentiate"]
@@ -55,7 +59,9 @@ class Path:
         return cls([0.0, length], [0.0], [1.0 / length], [coefficients])
 
     @classmethod
-    def through(cls, q: Array, slope: Array, bend: Array, length: float) -> Path:
+    def through(
+        cls, q: Array, slope: Array, bend: Array, length: float, turn: Turn = no_turn
+    ) -> Path:
         """Go through samples with given derivatives; position, slope and bend are continuous.
 
         Args:
@@ -63,28 +69,34 @@ class Path:
             slope: dq/ds there. Shape (n + 1, 6).
             bend: d²q/ds² there. Shape (n + 1, 6).
             length: s at the last sample.
+            turn: called between slices of the work.
         """
         count = len(q) - 1
         step = length / count
-        a, b = q[:-1], q[1:]
-        da, db = slope[:-1] * step, slope[1:] * step
-        dda, ddb = bend[:-1] * step**2, bend[1:] * step**2
-        rise = b - a - da - 0.5 * dda
-        slip = db - da - dda
-        turn = ddb - dda
-        coefficients = np.stack(
-            [
-                a,
-                da,
-                0.5 * dda,
-                10.0 * rise - 4.0 * slip + 0.5 * turn,
-                -15.0 * rise + 7.0 * slip - turn,
-                6.0 * rise - 3.0 * slip + 0.5 * turn,
-            ],
-            axis=1,
-        )
+        coefficients: list[Array] = []
+        for part in slices(count, turn, LONG_SLICE):
+            ends = slice(part.start + 1, part.stop + 1)
+            a, b = q[part], q[ends]
+            da, db = slope[part] * step, slope[ends] * step
+            dda, ddb = bend[part] * step**2, bend[ends] * step**2
+            rise = b - a - da - 0.5 * dda
+            slip = db - da - dda
+            twist = ddb - dda
+            coefficients += list(
+                np.stack(
+                    [
+                        a,
+                        da,
+                        0.5 * dda,
+                        10.0 * rise - 4.0 * slip + 0.5 * twist,
+                        -15.0 * rise + 7.0 * slip - twist,
+                        6.0 * rise - 3.0 * slip + 0.5 * twist,
+                    ],
+                    axis=1,
+                )
+            )
         bounds = np.linspace(0.0, length, count + 1).tolist()
-        return cls(bounds, bounds[:-1], [1.0 / step] * count, list(coefficients))
+        return cls(bounds, bounds[:-1], [1.0 / step] * count, coefficients)
 
     @property
     def start(self) -> float:
@@ -110,6 +122,10 @@ class Path:
         while hint < last and s >= bounds[hint + 1]:
             hint += 1
         return hint
+
+    def _place(self, s: float) -> int:
+        """Give the index of the polynomial for s, however far it is."""
+        return min(max(bisect_right(self.bounds, s) - 1, 0), len(self._gains) - 1)
 
     def state(self, piece: int, s: float, v: float, a: float) -> Array:
         """Give joint angles, speeds and accelerations.
@@ -148,24 +164,37 @@ class Path:
         result: Array = weights @ self._coefficients[piece]
         return result
 
-    def sample(self, s: Array) -> Array:
-        """Give q, dq/ds and d²q/ds² for many distances. Shape (n,) to (n, 3, 6)."""
-        pieces = np.clip(np.searchsorted(self.bounds, s, side="right") - 1, 0, len(self._gains) - 1)
-        gain = np.array(self._gains)[pieces]
-        u = (s - np.array(self._origins)[pieces]) * gain
+    def sample(self, s: Array, turn: Turn = no_turn) -> Array:
+        """Give q, dq/ds and d²q/ds² for many distances. Shape (n,) to (n, 3, 6).
+
+        Args:
+            s: the distances.
+            turn: called between slices of the work.
+        """
+        if len(s) <= LONG_SLICE:
+            return self._sample(s)
+        result = np.empty((len(s), 3, self._coefficients[0].shape[1]))
+        for part in slices(len(s), turn, LONG_SLICE):
+            result[part] = self._sample(s[part])
+        return result
+
+    def _sample(self, s: Array) -> Array:
+        pieces = list(map(self._place, s.tolist()))
+        gain = np.array([self._gains[piece] for piece in pieces])
+        u = (s - np.array([self._origins[piece] for piece in pieces])) * gain
         power = np.arange(6)
         zeros = np.zeros((len(s), 1))
         values = u[:, None] ** power
         slopes = np.concatenate([zeros, power[1:] * values[:, :-1]], axis=1)
         bends = np.concatenate([zeros, power[1:] * slopes[:, :-1]], axis=1)
         weights = np.stack([values, slopes * gain[:, None], bends * gain[:, None] ** 2], axis=1)
-        result: Array = weights @ np.array(self._coefficients)[pieces]
+        result: Array = weights @ np.array([self._coefficients[piece] for piece in pieces])
         return result
 
     def slice(self, start: float, end: float) -> Path:
         """Give the part from `start` to `end`, with the same distances."""
-        first = self.piece(start)
-        last = self.piece(np.nextafter(end, start), first)
+        first = self._place(start)
+        last = self._place(float(np.nextafter(end, start)))
         bounds = [start, *self.bounds[first + 1 : last + 1], end]
         part = slice(first, last + 1)
         return Path(bounds, self._origins[part], self._gains[part], self._coefficients[part])
@@ -193,23 +222,25 @@ def _edges() -> tuple[Array, Array]:
     return first, second
 
 
-def differentiate(values: Array, step: float) -> tuple[Array, Array]:
+def differentiate(values: Array, step: float, turn: Turn = no_turn) -> tuple[Array, Array]:
     """Differentiate even samples by central differences, one-sided ones at the ends.
 
     Args:
         values: at least seven samples. Shape (n, k).
         step: distance between samples.
+        turn: called between slices of the work.
 
     Returns:
         First derivatives, sixth order, and second derivatives, fifth order or better. (n, k) each.
     """
     first, second = _edges()
-    count, half = len(values), _STENCIL // 2
+    half = _STENCIL // 2
     slope, bend = np.empty_like(values), np.empty_like(values)
-    inner = slice(half, count - half)
     windows = np.lib.stride_tricks.sliding_window_view(values, _STENCIL, axis=0)
-    slope[inner] = windows @ first[half]
-    bend[inner] = windows @ second[half]
+    for part in slices(len(windows), turn, LONG_SLICE):
+        inner = slice(part.start + half, part.stop + half)
+        slope[inner] = windows[part] @ first[half]
+        bend[inner] = windows[part] @ second[half]
     head, tail = values[:_STENCIL], values[-_STENCIL:]
     slope[:half], slope[-half:] = first[:half] @ head, first[-half:] @ tail
     bend[:half], bend[-half:] = second[:half] @ head, second[-half:] @ tail

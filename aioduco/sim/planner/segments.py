@@ -13,6 +13,7 @@ from aioduco.models.rotation import rotvec_from_matrix
 from aioduco.sim.planner.curves import StraightLine, arc_through, spiral, spline
 from aioduco.sim.planner.limits import joint_limits, tool_limits
 from aioduco.sim.planner.path import Path, PlanError
+from aioduco.sim.planner.slices import LONG_SLICE, no_turn, slices
 from aioduco.sim.planner.timing import backward, fastest
 from aioduco.sim.planner.tracing import check_limits, pass_singularities, passing_limits, trace
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.axes import ExternalAxesMove
     from aioduco.sim.planner.curves import Curve
+    from aioduco.sim.planner.slices import Turn
     from aioduco.sim.planner.timing import PathLimits
     from aioduco.sim.planner.weaving import Weave
 
@@ -94,12 +96,13 @@ class Segment:
         return poses
 
 
-def carry(segment: Segment, before: Mapping[int, float]) -> Segment:
+def carry(segment: Segment, before: Mapping[int, float], turn: Turn = no_turn) -> Segment:
     """Let the external axes of a motion go along with it.
 
     Args:
         segment: the motion, with what its axes shall do.
         before: where the motions before it leave external axes, by number.
+        turn: called between slices of the work.
 
     Returns:
         The motion, whose limits are those of the arm and of the axes. If the arm stays where it
@@ -117,7 +120,7 @@ def carry(segment: Segment, before: Mapping[int, float]) -> Segment:
     move = replace(move, path=Path.straight(start, move.end, path.end))
     assert move.path is not None
     nodes = np.array(limits.nodes if limits is not None else path.bounds)
-    axes = move.limits(move.path, nodes)
+    axes = move.limits(move.path, nodes, turn=turn)
     return replace(
         segment, path=path, limits=axes if limits is None else limits.least(axes), axes=move
     )
@@ -177,6 +180,7 @@ def line_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
+    turn: Turn = no_turn,
 ) -> Segment:
     """Move the tool centre point along a straight line (manual 1.3.5, movel).
 
@@ -193,13 +197,14 @@ def line_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: to lay over the path.
         around: leave the path near singularities instead of refusing it.
+        turn: called between slices of the work.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     start, frame = _start(arm, q0, tool)
     return _cartesian(
-        arm, q0, StraightLine.between(start, target @ frame), v, a, r, frame, weave, around
+        arm, q0, StraightLine.between(start, target @ frame), v, a, r, frame, weave, around, turn
     )
 
 
@@ -216,6 +221,7 @@ def arc_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
+    turn: Turn = no_turn,
 ) -> Segment:
     """Move the tool centre point along an arc through a point (manual 1.3.5, movec).
 
@@ -232,13 +238,14 @@ def arc_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: to lay over the path.
         around: leave the path near singularities instead of refusing it.
+        turn: called between slices of the work.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     start, frame = _start(arm, q0, tool)
     curve = arc_through(start, via @ frame, target @ frame, mode)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, turn)
 
 
 def circle_move(
@@ -254,6 +261,7 @@ def circle_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
+    turn: Turn = no_turn,
 ) -> Segment:
     """Move the tool centre point once round a circle through two points (1.3.5, move_circle).
 
@@ -269,6 +277,7 @@ def circle_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: to lay over the path.
         around: leave the path near singularities instead of refusing it.
+        turn: called between slices of the work.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
@@ -277,7 +286,7 @@ def circle_move(
         raise PlanError("parameter", f"mode {mode} of a full circle is not 1 or 2")
     start, frame = _start(arm, q0, tool)
     curve = arc_through(start, first @ frame, second @ frame, mode, full=True)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, turn)
 
 
 def spiral_move(
@@ -295,6 +304,7 @@ def spiral_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
+    turn: Turn = no_turn,
 ) -> Segment:
     """Move the tool centre point along a spiral (manual 1.3.5, move_spiral).
 
@@ -312,14 +322,15 @@ def spiral_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: to lay over the path.
         around: leave the path near singularities instead of refusing it.
+        turn: called between slices of the work.
 
     Raises:
         PlanError: unreachable, singular, beyond the joint limits, or a bad parameter.
     """
     start, frame = _start(arm, q0, tool)
     end = None if target is None else target @ frame
-    curve = spiral(start, centre, turns, axial, radius, end)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
+    curve = spiral(start, centre, turns, axial, radius, end, turn)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, turn)
 
 
 def spline_move(
@@ -333,6 +344,7 @@ def spline_move(
     tool: Array | None = None,
     weave: Weave | None = None,
     around: bool = False,
+    turn: Turn = no_turn,
     apart: bool = False,
 ) -> Segment:
     """Move the tool centre point along a smooth curve through poses (manual 1.3.5, spline).
@@ -347,6 +359,7 @@ def spline_move(
         tool: tool centre point in the frame of the flange. Shape (4, 4).
         weave: to lay over the path.
         around: leave the path near singularities instead of refusing it.
+        turn: called between slices of the work.
         apart: whether the first pose must not be where the motion begins, as behind another
             spline; else it may be.
 
@@ -360,8 +373,8 @@ def spline_move(
         if not through:
             _check(v, a, r)
             return replace(stay(arm, q0), radius=r, v=v, a=a, tool=frame)
-    curve = spline(start, through)
-    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around)
+    curve = spline(start, through, turn)
+    return _cartesian(arm, q0, curve, v, a, r, frame, weave, around, turn)
 
 
 def _same(one: Array, other: Array) -> bool:
@@ -386,21 +399,24 @@ def _cartesian(
     tool: Array,
     weave: Weave | None,
     around: bool,
+    turn: Turn,
 ) -> Segment:
     q0 = np.array(q0, dtype=float)
     _check(v, a, r)
     if curve.length < _STILL:
         return Segment(arm, None, None, q0, q0, r, v, a, tool)
     woven = None if weave is None else weave.over(curve, v)
+    turn()
     laid: Curve = curve if woven is None else woven
     kept: Curve | None = laid
     try:
-        path, limits = _followed(arm, q0, curve, laid, v, a, tool)
+        path, limits = _followed(arm, q0, curve, laid, v, a, tool, turn)
     except PlanError as exc:
         if exc.code != "singular" or not around:
             raise
-        path = pass_singularities(arm, q0, laid, tool)
-        limits, kept = passing_limits(arm, path, v, a), None
+        path = pass_singularities(arm, q0, laid, tool, turn)
+        limits, kept = passing_limits(arm, path, v, a, turn), None
+    turn()
     if woven is not None:
         limits = limits.waiting(woven.stops)
     q_end = path.sample(np.array([path.end]))[0, 0]
@@ -408,16 +424,19 @@ def _cartesian(
 
 
 def _followed(
-    arm: Arm, q0: Array, curve: Curve, laid: Curve, v: float, a: float, tool: Array
+    arm: Arm, q0: Array, curve: Curve, laid: Curve, v: float, a: float, tool: Array, turn: Turn
 ) -> tuple[Path, PathLimits]:
     """Give the path of the joints along a curve as it is laid, with a weave or without; its limits.
 
     Speed and acceleration are those along the curve; a weave has only the joints' limits.
     """
-    path = trace(arm, q0, laid, tool)
+    path = trace(arm, q0, laid, tool, turn)
     nodes = path.nodes()
-    points = curve.poses(nodes)[:, :3, 3]
-    limits = tool_limits(arm, nodes, path.sample(nodes), points, v, a)
+    points = np.empty((len(nodes), 3))
+    for part in slices(len(nodes), turn, LONG_SLICE):
+        points[part] = curve.poses(nodes[part])[:, :3, 3]
+    limits = tool_limits(arm, nodes, path.sample(nodes, turn), points, v, a, turn=turn)
+    turn()
     slowest = math.sqrt(min(limits.ceiling))
     if slowest < _SLOWEST * v:
         place = "near a singularity of the path" if laid is curve else "the weave"

@@ -4,6 +4,9 @@ With x = (ds/dt)², a constant acceleration is a straight line of x over s. Betw
 path the fastest x is the least of three lines: what can be reached from behind, what is allowed
 there, and what can still be braked for what is ahead. One pass from each end finds them all, and
 the time law is exact for the limits as they are given at the nodes.
+
+The pass from behind goes no further than it is asked about: a law of many thousand nodes costs no
+more at its beginning than one of two, and the arm reaches its later pieces one by one.
 """
 
 from __future__ import annotations
@@ -12,13 +15,18 @@ import math
 from bisect import bisect_left, bisect_right
 from typing import TYPE_CHECKING, NamedTuple
 
+from aioduco.sim.planner.slices import no_turn, slices
+
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
+
+    from aioduco.sim.planner.slices import Turn
 
 __all__ = ["PathLimits", "TimeLaw", "allowed", "backward", "fastest"]
 
 _SHORTEST = 1e-9  # length of a piece, of the whole
 _SAME = 1e-9  # accelerations closer than this, of their size, are one
+_DONE = object()
 
 
 class PathLimits(NamedTuple):
@@ -119,31 +127,78 @@ class PathLimits(NamedTuple):
 class TimeLaw:
     """Distance over time, in pieces of constant acceleration.
 
+    A law from `fastest` is laid as far as it has been asked about. That changes no answer, only
+    when the work is done, so a law belongs to one thread at a time. What is asked of the whole of
+    it (its duration and the speed at its end) lays all of it.
+
     Attributes:
         start: s at the beginning.
-        end: s at the end.
-        duration: time from the beginning to the end [s].
-        end_speed: ds/dt at the end.
     """
 
-    __slots__ = ("_rate", "_s", "_t", "_v", "duration", "end", "end_speed", "start")
+    __slots__ = (
+        "_ahead",
+        "_duration",
+        "_end",
+        "_end_speed",
+        "_goal",
+        "_rate",
+        "_s",
+        "_t",
+        "_v",
+        "start",
+    )
 
     def __init__(self, start: float, speed: float) -> None:
         self._s, self._v, self._t = [start], [speed], [0.0]
         self._rate: list[float] = []
+        self._ahead: Iterator[None] | None = None  # lays it to the next node
+        self._goal = start
         self.start: float = start
-        self.end: float = start
-        self.duration: float = 0.0
-        self.end_speed: float = speed
+        self._end = start
+        self._duration = 0.0
+        self._end_speed = speed
+
+    @property
+    def end(self) -> float:
+        """The distance s at the end."""
+        return self._end if self._ahead is None else self._goal
+
+    @property
+    def duration(self) -> float:
+        """Time from the beginning to the end [s]."""
+        self._lay()
+        return self._duration
+
+    @property
+    def end_speed(self) -> float:
+        """The speed ds/dt at the end."""
+        self._lay()
+        return self._end_speed
+
+    def over(self, t: float) -> bool:
+        """Whether it has come to its end at time t [s]."""
+        self._lay(to_time=t)
+        return self._ahead is None and t >= self._duration
+
+    def lay_by(self, ahead: Iterator[None], goal: float) -> None:
+        """Have it laid to `goal` by an iterator, of which each step lays some more of it."""
+        self._ahead, self._goal = ahead, goal
+
+    def _lay(self, *, to: float = math.inf, to_time: float = math.inf) -> None:
+        """Lay it beyond a distance, and beyond a time [s], as far as it goes."""
+        while self._ahead is not None and (self._s[-1] <= to and self._t[-1] <= to_time):
+            if next(self._ahead, _DONE) is _DONE:
+                self._ahead = None
 
     def extend(self, end: float, x: float) -> None:
         """Go on to distance `end`, where (ds/dt)² is x, at a constant acceleration."""
-        length = end - self.end
+        length = end - self._end
         if length <= 1e-15 * abs(end):
             return  # a corner that rounding has put on top of another
         speed = math.sqrt(max(x, 0.0))
-        rate = 0.5 * (speed - self.end_speed) * (speed + self.end_speed) / length
-        self.duration += 2.0 * length / (speed + self.end_speed)
+        rate = 0.5 * (speed - self._end_speed) * (speed + self._end_speed) / length
+        self._duration += 2.0 * length / (speed + self._end_speed)
+        # A piece that grows keeps its acceleration: what was asked of it before stays true.
         if self._rate and abs(rate - self._rate[-1]) <= _SAME * max(abs(rate), 1.0):
             self._s.pop()
             self._v.pop()
@@ -152,24 +207,28 @@ class TimeLaw:
             self._rate.append(rate)
         self._s.append(end)
         self._v.append(speed)
-        self._t.append(self.duration)
-        self.end, self.end_speed = end, speed
+        self._t.append(self._duration)
+        self._end, self._end_speed = end, speed
 
     def wait(self, time: float) -> None:
         """Stand for a time [s] where it has come to a stand."""
-        self._v[-1] = self.end_speed = 0.0  # but for rounding it is
-        self.duration += time
+        self._v[-1] = self._end_speed = 0.0  # but for rounding it is
+        self._duration += time
         self._rate.append(0.0)
-        self._s.append(self.end)
+        self._s.append(self._end)
         self._v.append(0.0)
-        self._t.append(self.duration)
+        self._t.append(self._duration)
 
     def piece(self, s: float, hint: int = 0) -> int:
         """Give the index of the piece at distance s, looking forward from `hint`."""
+        if self._s[-1] <= s and self._ahead is not None:
+            self._lay(to=s)
         return max(min(bisect_right(self._s, s, hint) - 1, len(self._rate) - 1), hint)
 
     def at(self, t: float, hint: int = 0) -> tuple[int, float, float, float]:
         """Give the piece, s, ds/dt and d²s/dt² at time t [s], looking forward from `hint`."""
+        if self._t[-1] <= t and self._ahead is not None:
+            self._lay(to_time=t)
         last = len(self._rate) - 1
         while hint < last and t >= self._t[hint + 1]:
             hint += 1
@@ -189,14 +248,22 @@ class TimeLaw:
         return self._t[i] + ((s - self._s[i]) / mean if mean > 0.0 else 0.0)
 
 
-def backward(limits: PathLimits, x: float) -> list[float]:
-    """Give the highest (ds/dt)² at each node from which x at the last node can be reached."""
+def backward(limits: PathLimits, x: float, turn: Turn = no_turn) -> list[float]:
+    """Give the highest (ds/dt)² at each node from which x at the last node can be reached.
+
+    Args:
+        limits: of the whole path.
+        x: at its last node.
+        turn: called between slices of the work.
+    """
     nodes, ceiling = limits.nodes, limits.ceiling
     x = min(x, ceiling[-1])
     reached = [x]
-    for i in range(len(nodes) - 2, -1, -1):
-        x = min(x + 2.0 * _rate(limits, i, x) * (nodes[i + 1] - nodes[i]), ceiling[i])
-        reached.append(x)
+    last = len(nodes) - 2
+    for part in slices(len(nodes) - 1, turn):
+        for i in range(last - part.start, last - part.stop, -1):
+            x = min(x + 2.0 * _rate(limits, i, x) * (nodes[i + 1] - nodes[i]), ceiling[i])
+            reached.append(x)
     reached.reverse()
     return reached
 
@@ -231,8 +298,16 @@ def fastest(limits: PathLimits, back: Sequence[float], start: float, speed: floa
     Returns:
         A law from `start` to the end of the path.
     """
-    nodes, ceiling = limits.nodes, limits.ceiling
     law = TimeLaw(start, speed)
+    law.lay_by(_laid(law, limits, back, start, speed), limits.nodes[-1])
+    return law
+
+
+def _laid(
+    law: TimeLaw, limits: PathLimits, back: Sequence[float], start: float, speed: float
+) -> Iterator[None]:
+    """Lay the fastest law from node to node."""
+    nodes, ceiling = limits.nodes, limits.ceiling
     waits = dict(limits.waits)
     x = speed * speed
     first = max(bisect_right(nodes, start) - 1, 0)
@@ -253,7 +328,7 @@ def fastest(limits: PathLimits, back: Sequence[float], start: float, speed: floa
         x = min(x + 2.0 * rate * length, ceiling[i + 1])
         if b in waits:
             law.wait(waits[b])
-    return law
+        yield
 
 
 def _least(lines: tuple[tuple[float, float], ...], length: float) -> list[tuple[float, float]]:

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from aioduco.kinematics.forward import singular_values
-from aioduco.kinematics.inverse import closed_form, shortfall, wrap
+from aioduco.kinematics.inverse import BRANCHES, closed_form, shortfall, wrap
 from aioduco.sim.planner.limits import joint_limits
 from aioduco.sim.planner.path import Path, PlanError, differentiate
+from aioduco.sim.planner.slices import LONG_SLICE, no_turn, slices
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from aioduco.kinematics import Arm
     from aioduco.models.rotation import Array
     from aioduco.sim.planner.curves import Curve
+    from aioduco.sim.planner.slices import Turn
     from aioduco.sim.planner.timing import PathLimits
 
 
@@ -48,13 +50,17 @@ _LEAST = 4  # samples on the curve between two of them
 _PIECES = 96  # of a passage
 
 
-def follow(arm: Arm, q0: Array, flange: Array) -> Array:
+def follow(
+    arm: Arm, q0: Array, s: Array, flange: Callable[[Array], Array], turn: Turn = no_turn
+) -> Array:
     """Give the joints along a sequence of poses, on the branch and the turn of q0.
 
     Args:
         arm: the arm.
         q0: joints at the first pose [rad]. Shape (6,).
-        flange: poses of the flange in the base frame. Shape (n, 4, 4).
+        s: distances at which the poses are. Shape (n,).
+        flange: gives poses of the flange in the base frame. Shape (m,) to (m, 4, 4).
+        turn: called between slices of the work.
 
     Returns:
         Joint angles [rad]. Shape (n, 6).
@@ -62,32 +68,49 @@ def follow(arm: Arm, q0: Array, flange: Array) -> Array:
     Raises:
         PlanError: a pose cannot be reached, or the path meets a singularity.
     """
-    solutions = closed_form(arm.geometry, flange, float(q0[5]))
-    off = np.nan_to_num(np.abs(wrap(solutions[0] - q0)).max(axis=-1), nan=np.inf)
-    branch = int(np.argmin(off))
-    _check_singular(arm, q0[None])
-    if off[branch] > 1e-6:
-        raise PlanError("parameter", "the motion does not begin where the arm is")
-    q = solutions[:, branch]
-    lost = np.flatnonzero(np.isnan(q).any(axis=-1))
-    if len(lost):
-        if not np.isnan(solutions[lost]).any(axis=-1).all(axis=-1).any():
+    branch = -1
+    q = np.empty((len(s), 6))
+    lost: list[int] = []
+    beyond = False  # a pose is out of reach from every branch
+    for part in slices(len(s), turn):
+        solutions = closed_form(arm.geometry, flange(s[part]), float(q0[5]))
+        if branch < 0:
+            off = np.nan_to_num(np.abs(wrap(solutions[0] - q0)).max(axis=-1), nan=np.inf)
+            branch = int(np.argmin(off))
+            _check_singular(arm, q0[None])
+            if off[branch] > 1e-6:
+                raise PlanError("parameter", "the motion does not begin where the arm is")
+        q[part] = solutions[:, branch]
+        missed = np.flatnonzero(np.isnan(q[part]).any(axis=-1))
+        if len(missed):
+            lost += (part.start + missed).tolist()
+            beyond |= bool(np.isnan(solutions[missed]).any(axis=-1).all(axis=-1).any())
+        elif not lost:
+            # On from where the slice before ends, which has been unwrapped.
+            begin = max(part.start - 1, 0)
+            q[begin : part.stop] = np.unwrap(q[begin : part.stop], axis=0)
+    if lost:
+        if not beyond:
             # Every pose is in reach, but from another shoulder, elbow or wrist.
             raise PlanError("singular", "the path passes through a singularity")
-        missing = max(shortfall(arm.geometry, flange[place]) for place in (lost[0], lost[-1]))
+        ends = flange(s[[lost[0], lost[-1]]])
+        missing = max(shortfall(arm.geometry, end) for end in ends)
         by = f"by at least {missing:.4f} m" if missing > 0.0 else "in these orientations"
         raise PlanError("unreachable", f"the path leaves the reach of the arm, {by}")
-    q = np.unwrap(q, axis=0)
     turned: Array = q + 2 * math.pi * np.round((q0 - q[0]) / (2 * math.pi))
     return turned
 
 
-def _check_singular(arm: Arm, q: Array) -> None:
-    values = np.abs(singular_values(arm.geometry, q))
+def _check_singular(arm: Arm, q: Array, turn: Turn = no_turn) -> None:
+    values = np.empty((len(q), 3))
+    for part in slices(len(q), turn, LONG_SLICE):
+        values[part] = np.abs(singular_values(arm.geometry, q[part]))
     if values.min() < SINGULAR:
         place, kind = np.unravel_index(int(values.argmin()), values.shape)
-        part = float(place) / max(len(q) - 1, 1)
-        raise PlanError("singular", f"{_NAMES[int(kind)]} singularity {part:.0%} along the path")
+        part_of_way = float(place) / max(len(q) - 1, 1)
+        raise PlanError(
+            "singular", f"{_NAMES[int(kind)]} singularity {part_of_way:.0%} along the path"
+        )
 
 
 def check_limits(arm: Arm, q: Array) -> None:
@@ -101,7 +124,7 @@ def check_limits(arm: Arm, q: Array) -> None:
         )
 
 
-def trace(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
+def trace(arm: Arm, q0: Array, curve: Curve, tool: Array, turn: Turn = no_turn) -> Path:
     """Give the joints' path along a curve of the tool centre point.
 
     Args:
@@ -109,6 +132,7 @@ def trace(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
         q0: joints at the beginning of the curve [rad]. Shape (6,).
         curve: of the tool centre point in the base frame.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
+        turn: called between slices of the work.
 
     Raises:
         PlanError: unreachable, singular or beyond the joint limits.
@@ -116,23 +140,27 @@ def trace(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
     back = np.linalg.inv(tool)
 
     def joints(s: Array) -> Array:
-        return follow(arm, q0, curve.poses(s) @ back)
+        return follow(arm, q0, s, lambda part: curve.poses(part) @ back, turn)
 
     length = curve.length
     count = min(max(length / _SPACING, curve.turning / _TURNING), _MOST)
-    path, samples = fit(joints, length, max(count, length / curve.detail))
-    _check_singular(arm, samples)
+    path, samples = fit(joints, length, max(count, length / curve.detail), turn)
+    _check_singular(arm, samples, turn)
     check_limits(arm, samples)
+    turn()
     return path
 
 
-def fit(joints: Callable[[Array], Array], length: float, count: float) -> tuple[Path, Array]:
+def fit(
+    joints: Callable[[Array], Array], length: float, count: float, turn: Turn = no_turn
+) -> tuple[Path, Array]:
     """Give a path through samples of a function, as many as it takes to be exact between them.
 
     Args:
         joints: joint angles over distance. Shape (n,) to (n, 6).
         length: to which distance, from zero.
         count: samples to begin with.
+        turn: called between slices of the work; `joints` has turns of its own.
 
     Returns:
         The path, within 10 µrad of the function half-way between its samples; and the samples,
@@ -148,9 +176,15 @@ def fit(joints: Callable[[Array], Array], length: float, count: float) -> tuple[
         s = np.linspace(0.0, length, 2 * pieces + 1)
         every = joints(s)
         q = every[::2]
-        if np.abs(np.diff(q, axis=0)).max() < STRIDE:
-            path = Path.through(q, *differentiate(q, length / pieces), length)
-            if np.abs(path.sample(s[1::2])[:, 0] - every[1::2]).max() < _EXACT:
+        steps = [
+            np.abs(np.diff(q[part.start : part.stop + 1], axis=0)).max()
+            for part in slices(pieces, turn, LONG_SLICE)
+        ]
+        if max(steps) < STRIDE:
+            path = Path.through(q, *differentiate(q, length / pieces, turn), length, turn)
+            between = path.sample(s[1::2], turn)[:, 0]
+            if np.abs(between - every[1::2]).max() < _EXACT:
+                turn()
                 return path, every
         if 2 * pieces > most:
             raise PlanError("singular", "the path passes through a singularity")
@@ -166,7 +200,9 @@ class _Stretch(NamedTuple):
     end: Array
 
 
-def pass_singularities(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
+def pass_singularities(
+    arm: Arm, q0: Array, curve: Curve, tool: Array, turn: Turn = no_turn
+) -> Path:
     """Give the joints' path along a curve of the tool centre point, through singularities.
 
     Args:
@@ -174,20 +210,23 @@ def pass_singularities(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
         q0: joints at the beginning of the curve [rad]. Shape (6,).
         curve: of the tool centre point in the base frame.
         tool: tool centre point in the frame of the flange. Shape (4, 4).
+        turn: called between slices of the work.
 
     Raises:
         PlanError: unreachable, or beyond the joint limits.
     """
     back: Array = np.linalg.inv(tool).astype(np.float64)
     s = np.linspace(0.0, curve.length, _SAMPLES + 1)
-    solutions = closed_form(arm.geometry, curve.poses(s) @ back, float(q0[5]))
-    stretches = _stretches(arm, q0, solutions)
+    solutions = np.empty((len(s), BRANCHES, 6))
+    for piece in slices(len(s), turn):
+        solutions[piece] = closed_form(arm.geometry, curve.poses(s[piece]) @ back, float(q0[5]))
+    stretches = _stretches(arm, q0, solutions, turn)
     end = _nearest(solutions[-1], stretches[-1].end if stretches else q0)
     path: Path | None = None
     at, q = 0.0, q0
     for stretch in stretches:
         begin, length = float(s[stretch.first]), float(s[stretch.last] - s[stretch.first])
-        part = _exact(arm, stretch.start, curve, back, begin, length)
+        part = _exact(arm, stretch.start, curve, back, begin, length, turn)
         if begin > at:
             part = _passage(q, part.sample(np.zeros(1))[0, 0], path, part, begin - at).then(part)
         path = part if path is None else path.then(part)
@@ -196,11 +235,11 @@ def pass_singularities(arm: Arm, q0: Array, curve: Curve, tool: Array) -> Path:
         last = _passage(q, end, path, None, curve.length - at)
         path = last if path is None else path.then(last)
     assert path is not None
-    check_limits(arm, path.sample(path.nodes())[:, 0])
+    check_limits(arm, path.sample(path.nodes(), turn)[:, 0])
     return path
 
 
-def passing_limits(arm: Arm, path: Path, v: float, a: float) -> PathLimits:
+def passing_limits(arm: Arm, path: Path, v: float, a: float, turn: Turn = no_turn) -> PathLimits:
     """Give the limits of such a path: speed and acceleration along the curve, and the joints' own.
 
     Args:
@@ -208,25 +247,30 @@ def passing_limits(arm: Arm, path: Path, v: float, a: float) -> PathLimits:
         path: as `pass_singularities` gives it.
         v: speed along the curve [m/s].
         a: acceleration along it [m/s²].
+        turn: called between slices of the work.
     """
     nodes = path.nodes()
-    limits = joint_limits(arm, nodes, path.sample(nodes), math.inf, math.inf, top=v * v)
+    joints = path.sample(nodes, turn)
+    limits = joint_limits(arm, nodes, joints, math.inf, math.inf, top=v * v, turn=turn)
     return limits._replace(total=[a] * (len(nodes) - 1))
 
 
-def _stretches(arm: Arm, q0: Array, solutions: Array) -> list[_Stretch]:
+def _stretches(arm: Arm, q0: Array, solutions: Array, turn: Turn) -> list[_Stretch]:
     """Find the parts of a curve that are away from singularities, each on its branch."""
     count = len(solutions)
     away = np.abs(singular_values(arm.geometry, solutions)).min(axis=-1)
     usable = np.nan_to_num(away, nan=0.0) >= NEAR  # (n, 8)
     steps = np.nan_to_num(np.abs(wrap(np.diff(solutions, axis=0))).max(axis=-1), nan=np.inf)
     joined = steps < STRIDE  # (n - 1, 8)
+    turn()
     found: list[_Stretch] = []
     q, i = q0, 0
     while i < count:
         branch = int(_distance(solutions[i], q).argmin())
         if not usable[i, branch]:
             i += 1  # still near the singularity
+            if i % _LEAST == 0:
+                turn()
             continue
         j = i
         while j + 1 < count and usable[j + 1, branch] and joined[j, branch]:
@@ -237,6 +281,7 @@ def _stretches(arm: Arm, q0: Array, solutions: Array) -> list[_Stretch]:
             found.append(_Stretch(i, j, track[0], track[-1]))
             q = track[-1]
         i = j + 1
+        turn()
     return found
 
 
@@ -255,11 +300,15 @@ def _nearest(solutions: Array, q: Array) -> Array:
     return found
 
 
-def _exact(arm: Arm, q: Array, curve: Curve, back: Array, begin: float, length: float) -> Path:
+def _exact(
+    arm: Arm, q: Array, curve: Curve, back: Array, begin: float, length: float, turn: Turn
+) -> Path:
     """Give the path along a part of the curve, from zero."""
-    path, _ = fit(
-        lambda s: follow(arm, q, curve.poses(begin + s) @ back), length, length / curve.detail
-    )
+
+    def joints(s: Array) -> Array:
+        return follow(arm, q, s, lambda part: curve.poses(begin + part) @ back, turn)
+
+    path, _ = fit(joints, length, length / curve.detail, turn)
     return path
 
 

@@ -1,0 +1,283 @@
+"""Long plans work in slices, by the amount of work; motions are planned beside the queue."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from aioduco.kinematics import arm
+from aioduco.models.weave import WeavePlane, WeaveShape
+from aioduco.sim.planner import timing, tracing
+from aioduco.sim.planner.mover import Mover
+from aioduco.sim.planner.path import Path
+from aioduco.sim.planner.segments import joint_move, line_move, spiral_move, spline_move
+from aioduco.sim.planner.slices import LONG_SLICE, SLICE, PlanDropped, no_turn, slices
+from aioduco.sim.planner.timing import PathLimits, backward, fastest
+from aioduco.sim.planner.weaving import Weave
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from aioduco.models.rotation import Array
+    from aioduco.sim.planner.segments import Segment
+    from aioduco.sim.planner.slices import Turn
+
+FIVE = arm("gcr5_910")
+HOME = np.radians([0.0, 0.0, 90.0, 0.0, -90.0, 0.0])
+CYCLE = 0.001
+
+
+def shifted(q: Array, *by: float) -> Array:
+    pose = FIVE.fkine(q)
+    pose[:3, 3] += by
+    return pose
+
+
+def woven(q: Array, turn: Turn = no_turn, swings: int = 300, shape: int = 4) -> Segment:
+    """A line of 0.3 m, with so many swings over it."""
+    weave = Weave(WeaveShape(shape), WeavePlane.TOOL_XY, swings * 0.02 / 0.3, 0.004)
+    return line_move(FIVE, q, shifted(q, 0.0, 0.3, 0.0), 0.02, 1.0, weave=weave, turn=turn)
+
+
+def splined(q: Array, turn: Turn = no_turn) -> Segment:
+    through = [shifted(q, 0.02 * math.sin(0.5 * i), 0.006 * i, 0.0) for i in range(1, 51)]
+    return spline_move(FIVE, q, through, 0.1, 1.0, turn=turn)
+
+
+def wound(q: Array, turn: Turn = no_turn) -> Segment:
+    centre = shifted(q, 0.05, 0.0, 0.0)
+    return spiral_move(FIVE, q, centre, 100.0, 0.1, 1.0, axial=0.05, radius=0.01, turn=turn)
+
+
+class Counter:
+    """Counts what planning works at between two turns."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.turns = 0
+        self.most: dict[str, int] = {}
+        self._since: dict[str, int] = {}
+        solve, rate, sample = tracing.closed_form, timing._rate, Path._sample
+
+        def counted_solve(geometry: Any, flange: Array, q6: float) -> Array:
+            self.add("poses", len(flange))
+            return solve(geometry, flange, q6)
+
+        def counted_rate(limits: PathLimits, piece: int, x: float) -> float:
+            self.add("nodes", 1)
+            return rate(limits, piece, x)
+
+        def counted_sample(path: Path, s: Array) -> Array:
+            self.add("samples", len(s))
+            return sample(path, s)
+
+        monkeypatch.setattr(tracing, "closed_form", counted_solve)
+        monkeypatch.setattr(timing, "_rate", counted_rate)
+        monkeypatch.setattr(Path, "_sample", counted_sample)
+
+    def add(self, what: str, count: int) -> None:
+        self._since[what] = self._since.get(what, 0) + count
+        self.most[what] = max(self.most.get(what, 0), self._since[what])
+
+    def turn(self) -> None:
+        self.turns += 1
+        self._since.clear()
+
+
+@pytest.mark.parametrize("plan", [woven, splined, wound])
+def test_no_slice_is_longer_the_longer_the_path(
+    plan: Callable[..., Segment], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    work, mover = Counter(monkeypatch), Mover(FIVE, HOME, CYCLE)
+    drafted = mover.draft(1, partial(plan, turn=work.turn)).work(work.turn)
+    assert drafted.alone.limits is not None
+    nodes = len(drafted.alone.limits.nodes)
+    assert work.turns > nodes / SLICE
+    assert work.most["poses"] <= 2 * SLICE  # the last one of a path and the first of its ends
+    assert work.most["nodes"] <= SLICE
+    assert work.most["samples"] <= LONG_SLICE + 1
+    # What comes of it goes into the queue without any of this work; nor does it begin with it.
+    work.turn()
+    work.most.clear()
+    assert mover.take(drafted)
+    for _ in range(3):
+        mover.tick()
+        assert work.most.get("nodes", 0) <= SLICE
+        work.turn()
+    assert "poses" not in work.most
+    assert mover.keys == (1,)
+
+
+def test_a_blend_works_in_slices(monkeypatch: pytest.MonkeyPatch) -> None:
+    mover = Mover(FIVE, HOME, CYCLE)
+    end = shifted(HOME, 0.0, -0.05, 0.0)
+    mover.append(1, lambda q: line_move(FIVE, q, end, 0.1, 1.0, 0.01))
+    mover.tick()
+    work = Counter(monkeypatch)
+    drafted = mover.draft(2, partial(woven, turn=work.turn, swings=50)).work(work.turn)
+    assert drafted.joined is not None
+    assert work.most["poses"] <= 2 * SLICE
+    assert work.most["nodes"] <= SLICE + 1
+    work.turn()
+    work.most.clear()
+    assert mover.take(drafted)
+    assert work.most.get("nodes", 0) <= SLICE
+    assert "poses" not in work.most
+    assert mover.keys == (1, 2)
+
+
+def test_turns_change_nothing_of_a_plan() -> None:
+    turns: list[None] = []
+    plain = woven(HOME, swings=20)
+    cut = woven(HOME, lambda: turns.append(None), swings=20)
+    assert len(turns) > 10
+    assert plain.limits == cut.limits
+    assert plain.path is not None
+    assert cut.path is not None
+    places = np.linspace(0.0, 0.3, 700)
+    np.testing.assert_array_equal(plain.path.sample(places), cut.path.sample(places))
+
+
+def test_a_plan_is_dropped_at_a_turn() -> None:
+    left = iter(range(5))
+
+    def turn() -> None:
+        if next(left, None) is None:
+            raise PlanDropped
+
+    with pytest.raises(PlanDropped):
+        Mover(FIVE, HOME, CYCLE).draft(1, partial(woven, turn=turn)).work(turn)
+
+
+def test_slices_are_whole_and_each_has_its_turn() -> None:
+    turns: list[None] = []
+    parts = list(slices(150, lambda: turns.append(None), 64))
+    assert parts == [slice(0, 64), slice(64, 128), slice(128, 150)]
+    assert len(turns) == 3
+    assert list(slices(0, no_turn)) == []
+
+
+# -- laws ------------------------------------------------------------------------------------------
+
+
+def long_limits(count: int = 5000) -> PathLimits:
+    nodes = np.linspace(0.0, 1.0, count + 1)
+    ceiling = (0.01 + 0.008 * np.sin(100.0 * nodes)).tolist()
+    each = [1.0] * count
+    waits = ((float(nodes[count // 2]), 0.25),)
+    ceiling[count // 2] = 0.0
+    return PathLimits(nodes.tolist(), ceiling, each, each, [0.0] * count, each, waits)
+
+
+def test_a_law_is_laid_as_far_as_it_is_asked_about(monkeypatch: pytest.MonkeyPatch) -> None:
+    limits = long_limits()
+    back = backward(limits, 0.0)
+    whole = fastest(limits, back, 0.0, 0.0)
+    duration = whole.duration
+    rates: list[int] = []
+    rate = timing._rate
+    monkeypatch.setattr(timing, "_rate", lambda *given: rates.append(1) or rate(*given))
+    law = fastest(limits, back, 0.0, 0.0)
+    assert rates == []
+    hint = place = 0
+    for cycle in range(int(duration / CYCLE)):
+        before = len(rates)
+        hint, s, v, a = law.at(cycle * CYCLE, hint)
+        assert len(rates) - before < 50
+        place, *same = whole.at(cycle * CYCLE, place)
+        assert same == [s, v, a]
+        assert law.end == whole.end == 1.0
+        assert not law.over(cycle * CYCLE)
+    assert law.over(duration)
+    assert (law.duration, law.end_speed) == (duration, whole.end_speed)
+
+
+def test_a_law_knows_early_that_it_does_not_end_soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    mover = Mover(FIVE, HOME, CYCLE)
+    mover.append(1, partial(woven, swings=50))
+    rates: list[int] = []
+    rate = timing._rate
+    monkeypatch.setattr(timing, "_rate", lambda *given: rates.append(1) or rate(*given))
+    mover.tick()
+    assert mover.travel is not None
+    assert not mover.travel.ends_within(0.1)
+    assert len(rates) < 500
+    assert mover.travel.ends_within(mover.travel.remaining)
+    assert not mover.travel.ends_within(mover.travel.remaining - 1e-6)
+
+
+# -- drafts ----------------------------------------------------------------------------------------
+
+
+def to(q: float, r: float = 0.0) -> Callable[[Array], Segment]:
+    goal = HOME + np.array([q, 0.0, 0.0, 0.0, 0.0, 0.0])
+    return lambda start: joint_move(FIVE, start, goal, 1.0, 4.0, r)
+
+
+def ticked(mover: Mover, cycles: int = 100_000) -> list[tuple[int, str]]:
+    events: list[tuple[int, str]] = []
+    for _ in range(cycles):
+        if not mover.moving:
+            break
+        events += [(event.key, event.kind) for event in mover.tick().events]
+    return events
+
+
+def test_a_motion_blends_that_is_planned_while_the_one_before_it_runs() -> None:
+    mover = Mover(FIVE, HOME, CYCLE)
+    mover.append(1, to(0.5, 0.1))
+    ticked(mover, 20)
+    draft = mover.draft(2, to(-0.5))
+    drafted = draft.work()
+    ticked(mover, 100)
+    assert mover.take(drafted)
+    assert ticked(mover)[-3:] == [(1, "blended"), (2, "started"), (2, "finished")]
+
+
+def test_where_the_arm_has_come_too_far_to_blend_it_stops_in_between() -> None:
+    mover = Mover(FIVE, HOME, CYCLE)
+    mover.append(1, to(0.5, 0.1))
+    ticked(mover, 20)
+    drafted = mover.draft(2, to(-0.5)).work()
+    while mover.progress < 0.97:
+        mover.tick()
+    assert mover.take(drafted)
+    assert ticked(mover)[-3:] == [(1, "finished"), (2, "started"), (2, "finished")]
+
+
+def test_what_has_ended_meanwhile_is_no_longer_before_it() -> None:
+    mover = Mover(FIVE, HOME, CYCLE)
+    mover.append(1, to(0.1, 0.1))
+    mover.append(2, to(0.2, 0.1))
+    drafted = mover.draft(3, to(0.0)).work()
+    ticked(mover)
+    assert mover.take(drafted)
+    assert ticked(mover) == [(3, "started"), (3, "finished")]
+    np.testing.assert_allclose(mover.setpoint.q, HOME, atol=1e-12)
+
+
+def test_one_of_two_has_ended_meanwhile() -> None:
+    mover = Mover(FIVE, HOME, CYCLE)
+    mover.append(1, to(0.1))
+    mover.append(2, to(0.6, 0.1))
+    drafted = mover.draft(3, to(0.0)).work()
+    while mover.active == 1:
+        mover.tick()
+    assert mover.take(drafted)
+    assert mover.keys == (2, 3)
+    assert ticked(mover)[-3:] == [(2, "blended"), (3, "started"), (3, "finished")]
+
+
+def test_what_it_was_drafted_from_has_to_hold() -> None:
+    mover = Mover(FIVE, HOME, CYCLE)
+    first = mover.draft(1, to(0.5)).work()
+    mover.append(2, to(0.2))
+    assert not mover.take(first)  # the queue ends elsewhere
+    assert mover.keys == (2,)
+    mover.reset(HOME + 0.1)
+    assert not mover.take(first)  # the arm stands elsewhere
+    mover.reset(HOME)
+    assert mover.take(first)
