@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 import quick
-from cycle_time import COARSE, set_cycle
 from hypothesis import settings
 
 # Before anything of the package is imported: what it sees of the platform is taken away here, and
@@ -31,7 +30,8 @@ if "--bare-platform" in sys.argv or "AIODUCO_TESTS_BARE" in os.environ:
     # Of Python's shared memory on Linux, and of none on Windows: no test is to have left it.
     resource_tracker.ensure_running()
 
-from patient import be_patient  # noqa: E402 - see above
+from cycle_time import COARSE, set_cycle  # noqa: E402 - see above
+from patient import be_patient  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Generator
