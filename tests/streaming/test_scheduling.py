@@ -10,6 +10,7 @@ import pytest
 from aioduco.scheduling import shorten_slice
 
 
+@pytest.mark.linux("policies of the scheduler")
 @pytest.mark.parametrize(
     ("policy", "priority", "taken"),
     [("SCHED_BATCH", 0, False), ("SCHED_RR", 1, True), ("SCHED_FIFO", 1, True)],
