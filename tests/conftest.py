@@ -117,7 +117,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if config.getoption("bare_platform"):
         for item in items:
             for mark in item.iter_markers("linux"):
-                item.add_marker(pytest.mark.skip(f"of Linux alone: {mark.args[0]}"))
+                item.add_marker(pytest.mark.skip(f"this platform lacks: {mark.args[0]}"))
     if config.getoption("thorough"):
         file = config.getoption("beyond")
         kept, left = (items, []) if file is None else quick.beyond(items, Path(file))
