@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 import quick
-from cycle_time import COARSE, set_cycle
 from hypothesis import settings
 
 # Before anything of the package is imported: what it sees of the platform is taken away here, and
@@ -31,7 +30,8 @@ if "--bare-platform" in sys.argv or "AIODUCO_TESTS_BARE" in os.environ:
     # Of Python's shared memory on Linux, and of none on Windows: no test is to have left it.
     resource_tracker.ensure_running()
 
-from patient import be_patient  # noqa: E402 - see above
+from cycle_time import COARSE, set_cycle  # noqa: E402 - see above
+from patient import be_patient  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Generator
@@ -117,7 +117,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if config.getoption("bare_platform"):
         for item in items:
             for mark in item.iter_markers("linux"):
-                item.add_marker(pytest.mark.skip(f"of Linux alone: {mark.args[0]}"))
+                item.add_marker(pytest.mark.skip(f"this platform lacks: {mark.args[0]}"))
     if config.getoption("thorough"):
         file = config.getoption("beyond")
         kept, left = (items, []) if file is None else quick.beyond(items, Path(file))

@@ -10,12 +10,13 @@ from typing import ClassVar
 
 import pytest
 
-from aioduco import LaneFailed
+from aioduco import LaneFailed, ParameterError
 from aioduco.cli.monitor import keyboard
 from aioduco.cli.monitor.keyboard import Key
 from aioduco.streaming import session
 from aioduco.streaming.endpoint import StreamEndpoint
 from aioduco.streaming.servo import Servo
+from aioduco.teleoperation import KeyboardDevice, devices
 
 BARE = Path(__file__).parent / "bare"
 PROGRAM = """
@@ -65,6 +66,15 @@ async def test_a_stream_that_is_faster_than_the_clock_is_refused(
     with pytest.raises(LaneFailed, match=r"steps of 15\.6 ms.*Nothing was sent"):
         async with servo.joints(v=1.0, a=1.0, rate=125.0):
             pass
+
+
+def test_a_device_that_is_no_file_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(devices, "has_device_files", lambda: False)
+    with (
+        pytest.raises(ParameterError, match="no files of devices"),
+        KeyboardDevice(0),
+    ):
+        pass
 
 
 async def test_keys_of_a_console_that_cannot_be_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:

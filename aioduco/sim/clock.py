@@ -64,6 +64,12 @@ class CycleSchedule:
             return 1
         return max(0, math.floor((now - self._start) / self._period) - self._count)
 
+    def drop(self, now: float) -> None:
+        """Have nothing be due any more that was due before `now` [s]."""
+        if now > self._start + self._count * self._period:
+            self._start = now
+            self._count = 0
+
     def ran(self, cycles: int = 1) -> None:
         """Count cycles that have run."""
         self._count += cycles

@@ -168,6 +168,8 @@ class SimulationRuntime:
         self._change: object | None = None
         self._holds: dict[object, float] = {}
         self._lasting: set[object] = set()
+        #: when simulated time that stood was let go last, in real time [s]
+        self._let_go_at = -math.inf
         self._holding = threading.Condition()
         self._waiters: dict[int, list[threading.Event]] = {}
         self._closing = False
@@ -364,8 +366,10 @@ class SimulationRuntime:
 
         def let_go() -> None:
             with self._holding:
-                self._holds.pop(key, None)
+                held = self._holds.pop(key, None) is not None
                 self._lasting.discard(key)
+                if held and at <= self.now():
+                    self._let_go_at = time.perf_counter()
                 self._holding.notify_all()
 
         with self._holding:
@@ -511,9 +515,7 @@ class SimulationRuntime:
                 self._stand_still(idle=idle)
                 if self._limit is not None:
                     continue
-                cycles = min(self._pace.due(time.perf_counter()), self._allowed())
             else:
-                cycles = 1
                 delay = self._pace.delay(now)
                 if delay > 0.0:
                     time.sleep(delay)
@@ -523,9 +525,8 @@ class SimulationRuntime:
                 begun = time.perf_counter()
                 self._change_plant()
                 self._plant.step(self._drive.setpoint)
-            self._count += cycles
+            cycles = self._tick(idle=idle)
             self._pace.ran(cycles)
-            self._tick()
             if not idle:
                 self._times.add(late, time.perf_counter() - begun)
             if idle != self._is_idle(cycles):
@@ -586,18 +587,21 @@ class SimulationRuntime:
             self._stands.set()
         return self._closing or self._allowed() > 0
 
-    def _tick(self) -> None:
+    def _tick(self, *, idle: bool) -> int:
+        """Go on by one cycle, or while nothing happens by those that are due; how many."""
         plant = self._plant
         positions = plant.positions
         q, qd, qdd, torque = positions[:6], plant.qd, plant.qdd, plant.torque
         wrench = self._sense(plant.wrench)
-        at = self._count * self.cycle
         followed = self._drive.setpoint  # what has brought the arm to where it is now
-        if at - self._warm_at >= _WARMING:
-            powered = self._snapshot.view.robot in (RobotState.DISABLE, RobotState.ENABLE)
-            self._warmth.tick(at - self._warm_at, torque, powered=powered)
-            self._warm_at = at
         with self._cycle_lock:
+            cycles = self._idle_cycles() if idle else 1
+            self._count += cycles
+            at = self._count * self.cycle
+            if at - self._warm_at >= _WARMING:
+                powered = self._snapshot.view.robot in (RobotState.DISABLE, RobotState.ENABLE)
+                self._warmth.tick(at - self._warm_at, torque, powered=powered)
+                self._warm_at = at
             simulated = self._controller.simulated
             sensed = SensedState(
                 at, time.monotonic(), q, qd, wrench, plant.external_torque, plant.touched
@@ -639,6 +643,17 @@ class SimulationRuntime:
         if network is not self._network:
             self._network = network
             self._on_network(network)
+        return cycles
+
+    def _idle_cycles(self) -> int:
+        """How many cycles go by in which nothing happens. Under the lock.
+
+        Who holds simulated time and gives a command reads the time at which the controller has it.
+        So no command comes between this and the tick, and real time before simulated time was let
+        go is not caught up with, even if this thread has not come to see that it was held.
+        """
+        self._pace.drop(self._let_go_at)
+        return min(self._pace.due(time.perf_counter()), self._allowed())
 
     def _stands_for_plans(self) -> bool:
         """Whether the next cycle has to wait until motions are planned. Under the lock."""

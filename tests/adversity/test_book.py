@@ -13,7 +13,7 @@ from thriftpy2.transport import buffered
 
 from aioduco._wire import idl
 from aioduco.errors import ConnectionLost
-from aioduco.testing import Delay, DropReply, FaultProxy, HoldReply, RecordingServer
+from aioduco.testing import Delay, DropReply, FaultProxy, HoldReply, RecordingServer, eventually
 
 from .calls import ANSWERS, Book, Call, make
 
@@ -62,6 +62,11 @@ def patient(client: Any) -> None:
     client._iprot.trans._trans.set_timeout(None)
 
 
+def wait_for_the_answer(proxy: FaultProxy) -> None:
+    """Wait for the server's answer to the first call: the client may have given up sooner."""
+    eventually(lambda: any(call.replied is not None for call in proxy.calls()))
+
+
 def test_an_answer_to_the_call_before_is_found(
     proxy: FaultProxy, server: RecordingServer, book: Book, client: Any
 ) -> None:
@@ -74,6 +79,7 @@ def test_an_answer_to_the_call_before_is_found(
     proxy.next(HoldReply())
     book.follow_blocking(make("get_system_value_double"), lost, 0.05)
     assert book.outcomes == {"lost": 1}
+    wait_for_the_answer(proxy)
     patient(client)
     book.follow_blocking(make("get_system_value_double"), lost, 0.05)
     with pytest.raises(AssertionError, match=r"was answered by \d+\.25"):
@@ -88,6 +94,7 @@ def test_a_command_that_is_sent_again_is_found(
             try:
                 return getattr(client, method)(*args)
             except Exception:
+                wait_for_the_answer(proxy)
                 client.close()
                 patient(client)
                 client._iprot.trans.open()
@@ -109,6 +116,7 @@ def test_a_command_that_was_said_not_to_be_sent_is_found(
 
     proxy.next(DropReply())
     book.follow_blocking(make("write_word_reg"), hopeful, 1.0)
+    wait_for_the_answer(proxy)
     with pytest.raises(AssertionError, match=r"\(not sent\) arrived 1 times"):
         book.check(server)
 

@@ -222,6 +222,8 @@ def install() -> None:
     """Take it all away, in this process and in those that it starts."""
     if builtins.__import__ is _bare_import:
         return
+    if "aioduco._platform" in sys.modules:
+        raise RuntimeError("the package has seen all of the platform already")
     socket.socket.share = share  # type: ignore[attr-defined] # of Windows
     os.environ.update(_environment())
     builtins.__import__ = _bare_import

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 #: s after which a program counts as hung
 HUNG = 60.0
 
+pytestmark = pytest.mark.linux("os.fork")
+
 LOOPS = pytest.mark.parametrize("loop", ["asyncio", "uvloop"])
 GUARDS = pytest.mark.parametrize("guard", ["", "process"], ids=["alone", "guard"])
 

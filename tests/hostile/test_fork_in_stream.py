@@ -24,6 +24,7 @@ def sim() -> Iterator[Simulator]:
         yield sim
 
 
+@pytest.mark.linux("os.fork")
 @pytest.mark.parametrize("lane", ["process", "thread"])
 def test_a_stream_goes_on_when_its_program_forks(sim: Simulator, lane: str) -> None:
     program = [sys.executable, str(Path(fork_in_stream.__file__)), sim.host, str(sim.port), lane]

@@ -42,6 +42,7 @@ def stops(bench: Bench) -> int:
     return len(bench.received("stop"))
 
 
+@pytest.mark.linux("the guard's process")
 @pytest.mark.slow
 @pytest.mark.parametrize("deed", ["pass", MOVED], ids=["looked on", "moved before"])
 async def test_a_killed_program_that_moves_nothing_stops_nobodys_arm(
@@ -57,6 +58,7 @@ async def test_a_killed_program_that_moves_nothing_stops_nobodys_arm(
             assert not task.done
 
 
+@pytest.mark.linux("the guard's process")
 def test_a_killed_program_that_moves_has_its_arm_stopped(bench: Bench) -> None:
     bench.motion_time = 600.0
     with started(bench.host, bench.port, MOVE, heartbeat=60.0) as mover:
@@ -86,6 +88,7 @@ async def test_a_hung_program_has_only_its_own_motion_stopped(
     assert (stops(bench) >= 1) is moves
 
 
+@pytest.mark.linux("the guard's process")
 @pytest.mark.slow
 @pytest.mark.parametrize("heartbeat", [BEAT, None])
 def test_a_guard_that_was_frozen_at_its_programs_death_stops_nobody_elses_motion(
@@ -141,6 +144,7 @@ async def test_without_a_guard_that_knows_of_it_nothing_is_moved(bench: Bench) -
         await robot.motion.movej2(HOME, v=1.0, a=1.0)
 
 
+@pytest.mark.linux("the guard's process")
 @pytest.mark.slow
 async def test_another_guard_knows_what_moves(bench: Bench) -> None:
     """A claim that is held while the guard is replaced is made to the new one, too."""

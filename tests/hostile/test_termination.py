@@ -41,6 +41,7 @@ def hangups() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("hangups")
+@pytest.mark.linux("the guard's process")
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 @pytest.mark.parametrize("first", ["guard", "program"])
@@ -97,6 +98,7 @@ async def test_a_guard_that_is_told_to_end_stops_nobody_elses_arm(bench: Bench) 
         assert not task.done
 
 
+@pytest.mark.linux("the guard's process")
 @pytest.mark.slow
 def test_who_reads_a_programs_output_to_its_end_does_not_wait_for_the_guard(bench: Bench) -> None:
     code = PROGRAM.format(host=bench.host, port=bench.port, deed="pass", heartbeat=60.0)

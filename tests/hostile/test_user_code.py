@@ -459,6 +459,7 @@ def test_an_argument_that_cannot_be_shown_is_no_error(caplog: pytest.LogCaptureF
     assert "its values cannot be shown" in caplog.text
 
 
+@pytest.mark.linux("os.fork")
 def test_a_forked_child_reports_by_a_thread_of_its_own() -> None:
     program = """
 import logging, os, sys

@@ -249,6 +249,48 @@ def test_time_can_be_held(
     let_go()
 
 
+def test_a_command_of_who_holds_time_comes_at_the_time_that_is_read(
+    arm: Follower, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also while nothing happens, when many cycles go by at once, some of them due before it."""
+    runtime = SimulationRuntime(controller_of(FakeMover), arm, speed=math.inf)
+    clock = SimulatedClock(runtime)
+    wall = 0.0
+    monkeypatch.setattr(
+        module, "time", SimpleNamespace(perf_counter=lambda: wall, monotonic=lambda: wall)
+    )
+    allowed = runtime._allowed
+    locked = []
+
+    def look() -> int:
+        locked.append(runtime._lock.locked())
+        return allowed()
+
+    monkeypatch.setattr(runtime, "_allowed", look)
+    runtime._pace.begin(wall, idle=True)
+
+    def go_on(seconds: float) -> int:
+        nonlocal wall
+        wall += seconds
+        cycles = runtime._tick(idle=True)
+        runtime._pace.ran(cycles)
+        return cycles
+
+    assert go_on(0.0201) == 20
+    let_go = clock.hold(clock.now())
+    assert go_on(0.01) == 0
+    let_go()  # before the loop has come to stand still
+    read = clock.now()
+    assert go_on(0.0) == 0
+    assert clock.now() == read
+    assert go_on(0.0031) == 3
+    let_go()
+    assert go_on(0.002) == 2
+    clock.hold(clock.now() + 1.0)()  # time never stood by it
+    assert go_on(0.002) == 2
+    assert all(locked)  # so that no command comes between these cycles and their tick
+
+
 def _given_up(log: pytest.LogCaptureFixture, times: int) -> bool:
     return log.text.count("and goes on") == times
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .conftest import Controller
 
 
+@pytest.mark.linux("policies of the scheduler")
 @pytest.mark.parametrize(
     ("policy", "priority", "taken"),
     [("SCHED_BATCH", 0, False), ("SCHED_RR", 1, True), ("SCHED_FIFO", 1, True)],

@@ -33,7 +33,8 @@ from aioduco.streaming.shared.space import JOINT_SPACE, POSE_SPACE
 
 from .conftest import HERE, Controller, Cycles
 
-THREAD = LaneOptions(lane="thread")
+#: a busy machine may take long over an answer
+THREAD = LaneOptions(lane="thread", timeout=20.0)
 
 # -- curves ------------------------------------------------------------------------------------
 

@@ -174,6 +174,7 @@ def test_a_space_mouse_is_found_by_what_the_kernel_says(tmp_path: Path) -> None:
 # -- devices ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.linux("devices that are files")
 def test_devices_are_read_without_waiting_and_their_end_is_seen(tmp_path: Path) -> None:
     reader, writer = os.pipe()
     try:

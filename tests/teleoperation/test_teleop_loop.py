@@ -65,6 +65,7 @@ def place(sim: Simulator) -> np.ndarray:
     return np.array(sim.arm.fkine(sim.joints)[:3, 3])
 
 
+@pytest.mark.linux("devices that are files")
 async def test_a_held_key_leads_the_tool_and_a_silent_device_leaves_it_standing(
     pipe: tuple[int, int], tmp_path: Path
 ) -> None:
@@ -101,6 +102,7 @@ async def test_a_held_key_leads_the_tool_and_a_silent_device_leaves_it_standing(
             np.testing.assert_allclose(seen[-1], led, atol=2e-3)
 
 
+@pytest.mark.linux("devices that are files")
 async def test_joints_are_turned_and_a_wrong_scale_is_refused(pipe: tuple[int, int]) -> None:
     reader, writer = pipe
     with Simulator() as sim:

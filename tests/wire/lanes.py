@@ -24,7 +24,11 @@ SHORT = 0.1
 async def opened(
     *scripts: Script, **options: Any
 ) -> AsyncIterator[tuple[WireLane, ScriptedServer]]:
-    """A lane and its server; when they are closed, nothing is left of either."""
+    """A lane and its server; when they are closed, nothing is left of either.
+
+    It connects as late as a busy machine does; a test about that time gives it.
+    """
+    options.setdefault("connect_timeout", PATIENCE)
     async with no_leaks():
         with ScriptedServer(*scripts) as server:
             lane = WireLane("test", server.host, server.port, **options)
