@@ -107,7 +107,10 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
     "force": {"planner", "cycle", "scene"},
     "cabinet": {"planner", "refusal"},
     "controller": {"planner", "force", "cabinet", "cycle", "refusal", "forgiving"},
-    "runtime": {"planner", "cabinet", "controller", "physics", "cycle", "clock", "refusal"},
+    "planning": {"planner", "controller"},
+    "runtime": {
+        *("planner", "planning", "cabinet", "controller", "physics", "cycle", "clock", "refusal"),
+    },
     "handlers": {
         "planner",
         "force",

@@ -2,9 +2,10 @@
 
 Motions are planned one at a time and in their order, by the thread whose command brought them, or
 by a thread of its own if they come of the cycle itself. Planning is done without the controller's
-lock: it touches nothing but the values that it begins with, and the lock is taken to fetch them and
-to hand in what came of them. Between slices of its work it gives the other threads their turn, and
-a stop drops it there.
+lock: it changes nothing, and reads nothing but the values that it begins with and how active
+external axes are set up, which nobody may change while motions wait. The lock is taken to fetch the
+values and to hand in what came of them. Between slices of its work planning gives the other threads
+their turn, and a stop drops it there.
 """
 
 from __future__ import annotations

@@ -116,6 +116,7 @@ class Draft(NamedTuple):
         start: joints at which it begins [rad]. Shape (6,).
         queue: the motions before it, the running one first.
         axes: where those leave external axes, by number.
+        rest: what is left of motions that have ended; long ones take long to be freed.
     """
 
     key: int
@@ -123,6 +124,7 @@ class Draft(NamedTuple):
     start: Array
     queue: tuple[Entry, ...]
     axes: dict[int, float]
+    rest: list[object]
 
     def work(self, turn: Turn = no_turn) -> Drafted:
         """Plan the motion, its blend with the one before it included.
@@ -133,6 +135,9 @@ class Draft(NamedTuple):
         Raises:
             PlanError: from `plan`, or the motion cannot be behind those before it.
         """
+        while self.rest:
+            self.rest.pop()
+            turn()
         segment = self.plan(self.start.copy())
         turn()
         if np.abs(segment.q_start - self.start).max() > 1e-9:
@@ -190,6 +195,7 @@ class Mover:
         self._elapsed = 0.0  # time that the active motion has moved
         self._law_piece = self._path_piece = self._axes_piece = 0
         self._axes: dict[int, float] = {}
+        self._rest: list[object] = []  # of motions that have ended, until another is drafted
 
     @property
     def setpoint(self) -> JointSetPoint:
@@ -262,7 +268,9 @@ class Mover:
         """
         if self._stopping:
             raise PlanError("parameter", "the arm is stopping")
-        return Draft(key, plan, self._end, self._queue, {**self._axes, **self._left_by_queue()})
+        rest, self._rest = self._rest, []
+        axes = {**self._axes, **self._left_by_queue()}
+        return Draft(key, plan, self._end, self._queue, axes, rest)
 
     def take(self, drafted: Drafted) -> bool:
         """Put a motion that was drafted at the end of the queue.
@@ -339,6 +347,7 @@ class Mover:
 
     def _drop(self) -> None:
         self._events += [MotionEvent(entry.key, "stopped") for entry in self._queue]
+        self._rest += [*self._queue, self._law]
         self._queue = ()
         self._law = None
         self._began = self._stopping = self._pausing = False
@@ -454,6 +463,7 @@ class Mover:
         entry, *rest = self._queue
         self._queue = tuple(rest)
         self._events.append(MotionEvent(entry.key, "blended" if entry.blends else "finished"))
+        self._rest += [entry, self._law]
         self._law = None
         if entry.blends:
             return True

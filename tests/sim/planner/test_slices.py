@@ -281,3 +281,17 @@ def test_what_it_was_drafted_from_has_to_hold() -> None:
     assert not mover.take(first)  # the arm stands elsewhere
     mover.reset(HOME)
     assert mover.take(first)
+
+
+def test_what_is_left_of_a_long_motion_is_freed_where_the_next_one_is_planned() -> None:
+    mover = Mover(FIVE, HOME, CYCLE)
+    mover.append(1, to(0.5))
+    mover.tick()
+    mover.stop()
+    ticked(mover)
+    assert mover.keys == ()
+    draft = mover.draft(2, to(0.1))
+    assert draft.rest  # neither the cycle that ended it has freed it, nor the stop
+    draft.work()
+    assert draft.rest == []
+    assert mover.draft(2, to(0.1)).rest == []
