@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from aioduco.preflight.lines import Mark, ProgramLine
     from aioduco.preflight.program_clock import ProgramClock
     from aioduco.sim import Simulator
-    from aioduco.sim.runtime import SimulationSnapshot
+    from aioduco.sim.snapshot import SimulationSnapshot
 
 __all__ = ["ProgramCall", "RunRecorder"]
 

@@ -20,11 +20,15 @@ class CycleSchedule:
     Args:
         cycle: simulated time of one cycle [s].
         speed: simulated seconds in a real one; inf for as fast as possible.
+
+    Attributes:
+        slipped: real time that was given up [s].
+        speed: the speed at which it goes.
     """
 
     def __init__(self, cycle: float, speed: float) -> None:
         self.slipped: float = 0.0
-        self._speed = checked_speed(speed)
+        self.speed: float = checked_speed(speed)
         self._cycle = cycle
         self._period = 0.0
         self._start = 0.0
@@ -36,15 +40,15 @@ class CycleSchedule:
         As fast as possible has no meaning while nothing happens: such a clock goes at the speed
         of real time while idle.
         """
-        speed = 1.0 if idle and math.isinf(self._speed) else self._speed
+        speed = 1.0 if idle and math.isinf(self.speed) else self.speed
         self._period = self._cycle / speed
         self._start = now
         self._count = 0
 
     def change(self, speed: float, now: float, *, idle: bool) -> None:
         """Go on at a speed, with a schedule anew from `now` [s] if it is another one."""
-        if speed != self._speed:
-            self._speed = speed
+        if speed != self.speed:
+            self.speed = speed
             self.begin(now, idle=idle)
 
     def delay(self, now: float) -> float:
@@ -52,7 +56,7 @@ class CycleSchedule:
         if not self._period:
             return 0.0
         delay = self._start + (self._count + 1) * self._period - now
-        if delay < -max(_SLACK, self._period):
+        if delay < -_SLACK and delay < -self._period:
             self.slipped -= delay
             self._start -= delay
             return 0.0

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     Vector = NDArray[np.float64]
 
-__all__ = ["DriveCommand", "Plant", "SensedState"]
+__all__ = ["DriveCommand", "Plant", "PlantReading", "SensedState"]
 
 
 def untouched() -> str:
@@ -50,6 +50,30 @@ class SensedState(NamedTuple):
     touched: Callable[[], str] = untouched
 
 
+class PlantReading(NamedTuple):
+    """The physics after a step. None of the arrays is changed later on.
+
+    Attributes:
+        positions: of everything that moves, the joints first [rad, m].
+        q: joints [rad]. Shape (6,).
+        qd: joint speeds [rad/s]. Shape (6,).
+        qdd: joint accelerations [rad/s²]. Shape (6,).
+        torque: joint torques [N m]. Shape (6,).
+        wrench: what acts on the flange, in its frame [N, N m]. Shape (6,).
+        target_torque: torques that the set-point's motion needs [N m]. Shape (6,).
+        external_torque: torques that the motion needed beyond those of the drives [N m]. (6,)
+    """
+
+    positions: Vector
+    q: Vector
+    qd: Vector
+    qdd: Vector
+    torque: Vector
+    wrench: Vector
+    target_torque: Vector
+    external_torque: Vector
+
+
 class DriveCommand(NamedTuple):
     """What the drives get: a set-point, or the brakes."""
 
@@ -58,31 +82,10 @@ class DriveCommand(NamedTuple):
 
 
 class Plant(Protocol):
-    """The physics, as far as the runtime needs them. Each array is a new one."""
+    """The physics, as far as the runtime needs them."""
 
-    @property
-    def positions(self) -> Vector:
-        """Positions of everything that moves, the joints first."""
-        ...
-
-    @property
-    def q(self) -> Vector:
-        """Joints [rad]. Shape (6,)."""
-        ...
-
-    @property
-    def qd(self) -> Vector:
-        """Joint speeds [rad/s]. Shape (6,)."""
-        ...
-
-    @property
-    def qdd(self) -> Vector:
-        """Joint accelerations [rad/s²]. Shape (6,)."""
-        ...
-
-    @property
-    def torque(self) -> Vector:
-        """Joint torques [N m]. Shape (6,)."""
+    def reading(self) -> PlantReading:
+        """Where all is, how it moves, and what acts on it."""
         ...
 
     def touched(self) -> str:
@@ -94,21 +97,6 @@ class Plant(Protocol):
 
     def arrange(self, q: Vector, things: Mapping[str, PoseLike]) -> None:
         """Stand at q [rad] at once, with things of the scene at their poses [m, rad]."""
-
-    @property
-    def wrench(self) -> Vector:
-        """What acts on the flange, in its frame [N, N m]. Shape (6,)."""
-        ...
-
-    @property
-    def target_torque(self) -> Vector:
-        """Torques that the set-point's motion needs [N m]. Shape (6,)."""
-        ...
-
-    @property
-    def external_torque(self) -> Vector:
-        """Torques that the motion needed beyond those of the drives [N m]. Shape (6,)."""
-        ...
 
     @property
     def still(self) -> bool:

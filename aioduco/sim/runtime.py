@@ -18,7 +18,7 @@ import logging
 import math
 import threading
 import time
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from aioduco.errors import ParameterError
 from aioduco.models.enums import RobotState
@@ -28,6 +28,7 @@ from aioduco.sim.physics.temperature import Temperatures
 from aioduco.sim.planner.path import JointSetPoint
 from aioduco.sim.planning import Planning
 from aioduco.sim.refusal import Pending, Refusal
+from aioduco.sim.snapshot import SimulationSnapshot
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -39,12 +40,12 @@ if TYPE_CHECKING:
     from aioduco.models.pose import PoseLike
     from aioduco.sim.cabinet.axis_schemes import SimulatedExternalAxes
     from aioduco.sim.controller.motion_settings import OptimizationSwitches, WeaveSelection
-    from aioduco.sim.controller.state_machine import Controller, ControllerState
+    from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.cycle import Plant
 
     Vector = NDArray[np.float64]
     #: is given the state after a cycle, and what says what of the arm touches what
-    Observer = Callable[["SimulationSnapshot", Callable[[], str]], None]
+    Observer = Callable[[SimulationSnapshot, Callable[[], str]], None]
 
 _log = logging.getLogger(__name__)
 
@@ -64,40 +65,6 @@ _NO_PUSH: tuple[float, ...] = (0.0,) * 6
 #: cycles that no idle time comes to
 _MANY = 1_000_000
 _STRONG: tuple[float, ...] = (math.inf,) * 6
-
-
-class SimulationSnapshot(NamedTuple):
-    """Arm and controller after one cycle.
-
-    While the controller simulates, joints, set-point and wrench are those of its simulated arm;
-    torques, temperatures and `positions` stay those of the real one.
-
-    Attributes:
-        time: simulated time [s].
-        q, qd, qdd: actual joints, their speeds and accelerations [rad, s]. Shape (6,) each.
-        torque: actual joint torques [N m]. Shape (6,).
-        setpoint: what the drives have followed up to this instant.
-        view: the controller's state.
-        wrench: what acts on the flange, in its frame, the load's weight included [N, N m].
-        target_torque: what the set-point's motion needs [N m]. Shape (6,).
-        external_torque: of what pushes at the joints from outside, as observed [N m]. Shape (6,).
-        positions: of everything that moves, the joints first [rad, m].
-        joint_temperature, board_temperature: of joints and drive boards [°C]. Shape (6,) each.
-    """
-
-    time: float
-    q: Vector
-    qd: Vector
-    qdd: Vector
-    torque: Vector
-    setpoint: JointSetPoint
-    view: ControllerState
-    wrench: Vector
-    target_torque: Vector
-    external_torque: Vector
-    positions: Vector
-    joint_temperature: Vector
-    board_temperature: Vector
 
 
 class SimulatedClock:
@@ -159,7 +126,6 @@ class SimulationRuntime:
         self._sense = sense
         self._on_network = on_network
         self._lock = threading.Lock()
-        self._cycle_lock = _CycleLock(self)
         self.planning = Planning(controller, self._lock, self._changing, self._fail)
         self._wake = threading.Event()
         self._news = threading.Condition()
@@ -179,7 +145,9 @@ class SimulationRuntime:
         self._thread = threading.Thread(target=self._run, name="sim-loop", daemon=True)
         self._network: bool | None = True
         self._warmth = Temperatures(effort)
+        self._temperatures = self._warmth.joints, self._warmth.boards
         self._warm_at = 0.0
+        self._touched = plant.touched
         self._count = 0
         self._quiet = 0
         #: in step lock, the cycle up to which simulated time may go
@@ -189,28 +157,24 @@ class SimulationRuntime:
         self._misplaced: Exception | None = None
         self._busy: bool = False
         self._braked: bool | None = None
+        #: whether one of what follows was changed
+        self._told: bool = False
         self._push: Sequence[float] = _NO_PUSH
         self._pushed: Sequence[float] = _NO_PUSH
         self._load: tuple[float, Sequence[float]] = (0.0, (0.0, 0.0, 0.0))
         self._loaded: tuple[float, Sequence[float]] = self._load
         self._carry: tuple[float, Sequence[float]] | None = None
         self._carried: tuple[float, Sequence[float]] | None = None
-        q = plant.q
-        self._drive = DriveCommand(JointSetPoint.at_rest(q), brake=True)
+        at = plant.reading()
+        self._drive = DriveCommand(JointSetPoint.at_rest(at.q), brake=True)
         self._snapshot = SimulationSnapshot(
-            0.0,
-            q,
-            plant.qd,
-            plant.qdd,
-            plant.torque,
+            SensedState(0.0, 0.0, at.q, at.qd, sense(at.wrench), at.external_torque),
+            at,
+            at.qdd,
             self._drive.setpoint,
             controller.view(),
-            sense(plant.wrench),
-            plant.target_torque,
-            plant.external_torque,
-            plant.positions,
-            self._warmth.joints,
-            self._warmth.boards,
+            controller.collisions.torque,
+            self._temperatures,
         )
 
     # -- for handlers and tests, from any thread -----------------------------------------------
@@ -276,7 +240,7 @@ class SimulationRuntime:
             try:
                 yield self._controller
             finally:
-                self._snapshot = self._snapshot._replace(view=self._controller.view())
+                self._snapshot = self._snapshot.seen(self._controller.view())
                 self._change = None
                 released = self._take_answered()
         for event in released:
@@ -351,6 +315,7 @@ class SimulationRuntime:
     def push(self, wrench: Sequence[float]) -> None:
         """Push at the flange from now on [N, N m], in the base frame."""
         self._push = tuple(wrench)
+        self._told = True
         self._wake.set()
 
     def now(self) -> float:
@@ -369,7 +334,7 @@ class SimulationRuntime:
                 held = self._holds.pop(key, None) is not None
                 self._lasting.discard(key)
                 if held and at <= self.now():
-                    self._let_go_at = time.perf_counter()
+                    self._let_go_at = time.monotonic()
                 self._holding.notify_all()
 
         with self._holding:
@@ -441,11 +406,13 @@ class SimulationRuntime:
     def load(self, mass: float, centre: Sequence[float]) -> None:
         """Tell the drives about a load [kg, m], and mount it unless `carry` has mounted another."""
         self._load = (mass, tuple(centre))
+        self._told = True
         self._wake.set()
 
     def carry(self, mass: float, centre: Sequence[float]) -> None:
         """Mount a load at the flange [kg, m], whatever the drives are told."""
         self._carry = (mass, tuple(centre))
+        self._told = True
         self._wake.set()
 
     def set_speed(self, speed: float) -> None:
@@ -500,41 +467,53 @@ class SimulationRuntime:
         self.release()
 
     def _loop(self) -> None:
-        idle, late, begun = False, 0.0, 0.0
-        self._pace.begin(time.perf_counter())
+        clock, sleep, pace = time.monotonic, time.sleep, self._pace
+        idle = False
+        # The clock is read once where a cycle ends, and once more after a sleep.
+        now = clock()
+        pace.begin(now)
         while not self._closing:
-            self._stand_still(idle=idle)
-            now = time.perf_counter()
-            if idle and self._limit is not None:
-                idle = False
-                self._pace.begin(now)
-            self._pace.change(self._speed, now, idle=idle)
+            if self._holds or self._limit is not None:
+                self._stand_still(idle=idle)
+                now = clock()
+                if idle and self._limit is not None:
+                    idle = False
+                    pace.begin(now)
+            if self._speed != pace.speed:
+                pace.change(self._speed, now, idle=idle)
             if idle:
                 if self._wake.wait(_STRIDE):
                     self._wake.clear()
                 self._stand_still(idle=idle)
                 if self._limit is not None:
                     continue
+                now = clock()
+                cycles = self._tick(now, idle=True)
+                pace.ran(cycles)
+                now = clock()
             else:
-                delay = self._pace.delay(now)
+                cycles, delay = 1, pace.delay(now)
+                begun = now
                 if delay > 0.0:
-                    time.sleep(delay)
-                    late = time.perf_counter() - now - delay
-                else:
-                    late = -delay
-                begun = time.perf_counter()
-                self._change_plant()
+                    sleep(delay)
+                    begun = clock()
+                late = begun - now - delay
+                if self._told or self._braked is not self._drive.brake:
+                    self._change_plant()
                 self._plant.step(self._drive.setpoint)
-            cycles = self._tick(idle=idle)
-            self._pace.ran(cycles)
-            if not idle:
-                self._times.add(late, time.perf_counter() - begun)
-            if idle != self._is_idle(cycles):
+                pace.ran()
+                self._tick(begun)
+                now = clock()
+                self._times.add(late, now - begun)
+            if self._busy and not idle:
+                self._quiet = 0
+            elif idle != self._is_idle(cycles):
                 idle = not idle
-                self._pace.begin(time.perf_counter(), idle=idle)
+                pace.begin(now, idle=idle)
 
     def _change_plant(self) -> None:
         """Have the physics take over what was changed since the last cycle."""
+        self._told = False  # first: what comes meanwhile is taken over in the next cycle
         if self._braked is not self._drive.brake:
             self._braked = self._drive.brake
             self._plant.brake(self._braked)
@@ -573,7 +552,7 @@ class SimulationRuntime:
                     del self._holds[key]
                 if over:
                     _log.warning("simulated time was held for %g s, and goes on", _HOLD)
-        self._pace.begin(time.perf_counter(), idle=idle)  # nothing is to be caught up with
+        self._pace.begin(time.monotonic(), idle=idle)  # nothing is to be caught up with
 
     def _may_go_on(self) -> bool:
         """Whether simulated time goes on; meanwhile the scene is arranged, if that is asked for."""
@@ -587,54 +566,50 @@ class SimulationRuntime:
             self._stands.set()
         return self._closing or self._allowed() > 0
 
-    def _tick(self, *, idle: bool) -> int:
-        """Go on by one cycle, or while nothing happens by those that are due; how many."""
-        plant = self._plant
-        positions = plant.positions
-        q, qd, qdd, torque = positions[:6], plant.qd, plant.qdd, plant.torque
-        wrench = self._sense(plant.wrench)
+    def _tick(self, now: float, *, idle: bool = False) -> int:
+        """Go on by one cycle, or while nothing happens by those that are due; how many.
+
+        Args:
+            now: real time [s].
+            idle: whether nothing happens.
+        """
+        controller = self._controller
+        reading = self._plant.reading()
+        qdd, external = reading.qdd, reading.external_torque
+        wrench = self._sense(reading.wrench)
         followed = self._drive.setpoint  # what has brought the arm to where it is now
-        with self._cycle_lock:
+        with self._lock:
+            if controller.unplanned is not None:
+                self._wait_for_plans()
             cycles = self._idle_cycles() if idle else 1
             self._count += cycles
             at = self._count * self.cycle
             if at - self._warm_at >= _WARMING:
-                powered = self._snapshot.view.robot in (RobotState.DISABLE, RobotState.ENABLE)
-                self._warmth.tick(at - self._warm_at, torque, powered=powered)
-                self._warm_at = at
-            simulated = self._controller.simulated
-            sensed = SensedState(
-                at, time.monotonic(), q, qd, wrench, plant.external_torque, plant.touched
-            )
+                self._warm(at, reading.torque)
+            sensed = SensedState(at, now, reading.q, reading.qd, wrench, external, self._touched)
+            simulated = controller.simulated
             self._change = object()
-            self._drive = self._controller.tick(sensed)
+            self._drive = controller.tick(sensed)
             if simulated is not None:
                 followed, qdd = simulated, simulated.qdd
-            known = self._controller.sensed
-            view = self._controller.view()
-            self._snapshot = SimulationSnapshot(
-                at,
-                known.q,
-                known.qd,
+            self._snapshot = snapshot = SimulationSnapshot(
+                controller.sensed,
+                reading,
                 qdd,
-                torque,
                 followed,
-                view,
-                known.wrench,
-                plant.target_torque,
-                self._controller.collisions.torque,
-                positions,
-                self._warmth.joints,
-                self._warmth.boards,
+                controller.view(),
+                controller.collisions.torque,
+                self._temperatures,
             )
             self._change = None
             # Before a command can come: else it would be chance in which cycle that counts.
-            self._busy = self._controller.busy
-            released = self._take_answered()
-            network = None if self._controller.halted else not self._controller.starting
-            self.planning.plan_aside()
+            self._busy = controller.busy
+            released = self._take_answered() if controller.tasks.news else ()
+            network = None if controller.halted else not controller.starting
+            if controller.unplanned is not None:
+                self.planning.plan_aside()
         if (observer := self.observer) is not None:
-            observer(self._snapshot, plant.touched)
+            observer(snapshot, self._touched)
         for event in released:
             event.set()
         if self._watchers:
@@ -653,13 +628,25 @@ class SimulationRuntime:
         go is not caught up with, even if this thread has not come to see that it was held.
         """
         self._pace.drop(self._let_go_at)
-        return min(self._pace.due(time.perf_counter()), self._allowed())
+        return min(self._pace.due(time.monotonic()), self._allowed())
 
-    def _stands_for_plans(self) -> bool:
-        """Whether the next cycle has to wait until motions are planned. Under the lock."""
-        if self._controller.unplanned is None or self._closing:
-            return False
-        return self._limit is not None or math.isinf(self._speed)
+    def _wait_for_plans(self) -> None:
+        """Have all be planned where time has no pace of its own. The lock is held before and after."""
+        while self._controller.unplanned is not None and not self._closing:
+            if self._limit is None and not math.isinf(self._speed):
+                return
+            self._lock.release()
+            try:
+                self.planning.plan()
+            finally:
+                self._lock.acquire()
+
+    def _warm(self, at: float, torque: Vector) -> None:
+        """Have the temperatures follow the torques of the time since they did so last."""
+        powered = self._snapshot.view.robot in (RobotState.DISABLE, RobotState.ENABLE)
+        self._warmth.tick(at - self._warm_at, torque, powered=powered)
+        self._temperatures = self._warmth.joints, self._warmth.boards
+        self._warm_at = at
 
     def _take_answered(self) -> list[threading.Event]:
         """Those who wait for the tasks that ended or were passed on. Under the lock."""
@@ -677,20 +664,3 @@ class SimulationRuntime:
         changing = changing or self._limit is not None
         self._quiet = 0 if changing else self._quiet + cycles
         return self._quiet * self.cycle >= _SETTLING
-
-
-class _CycleLock:
-    """The runtime's lock as a cycle takes it: not before all is planned, where time has no pace."""
-
-    def __init__(self, runtime: SimulationRuntime) -> None:
-        self._runtime = runtime
-
-    def __enter__(self) -> None:
-        self._runtime._lock.acquire()
-        while self._runtime._stands_for_plans():
-            self._runtime._lock.release()
-            self._runtime.planning.plan()
-            self._runtime._lock.acquire()
-
-    def __exit__(self, *_: object) -> None:
-        self._runtime._lock.release()

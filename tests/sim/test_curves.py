@@ -17,7 +17,7 @@ from aioduco.sim.simulator import READY, Simulator
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from aioduco.sim.runtime import SimulationSnapshot
+    from aioduco.sim.snapshot import SimulationSnapshot
 
     from .conftest import Program
 

@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from aioduco.sim.controller.motion_queue import Planning
+    from aioduco.sim.controller.state_machine import Controller
 
     from .conftest import Program
 
     Aside = Callable[..., Future[Any]]
 
-END: Any = (0.0, [], "", "")
 LEFT, RIGHT = [0.3, *READY[1:]], [-0.3, *READY[1:]]
 
 
@@ -82,12 +82,17 @@ HERE = [0.0] * 6  # replaced by the place of the arm in each test that runs the 
 
 def line(robot: Program, *, y: float = 0.1, block: bool = False) -> int:
     there = list(Pose.of(robot.get_tcp_pose()).shifted(y=y))
-    return robot.movel(there, 0.1, 1.0, *END, block, Op(), False)
+    return robot.movel(there, 0.1, 1.0, 0.0, [], "", "", block, Op(), False)
+
+
+def controller_of(sim: Simulator) -> Controller:
+    assert sim._runtime is not None
+    return sim._runtime._controller
 
 
 def weave(robot: Program) -> None:
     """Have lines swing fifty times on 0.1 m."""
-    config = (2, 0, 50.0, 0.002, 0.0, 0.0, 0.0, [0, 0], False, [])
+    config: Any = (2, 0, 50.0, 0.002, 0.0, 0.0, 0.0, [0, 0], False, [])
     assert robot.combine_motion_config(*config) == TaskState.FINISHED
     assert robot.enable_combine_motion() == TaskState.FINISHED
 
@@ -162,8 +167,9 @@ def test_motions_come_in_the_order_of_their_calls(
     weave(robot)
     first = aside(sim, line)
     parking.wait()
-    controller = sim._runtime._controller
+    controller = controller_of(sim)
     planned = controller.unplanned
+    assert planned is not None
     second = aside(sim, lambda other: other.to(*LEFT, block=False))
     eventually(lambda: controller.unplanned != planned)
     third = aside(sim, lambda other: other.to(*RIGHT, block=False))
@@ -183,7 +189,7 @@ def test_an_error_in_a_later_slice_is_answered_as_ever(
     parking.after = 1  # what is out of reach is further along
     far = aside(sim, lambda other: line(other, y=2.0, block=True))
     parking.wait()
-    controller = sim._runtime._controller
+    controller = controller_of(sim)
     planned = controller.unplanned
     behind = aside(sim, lambda other: other.to(*LEFT))
     eventually(lambda: controller.unplanned != planned)
@@ -258,7 +264,7 @@ def test_a_motion_waits_until_it_is_planned(bench: Bench) -> None:
     planning = begin(bench)
     bench.tick(10)
     finish(bench, planning)
-    assert bench.controller.unplanned is None
+    assert not bench.controller.awaits_plan(id_)
     assert bench.ended(id_) == TaskState.FINISHED
     np.testing.assert_allclose(bench.q, 1.0)
 

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from aioduco.sim import runtime as module
+from aioduco.sim.cycle import PlantReading
 from aioduco.sim.refusal import Refusal
 from aioduco.sim.runtime import SimulatedClock, SimulationRuntime
 from aioduco.testing import eventually
@@ -35,8 +36,6 @@ class Follower:
 
     def __init__(self) -> None:
         self.q = HOME.copy()
-        self.qd = self.qdd = self.torque = self.wrench = np.zeros(6)
-        self.target_torque = self.external_torque = np.zeros(6)
         self.steps = 0
         self.broken = False
         self.braked: list[bool] = []
@@ -59,9 +58,9 @@ class Follower:
 
     still = True
 
-    @property
-    def positions(self) -> Vector:
-        return self.q.copy()
+    def reading(self) -> PlantReading:
+        q, none = self.q.copy(), np.zeros(6)
+        return PlantReading(q, q, none, none, none, none, none, none)
 
     def carry(self, mass: float, centre: Sequence[float]) -> None:
         self.carried = (mass, tuple(centre))
@@ -272,7 +271,7 @@ def test_a_command_of_who_holds_time_comes_at_the_time_that_is_read(
     def go_on(seconds: float) -> int:
         nonlocal wall
         wall += seconds
-        cycles = runtime._tick(idle=True)
+        cycles = runtime._tick(wall, idle=True)
         runtime._pace.ran(cycles)
         return cycles
 

@@ -86,15 +86,19 @@ class FrameTable:
     """The tools and work objects that are defined, and which are in use.
 
     Both begin with one named "default", which is the flange and the base.
+
+    Attributes:
+        current_tool: the tool in use.
+        current_wobj: the work object in use, with the offset in use.
     """
 
     def __init__(self) -> None:
         self._tools = {DEFAULT: Tool.at(_ORIGIN, DEFAULT)}
         self._wobjs = {DEFAULT: WorkObject.at(_ORIGIN, DEFAULT)}
-        self._tool = self._tools[DEFAULT]
+        self.current_tool: Tool = self._tools[DEFAULT]
         self._wobj = self._wobjs[DEFAULT]
         self._offset: Pose | None = None
-        self._in_use = self._wobj
+        self.current_wobj: WorkObject = self._wobj
 
     def tool(self, name: str = "") -> Tool:
         """A tool; the one in use when the name is empty.
@@ -103,7 +107,7 @@ class FrameTable:
             UnknownName: None has this name.
         """
         if not name:
-            return self._tool
+            return self.current_tool
         if name not in self._tools:
             raise UnknownName(f"there is no tool {name!r}; there are: {', '.join(self._tools)}")
         return self._tools[name]
@@ -118,21 +122,21 @@ class FrameTable:
             raise UnknownName(
                 f"there is no work object {name!r}; there are: {', '.join(self._wobjs)}"
             )
-        return self._moved(self._wobjs[name]) if name else self._in_use
+        return self._moved(self._wobjs[name]) if name else self.current_wobj
 
     def set_tool(self, tool: Tool) -> None:
         """Define a tool, and use it."""
-        self._tools[tool.name] = self._tool = tool
+        self._tools[tool.name] = self.current_tool = tool
 
     def set_wobj(self, name: str, pose: Pose) -> None:
         """Define a work object, and use it."""
         self._wobjs[name] = self._wobj = WorkObject.at(pose, name)
-        self._in_use = self._moved(self._wobj)
+        self.current_wobj = self._moved(self._wobj)
 
     def set_wobj_offset(self, offset: Pose | None) -> None:
         """Move the frame of every work object by an offset in it; None for no offset."""
         self._offset = offset
-        self._in_use = self._moved(self._wobj)
+        self.current_wobj = self._moved(self._wobj)
 
     def _moved(self, wobj: WorkObject) -> WorkObject:
         if self._offset is None:

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Following", "Planning"]
 
+_IDLE = MotionPhase.IDLE  # looked up once, for the cycle
 #: motions that may wait behind each other; the manual gives no number
 CAPACITY = 1000
 
@@ -102,6 +103,10 @@ class MotionQueue:
         tasks: the table that holds the tasks' states.
         mover: makes a mover that stands at the given joints [rad].
         q: joints at the start [rad]. Shape (6,).
+
+    Attributes:
+        phase: what the queue is doing; it alone says so.
+        failures, faults: messages for the error list, and of safety stops, until they are taken.
     """
 
     def __init__(self, tasks: TaskTable, mover: Callable[[Vector], Mover], q: Vector) -> None:
@@ -110,7 +115,7 @@ class MotionQueue:
         self._mover = mover(q)
         self._speed = 1.0
         self._queue: dict[int, None] = {}
-        self._phase = MotionPhase.IDLE
+        self.phase: MotionPhase = MotionPhase.IDLE
         self._ending = (TaskState.STOPPED, "")
         self._waiting_for_rest: list[int] = []
         self._at_rest = True
@@ -125,11 +130,6 @@ class MotionQueue:
         self._planning: Planning | None = None  # the first of them
         self.failures: list[str] = []
         self.faults: list[str] = []
-
-    @property
-    def phase(self) -> MotionPhase:
-        """What the queue is doing."""
-        return self._phase
 
     @property
     def moving(self) -> bool:
@@ -174,7 +174,7 @@ class MotionQueue:
         assert not self._queue
         self._at_rest = True
         self._leave(q)
-        self._phase = MotionPhase.IDLE
+        self.phase = MotionPhase.IDLE
 
     def _leave(self, q: Vector) -> None:
         """Nothing is followed any more; the arm stands at q [rad]."""
@@ -201,8 +201,8 @@ class MotionQueue:
 
     def _enter(self, id_: int) -> None:
         self._queue[id_] = None
-        if self._phase is MotionPhase.IDLE:
-            self._phase = MotionPhase.RUNNING
+        if self.phase is MotionPhase.IDLE:
+            self.phase = MotionPhase.RUNNING
 
     def _append(self, id_: int, plan: Plan) -> None:
         if self.aside:
@@ -272,7 +272,7 @@ class MotionQueue:
             part: how much of its way a motion has made by then [%].
             count: if that is 0: how many motions are known then, the running one included.
         """
-        if not self._blending or self._phase is not MotionPhase.RUNNING:
+        if not self._blending or self.phase is not MotionPhase.RUNNING:
             return
         if part > 0:
             running = self._mover.active if self._follower is None else None
@@ -300,7 +300,7 @@ class MotionQueue:
                 self._following = id_, following
                 self._tasks.set(
                     id_,
-                    TaskState.PAUSED if self._phase is MotionPhase.PAUSED else TaskState.RUNNING,
+                    TaskState.PAUSED if self.phase is MotionPhase.PAUSED else TaskState.RUNNING,
                 )
             else:
                 self._behind[-1] = id_, following
@@ -339,9 +339,9 @@ class MotionQueue:
             self._tasks.set(control, TaskState.RUNNING)
             self._waiting_for_rest.append(control)
         # A fault during a stop is what counts; a stop during a fault changes nothing.
-        if self._phase is not MotionPhase.STOPPING or state is TaskState.ERROR:
+        if self.phase is not MotionPhase.STOPPING or state is TaskState.ERROR:
             self._ending = (state, message)
-        self._phase = MotionPhase.STOPPING
+        self.phase = MotionPhase.STOPPING
         self._behind.clear()
         self._drop_plans()
         self._mover.stop()
@@ -364,7 +364,7 @@ class MotionQueue:
 
         Only what is being stopped may end like this: the tasks end when the arm stands.
         """
-        assert self._phase is MotionPhase.STOPPING or not self._queue
+        assert self.phase is MotionPhase.STOPPING or not self._queue
         self._leave(q)
 
     def cut(self, message: str, q: Vector) -> None:
@@ -378,8 +378,8 @@ class MotionQueue:
         if control is not None:
             self._tasks.set(control, TaskState.RUNNING)
             self._waiting_for_rest.append(control)
-        if self._phase is MotionPhase.RUNNING:
-            self._phase = MotionPhase.PAUSING
+        if self.phase is MotionPhase.RUNNING:
+            self.phase = MotionPhase.PAUSING
             self._mover.pause()
             if self._follower is not None:
                 self._follower.pause()
@@ -387,9 +387,9 @@ class MotionQueue:
 
     def resume(self) -> None:
         """Go on where a pause stopped."""
-        if self._phase not in (MotionPhase.PAUSING, MotionPhase.PAUSED):
+        if self.phase not in (MotionPhase.PAUSING, MotionPhase.PAUSED):
             return
-        self._phase = MotionPhase.RUNNING
+        self.phase = MotionPhase.RUNNING
         self._mover.resume()
         if self._follower is not None:
             self._follower.resume()
@@ -410,15 +410,18 @@ class MotionQueue:
         self._at_rest, self._time = at_rest, time
         if self._follower is not None:
             return self._tick_follower(self._follower, q, qd)
-        tick = self._mover.tick()
+        mover = self._mover
+        tick = mover.tick()
         for key, event, _ in tick.events:
             self._note(key, event)
         if self._triggers:
-            mover, halting = self._mover, self._phase not in (MotionPhase.IDLE, MotionPhase.RUNNING)
+            halting = self.phase not in (MotionPhase.IDLE, MotionPhase.RUNNING)
             self._triggers.tick(time, tick.setpoint, mover.active, mover.travel, halting=halting)
         if self._behind:
             self._go_on()
-        if self._phase is not MotionPhase.IDLE or self._waiting_for_rest:
+        elif mover.moving:
+            return tick.setpoint  # most cycles: nothing settles
+        if self.phase is not _IDLE or self._waiting_for_rest:
             self._settle()
         return tick.setpoint
 
@@ -426,15 +429,11 @@ class MotionQueue:
         failed = follower.failure
         setpoint = follower.tick(q, qd)
         failure = follower.failure
-        if (
-            failure is not None
-            and failure is not failed
-            and self._phase is not MotionPhase.STOPPING
-        ):
+        if failure is not None and failure is not failed and self.phase is not MotionPhase.STOPPING:
             self._give_up(failure)
             if self._follower is not follower:  # the arm stood, so it has ended at once
                 return setpoint
-        if follower.ended and self._phase is not MotionPhase.STOPPING:
+        if follower.ended and self.phase is not MotionPhase.STOPPING:
             assert self._following is not None
             id_, _ = self._following
             self._leave(setpoint.q)
@@ -450,7 +449,7 @@ class MotionQueue:
 
     def _go_on(self) -> None:
         """Begin with the motions behind the one that has ended, as far as it can be."""
-        while self._behind and self._follower is None and self._phase is MotionPhase.RUNNING:
+        while self._behind and self._follower is None and self.phase is MotionPhase.RUNNING:
             id_, waiting = self._behind[0]
             if not isinstance(waiting, Following):
                 self._behind.popleft()
@@ -487,23 +486,23 @@ class MotionQueue:
         """End or pause tasks once the arm stands."""
         if self.moving:
             return
-        if not self._queue and self._phase is not MotionPhase.STOPPING:
-            self._phase = MotionPhase.IDLE
+        if not self._queue and self.phase is not MotionPhase.STOPPING:
+            self.phase = MotionPhase.IDLE
             if self._mover.paused:  # all that was paused came to nothing
                 self._mover.resume()
         if not self._at_rest:
             return
-        if self._phase is MotionPhase.STOPPING:
+        if self.phase is MotionPhase.STOPPING:
             self._end_all()
-        elif self._phase is MotionPhase.IDLE:
+        elif self.phase is MotionPhase.IDLE:
             self._finish_waiting()
-        elif self._phase is MotionPhase.PAUSING:
-            self._phase = MotionPhase.PAUSED
+        elif self.phase is MotionPhase.PAUSING:
+            self.phase = MotionPhase.PAUSED
             for id_ in self._queue:
                 if self._tasks.state(id_) is TaskState.RUNNING:
                     self._tasks.set(id_, TaskState.PAUSED)
             self._finish_waiting()
-        elif self._phase is MotionPhase.PAUSED:
+        elif self.phase is MotionPhase.PAUSED:
             self._finish_waiting()
 
     def _fail(self, id_: int, error: PlanError) -> None:
@@ -525,7 +524,7 @@ class MotionQueue:
             self._leave(self._follower.setpoint.q)
         self._behind.clear()
         self._drop_plans()
-        self._phase = MotionPhase.IDLE
+        self.phase = MotionPhase.IDLE
         self._finish_waiting()
 
     def _drop_plans(self) -> None:

@@ -21,6 +21,15 @@ if TYPE_CHECKING:
 
 __all__ = ["ProgramExecution", "ProgramRun", "RunningProgram"]
 
+# Looked up once, for the cycle.
+_IDLE, _RUNNING = MotionPhase.IDLE, MotionPhase.RUNNING
+#: by whether the mode is manual
+_GOES_ON = {False: ProgramState.RUNNING, True: ProgramState.TASK_RUNNING}
+_HALTING = {
+    MotionPhase.STOPPING: ProgramState.STOPPING,
+    MotionPhase.PAUSING: ProgramState.PAUSING,
+    MotionPhase.PAUSED: ProgramState.PAUSED,
+}
 _WENT_WELL = (TaskState.FINISHED, TaskState.INTERRUPT)
 
 
@@ -58,9 +67,9 @@ class ProgramExecution:
         self._current: tuple[int, RunningProgram] | None = None
         self._paused = False
         self._ending: tuple[TaskState, str] | None = None
-        self._time = 0.0
         self._lags_until = 0.0
         self._now = 0.0
+        self._passed = 0.0
 
     @property
     def active(self) -> bool:
@@ -79,24 +88,20 @@ class ProgramExecution:
 
     def state(self, motion: MotionPhase, *, manual: bool) -> ProgramState:
         """State of the program, and of motions without one (manual 1.2)."""
-        match motion:
-            case MotionPhase.STOPPING:
-                return ProgramState.STOPPING
-            case MotionPhase.PAUSING:
-                return ProgramState.PAUSING
-            case MotionPhase.PAUSED:
-                return ProgramState.PAUSED
-            case MotionPhase.IDLE if not self.active:
+        if motion is _IDLE:
+            if self._current is None:
                 lags = self._now < self._lags_until
                 return ProgramState.STOPPING if lags else ProgramState.STOPPED
-            case MotionPhase.IDLE if self._paused:
+            if self._paused:
                 return ProgramState.PAUSED
-        return ProgramState.TASK_RUNNING if manual else ProgramState.RUNNING
+        elif motion is not _RUNNING:
+            return _HALTING[motion]
+        return _GOES_ON[manual]
 
     def watch(self, time: float, motion: MotionPhase, lag: float) -> None:
-        """Note what runs: the state goes on to say so for `lag` after its end [s]."""
-        self._now = time
-        if self.active or motion is not MotionPhase.IDLE:
+        """Begin a cycle, and note what runs: the state says so for `lag` after its end [s]."""
+        self._passed, self._now = time - self._now, time
+        if self._current is not None or motion is not _IDLE:
             self._lags_until = time + lag
 
     def begin(self, id_: int, run: RunningProgram) -> None:
@@ -132,17 +137,15 @@ class ProgramExecution:
         elif self._paused and motion in (MotionPhase.PAUSED, MotionPhase.IDLE):
             self._tasks.set(id_, TaskState.PAUSED)
 
-    def tick(self, time: float, motion: MotionPhase) -> str:
-        """Go on by one cycle.
+    def tick(self, motion: MotionPhase) -> str:
+        """Go on by the cycle that `watch` has begun.
 
         Args:
-            time: of the simulation [s].
             motion: what the motions as a whole are doing.
 
         Returns:
             Why the program cannot go on; empty if it can. The caller ends it, and its motions.
         """
-        passed, self._time = time - self._time, time
         self.settle(motion)
         if self._current is None or self._paused or self._ending is not None:
             return ""
@@ -150,7 +153,7 @@ class ProgramExecution:
             return ""
         self.calling = True
         try:
-            over = self._current[1].go_on(passed)
+            over = self._current[1].go_on(self._passed)
         except ProgramError as exc:
             return str(exc)
         finally:

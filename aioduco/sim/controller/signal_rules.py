@@ -92,6 +92,8 @@ class SignalRules:
             time: of the simulation [s].
             signals: whose outputs are watched, and whose inputs are set.
         """
+        if not self._last and not self.devices:
+            return
         for device in self.devices:
             device.tick(time, signals)
         for rule, before in self._last.items():

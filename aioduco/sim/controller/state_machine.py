@@ -14,7 +14,7 @@ Invariants:
 
 from __future__ import annotations
 
-from collections import deque
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -58,7 +58,12 @@ __all__ = ["DEVIATION", "Controller", "ControllerState"]
 
 #: distance of a joint from its set-point that trips the position deviation stop [rad]
 DEVIATION = 0.2
+_ERRORS = 20  # the latest that the error list holds
+# Named here for the cycle: a member of an enumeration takes ten times as long to look up.
+_ENABLED, _STOP1, _MANUAL = RobotState.ENABLE, SafetyState.STOP1, OperationMode.MANUAL
+_IDLE, _PAUSED = MotionPhase.IDLE, MotionPhase.PAUSED
 _POWERED = (RobotState.DISABLE, RobotState.ENABLE)
+_BOOTING = (RobotState.START, RobotState.INITIALIZE)
 _ZEROS = np.zeros(6)
 _ZEROS.flags.writeable = False
 
@@ -153,8 +158,10 @@ class Controller:
         self._admission = Admission(self._power, self._safety, self._motion, self._execution)
         self._at_rest = True
         self._standstill = Standstill()
-        self._errors: deque[str] = deque(maxlen=20)
+        self._errors: tuple[str, ...] = ()
         self._speed = 100.0
+        self._told: tuple[object, ...] = ()  # what the latest view was made of
+        self._view: ControllerState | None = None
         self._jog = 0  # the task of the latest step
 
     # -- what others ask ---------------------------------------------------------------------
@@ -213,20 +220,48 @@ class Controller:
     @property
     def starting(self) -> bool:
         """Whether the controller is starting again, and serves no client."""
-        return self._power.state in (RobotState.START, RobotState.INITIALIZE)
+        return self._power.state in _BOOTING
 
     @property
     def busy(self) -> bool:
         """Whether something is under way that needs every cycle."""
-        under_way = (
-            self._motion.phase not in (MotionPhase.IDLE, MotionPhase.PAUSED)
-            or self._execution.running
-        )
+        phase = self._motion.phase
+        if (phase is not _IDLE and phase is not _PAUSED) or self._execution.running:
+            return True
         changing = self.recorder.active or self.rules.busy or bool(self._leaving)
-        return under_way or self._power.busy or self.moving or changing
+        return self._power.busy or self.moving or changing
 
     def view(self) -> ControllerState:
-        """The state, for readers."""
+        """The state, for readers; the same object for as long as nothing of it changes."""
+        motion, control = self._motion, self.force.control
+        safety, frames = self._safety, self.frames
+        phase = motion.phase
+        # All that the state hangs on, cheaply read: most cycles change nothing of it.
+        told = (
+            self._power.state,
+            self._execution.state(phase, manual=self.mode is _MANUAL),
+            safety.fault,
+            self.mode,
+            phase,
+            motion.moving,
+            control.active and control.moving,
+            self._standstill.turning,
+            self._at_rest,
+            safety.emergency_stop,
+            self.collisions.axis,
+            self._errors,
+            self._speed,
+            frames.current_tool,
+            frames.current_wobj,
+            control.active,
+            control.sensor,
+            self._simulation is None,
+        )
+        if self._view is None or told != self._told:
+            self._told, self._view = told, self._made_view()
+        return self._view
+
+    def _made_view(self) -> ControllerState:
         return ControllerState(
             self._power.state,
             self.program,
@@ -236,7 +271,7 @@ class Controller:
             self._safety.emergency_stop,
             self.collisions.axis,
             int(self._safety.fault is not None),
-            tuple(self._errors),
+            self._errors,
             self._speed,
             self.frames.tool(),
             self.frames.wobj(),
@@ -418,7 +453,7 @@ class Controller:
 
     def note_error(self, message: str) -> None:
         """Add to the error list."""
-        self._errors.append(message)
+        self._errors = (*self._errors, message)[-_ERRORS:]
 
     def fault(self, category: SafetyState, message: str) -> None:
         """A safety stop: STOP0 cuts the power, STOP1 stops and then cuts it, STOP2 stops."""
@@ -464,9 +499,10 @@ class Controller:
         """One cycle."""
         self._real = sensed
         self.rules.tick(sensed.time, self.signals)
-        leaving, self._leaving = self._leaving, []
-        for id_ in leaving:
-            self.tasks.set(id_, TaskState.FINISHED)
+        if self._leaving:
+            leaving, self._leaving = self._leaving, []
+            for id_ in leaving:
+                self.tasks.set(id_, TaskState.FINISHED)
         simulation = self._simulation
         if simulation is None:
             return self._tick(sensed)
@@ -479,45 +515,56 @@ class Controller:
         return DriveCommand(JointSetPoint.at_rest(sensed.q), brake=True)
 
     def _tick(self, sensed: SensedState) -> DriveCommand:
-        self._sensed = self.force.sensed = sensed
-        self._execution.watch(sensed.time, self._motion.phase, self.program_lag)
+        """One cycle, whichever arm it is of; what has nothing to do is not called."""
+        motion, force, power, time = self._motion, self.force, self._power, sensed.time
+        self._sensed = force.sensed = sensed
+        self._execution.watch(time, motion.phase, self.program_lag)
         if self.heartbeat.lost(sensed.now):
             self._lose_heartbeat()
-        commanded = self._motion.moving or self.force.moving
-        still = self._standstill.tick(sensed, commanded=commanded)
-        self._at_rest = still and not self.force.moving
-        if self.recorder.tick(sensed.time, sensed.q):
+        forced = force.moving
+        still = self._standstill.tick(sensed, commanded=forced or motion.moving)
+        self._at_rest = still and not forced
+        if self.recorder.active and self.recorder.tick(time, sensed.q):
             self.note_error("the recorded track is full")
             self.pause()
-        before = self._power.state
-        if self._safety.fault is SafetyState.STOP1 and not self.moving and before in _POWERED:
+        before = power.state
+        fault = self._safety.fault
+        if fault is _STOP1 and not self.moving and before in _POWERED:
             self._cut("power cut after the stop")
+        if power.busy:
+            self._change_power(time)
+        if power.state is not before:
+            self._power_went(before, power.state)
+        if power.state is not _ENABLED:
+            force.cut()
+            self.collisions.reset()
+            return DriveCommand(JointSetPoint(sensed.q, _ZEROS, _ZEROS), True)
+        joint = self.collisions.update(time, sensed.external)
+        if joint and self._safety.fault is None:
+            self.collide(joint, sensed.touched())
+        setpoint = motion.tick(time, sensed.q, sensed.qd, at_rest=self._at_rest)
+        motion.read_ahead(*self.read_ahead)
+        if motion.axes:
+            self.external_axes.positions.update(motion.axes)
+        if force.control.active:
+            setpoint = force.tick(setpoint)
+        if motion.failures or motion.faults:
+            self._collect_failures()
+        if self._execution.active and (reason := self._execution.tick(motion.phase)):
+            self.note_error(reason)
+            self._halt(TaskState.ERROR, reason)
+        if alarm := force.take_alarm() or _deviation(setpoint.q, sensed.q):
+            self.fault(SafetyState.STOP0, alarm)
+            return DriveCommand(JointSetPoint(sensed.q, _ZEROS, _ZEROS), True)
+        return DriveCommand(setpoint, False)
+
+    def _change_power(self, time: float) -> None:
         safe, standing = self._safety.safe, not self.moving
-        for event, name in self._power.tick(sensed.time, safe=safe, standing=standing):
+        for event, name in self._power.tick(time, safe=safe, standing=standing):
             if event == "begun":
                 self._power_begun(name)
             else:
                 self._power_ended(name)
-        self._power_went(before, self._power.state)
-        if self._power.state is not RobotState.ENABLE:
-            self.force.cut()
-            self.collisions.reset()
-            return DriveCommand(JointSetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
-        joint = self.collisions.update(sensed.time, sensed.external)
-        if joint and self._safety.fault is None:
-            self.collide(joint, sensed.touched())
-        setpoint = self._motion.tick(sensed.time, sensed.q, sensed.qd, at_rest=self._at_rest)
-        self._motion.read_ahead(*self.read_ahead)
-        self.external_axes.positions.update(self._motion.axes)
-        setpoint = self.force.tick(setpoint)
-        self._collect_failures()
-        if reason := self._execution.tick(sensed.time, self._motion.phase):
-            self.note_error(reason)
-            self._halt(TaskState.ERROR, reason)
-        if alarm := self.force.take_alarm() or _deviation(setpoint.q, sensed.q):
-            self.fault(SafetyState.STOP0, alarm)
-            return DriveCommand(JointSetPoint(sensed.q, _ZEROS, _ZEROS), brake=True)
-        return DriveCommand(setpoint, brake=False)
 
     def _under_way(self) -> str:
         """Why the arm is not completely at rest; empty if it is."""
@@ -561,7 +608,7 @@ class Controller:
         if (now is RobotState.ENABLE) is not (before is RobotState.ENABLE):
             self.force.powered()
         if now in _POWERED and before not in _POWERED:
-            self._errors.clear()
+            self._errors = ()
 
     def _halt(self, state: TaskState, message: str, control: int | None = None) -> None:
         """End the program and every motion when the arm stands, and the control task then."""
@@ -593,6 +640,8 @@ class Controller:
 
 def _deviation(wanted: Vector, q: Vector) -> str:
     """Tell which joint is too far from its set-point; empty if none."""
+    if math.dist(wanted.tolist(), q.tolist()) <= DEVIATION:
+        return ""  # so is each by itself; of six, plain floats are faster than arrays
     deviation = np.abs(wanted - q)
     if deviation.max() <= DEVIATION:
         return ""

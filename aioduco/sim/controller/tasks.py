@@ -54,7 +54,8 @@ class TaskTable:
         self._next = FIRST_ID
         self._running: dict[int, ControllerTask] = {}
         self._ended: dict[int, ControllerTask] = {}
-        self._news: dict[int, None] = {}
+        #: what `take_answered` would give
+        self.news: dict[int, None] = {}
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {len(self._running)} running, {len(self._ended)} ended>"
@@ -78,7 +79,7 @@ class TaskTable:
             return
         del self._running[id_]
         self._ended[id_] = task
-        self._news[id_] = None
+        self.news[id_] = None
         while len(self._ended) > self._keep:
             del self._ended[next(iter(self._ended))]
 
@@ -100,7 +101,7 @@ class TaskTable:
         task = self._running[id_]
         if not task.passed:
             self._running[id_] = replace(task, passed=True)
-            self._news[id_] = None
+            self.news[id_] = None
 
     def answer(self, id_: int) -> TaskState:
         """What a blocking call is answered; a state that has not `ended` as long as it waits."""
@@ -111,7 +112,5 @@ class TaskTable:
 
     def take_answered(self) -> list[int]:
         """Ids of the tasks that ended, or were passed on, since this was asked last; each once."""
-        if not self._news:
-            return []
-        news, self._news = list(self._news), {}
+        news, self.news = list(self.news), {}
         return news

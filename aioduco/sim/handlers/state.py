@@ -16,7 +16,7 @@ from aioduco.sim.physics.tip import TipMotion, tip_motion
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from aioduco.sim.runtime import SimulationSnapshot
+    from aioduco.sim.snapshot import SimulationSnapshot
 
 
 class StateHandlers(HandlerSection):

@@ -9,6 +9,7 @@ import numpy as np
 from aioduco.errors import ParameterError
 from aioduco.models.pose import Pose
 from aioduco.models.rotation import matrix_from_quaternion, quaternion_from_matrix
+from aioduco.sim.cycle import PlantReading
 from aioduco.sim.physics.dynamics import InverseDynamics, mount
 from aioduco.sim.physics.gripper import Hand, gripper_mjcf
 from aioduco.sim.physics.model import SERVOS, compose, mjcf
@@ -123,7 +124,9 @@ class World:
         self._hold: Array = _BRAKE * self._effort
         # The arm's share of what MuJoCo keeps; it comes first.
         data = self.data
-        self._q: Array = data.qpos[:6]
+        self._qpos: Array = data.qpos
+        self._alone = self._qpos.size == 6  # nothing else moves
+        self._q: Array = self._qpos[:6]
         self._qd: Array = data.qvel[:6]
         self._qdd: Array = data.qacc[:6]
         self._bias: Array = data.qfrc_bias[:6]
@@ -270,6 +273,20 @@ class World:
             return False
         return self._others.size == 0 or float(np.abs(self._others).max()) < _STILL
 
+    def reading(self) -> PlantReading:
+        """All that the controller's cycle asks for, at once."""
+        positions = self._qpos.copy()
+        return PlantReading(
+            positions,
+            positions if self._alone else positions[:6],
+            self._qd.copy(),
+            self._qdd.copy(),
+            self._torque,
+            -self._sensor,
+            self._target,
+            self._external,
+        )
+
     @property
     def time(self) -> float:
         """Simulated time since the last reset [s]."""
@@ -278,8 +295,7 @@ class World:
     @property
     def positions(self) -> Array:
         """Positions of everything that moves, the joints first [rad, m]."""
-        positions: Array = self.data.qpos.copy()
-        return positions
+        return self._qpos.copy()
 
     @property
     def q(self) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from aioduco.kinematics import arm
+from aioduco.kinematics.inverse import closed_form
 from aioduco.models.weave import WeavePlane, WeaveShape
 from aioduco.sim.planner import timing, tracing
 from aioduco.sim.planner.mover import Mover
@@ -60,7 +61,7 @@ class Counter:
         self.turns = 0
         self.most: dict[str, int] = {}
         self._since: dict[str, int] = {}
-        solve, rate, sample = tracing.closed_form, timing._rate, Path._sample
+        solve, rate, sample = closed_form, timing._rate, Path._sample
 
         def counted_solve(geometry: Any, flange: Array, q6: float) -> Array:
             self.add("poses", len(flange))
@@ -179,7 +180,12 @@ def test_a_law_is_laid_as_far_as_it_is_asked_about(monkeypatch: pytest.MonkeyPat
     duration = whole.duration
     rates: list[int] = []
     rate = timing._rate
-    monkeypatch.setattr(timing, "_rate", lambda *given: rates.append(1) or rate(*given))
+
+    def counted(*given: Any) -> Any:
+        rates.append(1)
+        return rate(*given)
+
+    monkeypatch.setattr(timing, "_rate", counted)
     law = fastest(limits, back, 0.0, 0.0)
     assert rates == []
     hint = place = 0
@@ -200,7 +206,12 @@ def test_a_law_knows_early_that_it_does_not_end_soon(monkeypatch: pytest.MonkeyP
     mover.append(1, partial(woven, swings=50))
     rates: list[int] = []
     rate = timing._rate
-    monkeypatch.setattr(timing, "_rate", lambda *given: rates.append(1) or rate(*given))
+
+    def counted(*given: Any) -> Any:
+        rates.append(1)
+        return rate(*given)
+
+    monkeypatch.setattr(timing, "_rate", counted)
     mover.tick()
     assert mover.travel is not None
     assert not mover.travel.ends_within(0.1)

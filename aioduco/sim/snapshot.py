@@ -1,0 +1,125 @@
+"""What is known of arm and controller after a cycle, for readers without a lock.
+
+A cycle makes one of it, and most are read by nobody: what can be derived is derived when it is
+asked for.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from aioduco.sim.controller.state_machine import ControllerState
+    from aioduco.sim.cycle import PlantReading, SensedState
+    from aioduco.sim.planner.path import JointSetPoint
+
+    Vector = NDArray[np.float64]
+
+__all__ = ["SimulationSnapshot"]
+
+
+class SimulationSnapshot:
+    """Arm and controller after one cycle. It never changes.
+
+    While the controller simulates, joints, set-point and wrench are those of its simulated arm;
+    torques, temperatures and `positions` stay those of the real one.
+
+    Args:
+        known: what the controller knows of the arm.
+        reading: the physics.
+        qdd: joint accelerations of the arm that the controller knows of [rad/s²]. Shape (6,).
+        setpoint: what the drives have followed up to this instant.
+        view: the controller's state.
+        external: torques of what pushes at the joints from outside, as observed [N m]. Six.
+        warmth: temperatures of joints and drive boards [°C]. Shapes (6,).
+    """
+
+    __slots__ = ("_external", "_known", "_reading", "_warmth", "qdd", "setpoint", "view")
+
+    def __init__(
+        self,
+        known: SensedState,
+        reading: PlantReading,
+        qdd: Vector,
+        setpoint: JointSetPoint,
+        view: ControllerState,
+        external: Sequence[float],
+        warmth: tuple[Vector, Vector],
+    ) -> None:
+        self._known = known
+        self._reading = reading
+        self.qdd: Vector = qdd
+        self.setpoint: JointSetPoint = setpoint
+        self.view: ControllerState = view
+        self._external = external
+        self._warmth = warmth
+
+    def seen(self, view: ControllerState) -> SimulationSnapshot:
+        """Give the same arm with another state of the controller."""
+        if view is self.view:
+            return self
+        return SimulationSnapshot(
+            self._known,
+            self._reading,
+            self.qdd,
+            self.setpoint,
+            view,
+            self._external,
+            self._warmth,
+        )
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._known.time
+
+    @property
+    def q(self) -> Vector:
+        """Actual joints [rad]. Shape (6,)."""
+        return self._known.q
+
+    @property
+    def qd(self) -> Vector:
+        """Actual joint speeds [rad/s]. Shape (6,)."""
+        return self._known.qd
+
+    @property
+    def wrench(self) -> Vector:
+        """What acts on the flange, in its frame, the load's weight included [N, N m]. (6,)"""
+        return self._known.wrench
+
+    @property
+    def positions(self) -> Vector:
+        """Positions of everything that moves, the joints first [rad, m]."""
+        return self._reading.positions
+
+    @property
+    def torque(self) -> Vector:
+        """Actual joint torques [N m]. Shape (6,)."""
+        return self._reading.torque
+
+    @property
+    def target_torque(self) -> Vector:
+        """What the set-point's motion needs [N m]. Shape (6,)."""
+        return self._reading.target_torque
+
+    @property
+    def external_torque(self) -> Vector:
+        """Of what pushes at the joints from outside, as observed [N m]. Shape (6,)."""
+        return np.array(self._external)
+
+    @property
+    def joint_temperature(self) -> Vector:
+        """Of the joints [°C]. Shape (6,)."""
+        return self._warmth[0]
+
+    @property
+    def board_temperature(self) -> Vector:
+        """Of the drive boards [°C]. Shape (6,)."""
+        return self._warmth[1]
