@@ -631,7 +631,7 @@ class SimulationRuntime:
         return min(self._pace.due(time.monotonic()), self._allowed())
 
     def _wait_for_plans(self) -> None:
-        """Have all be planned where time has no pace of its own. The lock is held before and after."""
+        """Have all be planned where time has no pace of its own; the lock is held at both ends."""
         while self._controller.unplanned is not None and not self._closing:
             if self._limit is None and not math.isinf(self._speed):
                 return
