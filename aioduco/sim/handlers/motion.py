@@ -296,8 +296,9 @@ class MotionHandlers(PathSection):
     ) -> Plan:
         if not 1 <= len(poses) <= _MOST_POINTS:
             raise mismatch(f"pose_list has {len(poses)} poses, but must have 1 to {_MOST_POINTS}")
-        tip = arguments.tool(self._frames, tool).matrix
-        targets = [self._target("pose_list", p, tool, wobj)[0] for p in poses]
+        used, base = arguments.tool(self._frames, tool), arguments.wobj(self._frames, wobj).matrix
+        tip, flange = used.matrix, used.inverse
+        targets = [base @ arguments.pose("pose_list", p).matrix @ flange for p in poses]
         radius, manner = blend(r), self._manner(wobj)
         apart = self._runtime.last_motion in _SPLINES
         return lambda start: spline_move(
