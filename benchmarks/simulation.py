@@ -5,33 +5,52 @@
 The first rows say what is asked for and whether it was reached: by a simulator in a process of its
 own, on a core of its own, whose arm moves all the time. Run it on a quiet machine with two cores.
 Each model makes the same joint moves and lines at its full speed and acceleration, once through
-the planner and MuJoCo together. Then come motions that take long to plan: what that takes in all,
-for how long the controller's lock is held meanwhile, how long the slices of the work are, and how
-long a stop waits that comes in the middle.
+the planner and MuJoCo together. One goes to and fro besides, with force control between the two.
+What the whole simulator takes for a cycle is compared with these: the p50 of all together.
+
+Then come motions that take long to plan: what that takes in all, for how long the controller's lock
+is held meanwhile, how long the slices of the work are, and how long a stop waits that comes in the
+middle.
 """
 
 from __future__ import annotations
 
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import simulation_planning
 from _common import arguments, percentile, print_table, write_results
-from simulation_planning import judged
-from simulation_planning import measure as measure_planning
-from simulation_service import measure
+from simulation_service import DAMPING, MODEL, PUSH, judged, measure
+from simulation_service import WAY as TO_AND_FRO
 
 from aioduco.kinematics import Arm, arm, models
+from aioduco.sim.cycle import SensedState
+from aioduco.sim.force.control import AdmittanceLaw, ForceControl
+from aioduco.sim.force.sensor import ForceAxes
 from aioduco.sim.physics.world import World
 from aioduco.sim.planner.mover import Mover
 from aioduco.sim.planner.segments import joint_move, line_move
 
 if TYPE_CHECKING:
     from aioduco.models.rotation import Array
+    from aioduco.sim.planner.path import JointSetPoint
 
 CYCLE = 0.001
 HOME = np.radians([0.0, 0.0, 90.0, 0.0, -90.0, 0.0])
 WAY = np.array([1.5, 0.3, -0.4, 1.0, 2.0, 3.0])
+
+
+def to_and_fro(any_arm: Arm, mover: Mover) -> list[float]:
+    """Queue the motions that the whole simulator is measured by. Seconds that each took to plan."""
+    seconds = []
+    for key in range(4):
+        goal = HOME - TO_AND_FRO if key % 2 else HOME + TO_AND_FRO
+        began = time.perf_counter()
+        mover.append(key, partial(joint_move, any_arm, q1=goal, v=1.0, a=3.0))
+        seconds.append(time.perf_counter() - began)
+    return seconds
 
 
 def program(any_arm: Arm, mover: Mover) -> list[float]:
@@ -59,24 +78,63 @@ def program(any_arm: Arm, mover: Mover) -> list[float]:
     return seconds
 
 
-def cycles(any_arm: Arm, repeats: int) -> dict[str, Any]:
-    """Run the program; costs of ticks and steps, and how the joints follow."""
+class GivingWay:
+    """Force control between planner and physics, which moves the tool to and fro all the time."""
+
+    def __init__(self, any_arm: Arm, mover: Mover, world: World) -> None:
+        self._mover, self._world, self._time = mover, world, 0.0
+        self.control = ForceControl(any_arm, CYCLE)
+        self.control.start(mover.setpoint)
+
+    def tick(self, setpoint: JointSetPoint) -> JointSetPoint:
+        """The set-point of the drives, as the controller makes it."""
+        control, now = self.control, self._world.reading()
+        if control.law is None or self._time % 1.0 < CYCLE:
+            push = PUSH if control.law is None else -control.law.target[2]
+            control.law = AdmittanceLaw(
+                (False, False, True, False, False, False),
+                (0.0, 0.0, push, 0.0, 0.0, 0.0),
+                (DAMPING,) * 6,
+                (0.05,) * 6,
+                (0.0,) * 6,
+                ForceAxes(np.eye(4), np.eye(4)),
+            )
+        self._time += CYCLE
+        sensed = SensedState(self._time, 0.0, now.q, now.qd, now.wrench, now.external_torque)
+        drives, outcome = control.tick(setpoint, sensed, giving=True)
+        if outcome is not None:
+            raise RuntimeError(f"force control cannot follow: {outcome.message}")
+        return drives
+
+
+def cycles(any_arm: Arm, repeats: int, *, forced: bool = False) -> dict[str, Any]:
+    """Run the program; costs of ticks and steps, and how the joints follow.
+
+    Args:
+        any_arm: the arm.
+        repeats: how often.
+        forced: whether force control gives way meanwhile, which counts as part of the tick.
+    """
     ticks: list[float] = []
     steps: list[float] = []
     plans: list[float] = []
     worst = end = 0.0
     for _ in range(repeats):
         world, mover = World(any_arm, CYCLE, HOME), Mover(any_arm, HOME, CYCLE)
-        plans += program(any_arm, mover)
+        plans += (to_and_fro if forced else program)(any_arm, mover)
+        giving = GivingWay(any_arm, mover, world) if forced else None
+        setpoint = mover.setpoint
         while mover.moving:
             began = time.perf_counter()
             setpoint = mover.tick().setpoint
+            if giving is not None:
+                setpoint = giving.tick(setpoint)
             ticked = time.perf_counter()
             world.step(setpoint)
             steps.append(time.perf_counter() - ticked)
             ticks.append(ticked - began)
             worst = max(worst, float(np.abs(world.q - setpoint.q).max()))
-        end = max(end, float(np.abs(world.q - mover.setpoint.q).max()))
+        end = max(end, float(np.abs(world.q - setpoint.q).max()))
     both = sorted(a + b for a, b in zip(ticks, steps, strict=True))
     return {
         "tick_us": round(percentile(sorted(ticks), 50) * 1e6, 2),
@@ -93,15 +151,20 @@ def cycles(any_arm: Arm, repeats: int) -> dict[str, Any]:
 
 def main() -> None:
     options = arguments(__doc__, "simulation")
-    planning = measure_planning(options.quick)
+    planning = simulation_planning.measure(options.quick)
     service = measure(options.quick)
-    service["asked_for"] |= judged(planning)
-    service["long_plans"] = planning
+    repeats = 1 if options.quick else 3
+    chosen = ("gcr3_618", MODEL, "gcr25_1800") if options.quick else models()
+    results = {model: cycles(arm(model), repeats) for model in chosen}
+    forced = f"{MODEL}, force control"
+    results[forced] = cycles(arm(MODEL), repeats, forced=True)
+    works = results[MODEL]["both_us"], results[forced]["both_us"]
+    asked = judged(service["clock"], service["calls_while_moving"], *works)
+    asked |= simulation_planning.judged(planning)
+    service = {"asked_for": asked} | service | {"long_plans": planning}
     for title, table in service.items():
         rows = [[name, *row.values()] for name, row in table.items()]
         print_table(title.replace("_", " "), ["", *next(iter(table.values()))], rows)
-    chosen = ("gcr3_618", "gcr5_910", "gcr25_1800") if options.quick else models()
-    results = {model: cycles(arm(model), 1 if options.quick else 3) for model in chosen}
     columns = list(next(iter(results.values())))
     rows = [[model, *result.values()] for model, result in results.items()]
     print_table("Cycles of 1 ms", ["model", *columns], rows)

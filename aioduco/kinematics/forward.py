@@ -6,6 +6,7 @@ T_i = Rz(q_i + theta_i)·Tz(d_i)·Tx(a_i)·Rx(alpha_i). All results are in the b
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +16,22 @@ if TYPE_CHECKING:
     from aioduco.models.rotation import Array
 
 __all__ = ["bias_acceleration", "fkine", "frames", "jacobian", "singular_values"]
+
+
+_BASE = np.eye(4)
+_BASE.flags.writeable = False
+
+
+@lru_cache(maxsize=64)
+def _table(geometry: Geometry) -> tuple[Array, ...]:
+    """Give theta [rad], the cosines and sines of alpha, a and d [m], each of shape (6,)."""
+    twist = np.array(geometry.alpha)
+    # All twists are 0 or ±π/2; rounding makes the cosines exact.
+    ca, sa = np.round(np.cos(twist)), np.round(np.sin(twist))
+    table = (np.array(geometry.theta), ca, sa, np.array(geometry.a), np.array(geometry.d))
+    for column in table:
+        column.flags.writeable = False
+    return table
 
 
 def frames(geometry: Geometry, q: Array) -> Array:
@@ -27,11 +44,9 @@ def frames(geometry: Geometry, q: Array) -> Array:
     Returns:
         Homogeneous matrices; the first is the base, the last the flange. Shape (..., 7, 4, 4).
     """
-    angle = q + np.array(geometry.theta)
+    theta, ca, sa, a, d = _table(geometry)
+    angle = q + theta
     c, s = np.cos(angle), np.sin(angle)
-    twist = np.array(geometry.alpha)
-    # All twists are 0 or ±π/2; rounding makes the cosines exact.
-    ca, sa = np.round(np.cos(twist)), np.round(np.sin(twist))
     step = np.zeros((*angle.shape, 4, 4))
     step[..., 0, 0] = c
     step[..., 0, 1] = -s * ca
@@ -41,12 +56,16 @@ def frames(geometry: Geometry, q: Array) -> Array:
     step[..., 1, 2] = -c * sa
     step[..., 2, 1] = sa
     step[..., 2, 2] = ca
-    step[..., 0, 3] = c * geometry.a
-    step[..., 1, 3] = s * geometry.a
-    step[..., 2, 3] = geometry.d
+    step[..., 0, 3] = c * a
+    step[..., 1, 3] = s * a
+    step[..., 2, 3] = d
     step[..., 3, 3] = 1.0
     chain = np.empty((*angle.shape[:-1], 7, 4, 4))
-    chain[..., 0, :, :] = np.eye(4)
+    chain[..., 0, :, :] = _BASE
+    if angle.ndim == 1:
+        for i in range(6):
+            np.dot(chain[i], step[i], out=chain[i + 1])  # of two matrices a third of matmul's time
+        return chain
     for i in range(6):
         np.matmul(chain[..., i, :, :], step[..., i, :, :], out=chain[..., i + 1, :, :])
     return chain

@@ -330,3 +330,30 @@ def test_a_task_has_ended_only_when_its_snapshot_is_there(
         assert len(looks) == 1
     assert runtime.task_state(id_) is state
     assert len(looks) == 1
+
+
+def test_a_snapshot_derives_what_nobody_else_can_change(runtime: SimulationRuntime) -> None:
+    snapshot = runtime.snapshot
+    snapshot.external_torque[:] = 1.0
+    assert not snapshot.external_torque.any()
+    assert snapshot.seen(snapshot.view) is snapshot
+    other = snapshot.view._replace(speed=5.0)
+    assert snapshot.seen(other).view is other
+    assert snapshot.seen(other).q is snapshot.q
+
+
+def test_a_push_and_a_load_reach_the_physics_with_the_next_cycle(
+    runtime: SimulationRuntime, arm: Follower
+) -> None:
+    enable(runtime)
+    runtime.push((1.0, 2.0, 3.0, 0.0, 0.0, 0.0))
+    runtime.load(2.0, (0.0, 0.0, 0.1))
+    assert runtime.wait_until(lambda: hasattr(arm, "pushed") and hasattr(arm, "loaded"), 10.0)
+    assert arm.pushed == (1.0, 2.0, 3.0, 0.0, 0.0, 0.0)
+    assert arm.loaded == (2.0, (0.0, 0.0, 0.1))
+    runtime.carry(1.0, (0.0, 0.0, 0.2))
+    assert runtime.wait_until(lambda: hasattr(arm, "carried"), 10.0)
+    runtime.load(3.0, (0.0, 0.0, 0.1))
+    assert runtime.wait_until(lambda: getattr(arm, "told", None) == (3.0, (0.0, 0.0, 0.1)), 10.0)
+    runtime.push((0.0,) * 6)
+    assert runtime.wait_until(lambda: arm.pushed == (0.0,) * 6, 10.0)

@@ -257,7 +257,7 @@ class ForceControl:
             speeds = law.speed(law.axes.seen(external, flange))
             if any(speeds):
                 turn = law.axes.turn(flange)
-                wanted = [*(turn @ speeds[:3]).tolist(), *(turn @ speeds[3:]).tolist()]
+                wanted = [*turn.dot(speeds[:3]).tolist(), *turn.dot(speeds[3:]).tolist()]
         if wanted is _NOTHING:
             if self._twist is _NOTHING:
                 return

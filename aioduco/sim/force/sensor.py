@@ -41,7 +41,7 @@ class ForceAxes:
 
     def turn(self, flange: Matrix) -> Matrix:
         """Give the axes as columns in the base frame, (3, 3), for the flange's rotation there."""
-        turned: Matrix = flange @ self.tip[:3, :3] if self.of_tool else self.wobj[:3, :3]
+        turned: Matrix = flange.dot(self.tip[:3, :3]) if self.of_tool else self.wobj[:3, :3]
         return turned
 
     def seen(self, wrench: Sequence[float], flange: Matrix) -> list[float]:
@@ -56,7 +56,7 @@ class ForceAxes:
         about = (tx - (y * fz - z * fy), ty - (z * fx - x * fz), tz - (x * fy - y * fx))
         # Rows of vectors: into the axes is from the right by a matrix whose columns they are.
         axes = self.tip[:3, :3] if self.of_tool else flange.T @ self.wobj[:3, :3]
-        both: list[list[float]] = (np.array(((fx, fy, fz), about)) @ axes).tolist()
+        both: list[list[float]] = np.array(((fx, fy, fz), about)).dot(axes).tolist()
         return [*both[0], *both[1]]
 
 

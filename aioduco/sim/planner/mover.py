@@ -486,7 +486,8 @@ class Mover:
         self._s, self._v = s, v
         self._path_piece = path.piece(s, self._path_piece)
         self._elapsed += self._cycle
-        self._setpoint = JointSetPoint(*path.state(self._path_piece, s, v, a))
+        state = path.state(self._path_piece, s, v, a)
+        self._setpoint = JointSetPoint(state[0], state[1], state[2])
         if axes is not None and entry.segment.axes is not None:
             self._axes_piece = axes.piece(s, self._axes_piece)
             at: list[float] = axes.state(self._axes_piece, s, v, a)[0].tolist()

