@@ -206,6 +206,8 @@ def session(folder: Path) -> Iterator[tuple[Session, str]]:
         "NO_COLOR": "1",
         "MPLBACKEND": "Agg",
     }
+    if "AIODUCO_TESTS_BARE" in os.environ:  # see tests/bare: its commands go without it too
+        environment |= {name: os.environ[name] for name in ("AIODUCO_TESTS_BARE", "PYTHONPATH")}
     replaced = {ARM: host, SIMULATED: host, ".venv/bin/": ""}
     work = folder / "work"
     work.mkdir()

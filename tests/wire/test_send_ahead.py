@@ -71,7 +71,8 @@ def test_what_is_not_open_or_not_in_time_sends_nothing() -> None:
 
 
 def test_the_connection_is_not_free_until_the_answer_is_there() -> None:
-    with no_leaks(), ScriptedServer() as server:
+    gate = Gate()
+    with no_leaks(), ScriptedServer(gate) as server:
         connection = Connection(server.host, server.port)
         connection.open()
         assert ahead(connection)
@@ -81,6 +82,7 @@ def test_the_connection_is_not_free_until_the_answer_is_there() -> None:
             connection.exchange(STOP, BLOCK, None)
         assert connection.progress is Progress.SENT
         connection.close()
+        gate.open()
 
 
 @contextmanager
