@@ -292,7 +292,7 @@ def judged(calls: dict[str, dict[str, dict[str, Any]]]) -> dict[str, dict[str, A
 
 def main() -> None:
     options = arguments(__doc__, "rpc")
-    rounds, seconds = (3, 0.15) if options.quick else (20, 0.4)
+    rounds, seconds = (3, 0.15) if options.quick else (20, 0.25)
     results: dict[bool, dict[str, dict[str, dict[str, Any]]]] = {False: {}, True: {}}
     with ServerProcess("rpc_server.py") as server, apache_module() as apache:
         for burning, kept in results.items():
