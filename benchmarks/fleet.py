@@ -163,7 +163,7 @@ async def measure(server: ServerProcess, guard: bool, seconds: float, stops: int
 
 def main() -> None:
     options = arguments(__doc__, "fleet")
-    counts, seconds, stops = ((8,), 3.0, 20) if options.quick else ((32, 100), 12.0, 200)
+    counts, seconds, stops = ((8,), 3.0, 20) if options.quick else ((32, 100), 12.0, 100)
     fleets: dict[str, dict[str, Any]] = {}
     for count in counts:
         for name, guard in (("without guard", False), ("with guard", True)):
