@@ -85,7 +85,7 @@ class Watch:
 
 def weave(robot: RpcClient, shape: int, swings: int, v: float = 0.02) -> None:
     """Have the lines that come swing so often on their way."""
-    config = (shape, 0, swings * v / WAY, 0.004, 0.0, 0.0, 0.0, [0, 0], False, [])
+    config: Any = (shape, 0, swings * v / WAY, 0.004, 0.0, 0.0, 0.0, [0, 0], False, [])
     robot.combine_motion_config(*config)
     robot.enable_combine_motion()
 
