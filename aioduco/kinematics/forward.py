@@ -25,10 +25,14 @@ _BASE.flags.writeable = False
 @lru_cache(maxsize=64)
 def _table(geometry: Geometry) -> tuple[Array, ...]:
     """Give theta [rad], the cosines and sines of alpha, a and d [m], each of shape (6,)."""
-    twist = np.array(geometry.alpha)
+    theta, twist, a, d = (
+        np.array(column, dtype=np.float64)
+        for column in (geometry.theta, geometry.alpha, geometry.a, geometry.d)
+    )
     # All twists are 0 or ±π/2; rounding makes the cosines exact.
-    ca, sa = np.round(np.cos(twist)), np.round(np.sin(twist))
-    table = (np.array(geometry.theta), ca, sa, np.array(geometry.a), np.array(geometry.d))
+    ca: Array = np.cos(twist).round()
+    sa: Array = np.sin(twist).round()
+    table = theta, ca, sa, a, d
     for column in table:
         column.flags.writeable = False
     return table

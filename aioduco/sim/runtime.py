@@ -126,7 +126,7 @@ class SimulationRuntime:
         self._sense = sense
         self._on_network = on_network
         self._lock = threading.Lock()
-        self.planning = Planning(controller, self._lock, self._changing, self._fail)
+        self.planning: Planning = Planning(controller, self._lock, self._changing, self._fail)
         self._wake = threading.Event()
         self._news = threading.Condition()
         self._watchers = 0
