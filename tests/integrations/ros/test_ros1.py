@@ -105,8 +105,9 @@ def test_a_trajectory_a_cancellation_and_wrong_goals(
     assert all(each["state"] == REJECTED and each["moved"] < 1e-3 for each in replies.values())
     malformed = graph.ask("malformed")
     assert len(malformed) == 60
-    assert all(each["state"] == REJECTED and each["code"] < 0 for each in malformed), malformed
-    assert all(each["moved"] < 1e-3 for each in malformed)
+    refused = [each for each in malformed if each["state"] == REJECTED and each["code"] < 0]
+    assert [each for each in malformed if each not in refused] == []
+    assert [each for each in malformed if each["moved"] >= 1e-3] == []
     replies = {each["name"]: each for each in graph.ask("tight")}
     assert {name: each["code"] for name, each in replies.items()} == {"path": -4, "goal": -5}
     assert all(each["state"] == ABORTED for each in replies.values())
