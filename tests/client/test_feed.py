@@ -285,11 +285,11 @@ async def test_what_blocks_the_loop_is_named(
         with robot.events.subscribe() as events:
             await robot.feed.latest()
             block_the_loop(0.5)
-            seen = await some(events, changes.LoopBlocked)
-        event = seen[changes.LoopBlocked]
-        assert isinstance(event, changes.LoopBlocked)
+            # a busy machine blocks it besides, anywhere
+            async for event in events:
+                if isinstance(event, changes.LoopBlocked) and "block_the_loop" in event.where:
+                    break
         assert event.seconds > 0.3
-        assert "block_the_loop" in event.where
         await eventually_async(lambda: "block_the_loop" in caplog.text)
 
 
