@@ -274,9 +274,8 @@ class _Answer(asyncio.Future[Any]):
     and timers: a fifth of a call. A callback of the loop that sets this one has it go on at once.
     """
 
-    #: what has the task go on, and its context; None until it waits, and when it waits no more
-    waiter: tuple[Callable[[Any], object], contextvars.Context] | None = None
-    _taken = False
+    #: the task, what has it go on, and its context; None until it waits, and when it waits no more
+    waiter: tuple[Any, Callable[[Any], object], contextvars.Context] | None = None
 
     def add_done_callback(
         self, fn: Callable[[Any], object], *, context: contextvars.Context | None = None
@@ -284,25 +283,31 @@ class _Answer(asyncio.Future[Any]):
         """As for any future; the task that waits, which is alone in this, names its context."""
         super().add_done_callback(fn, context=context)
         if context is not None:
-            self.waiter = fn, context
+            self.waiter = asyncio.current_task(), fn, context
 
     def resume(self, set_it: Callable[[], None]) -> None:
         """Set it, and have the task go on; in a callback of the loop, where no other task runs.
 
-        If an interrupt ends this half-way, a second time does the rest.
+        If an interrupt ends this half-way, the loop has the task go on: when this is set once more,
+        or cancelled, if it was not set yet.
         """
-        waiter = self.waiter
-        if self.done() and not (self._taken and waiter):
+        if self.done():
             # the loop has the task go on: it was cancelled, or did not wait yet
             return
-        if waiter is None:
+        if self.waiter is None:
             set_it()
             return
-        self._taken = True
-        self.remove_done_callback(waiter[0])
-        if not self.done():
+        task, fn, context = self.waiter
+        try:
+            self.remove_done_callback(fn)
             set_it()
-        waiter[1].run(waiter[0], self)
+            context.run(fn, self)
+        except BaseException:
+            # The task's own, once it has gone on; it waits for something else then, or has ended.
+            if task._fut_waiter is self:
+                self.remove_done_callback(fn)
+                super().add_done_callback(fn, context=context)
+            raise
 
 
 class AwaitedCall(Call):

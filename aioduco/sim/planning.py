@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from aioduco.sim.controller.state_machine import Controller
     from aioduco.sim.planner.mover import Drafted
 
-__all__ = ["Planning"]
+__all__ = ["PlanningThreads"]
 
 #: real time for which planning sleeps, so that others get the interpreter's lock at once, for which
 #: they would otherwise wait until it is taken from the thread that plans [s]
@@ -34,7 +34,7 @@ _WAY = 5e-5
 _WORK = 5e-4
 
 
-class Planning:
+class PlanningThreads:
     """Plans the motions of a controller, outside its lock.
 
     Args:

@@ -26,7 +26,7 @@ from aioduco.sim.clock import CycleSchedule, LoopStatistics, LoopTimes, checked_
 from aioduco.sim.cycle import DriveCommand, SensedState
 from aioduco.sim.physics.temperature import Temperatures
 from aioduco.sim.planner.path import JointSetPoint
-from aioduco.sim.planning import Planning
+from aioduco.sim.planning import PlanningThreads
 from aioduco.sim.refusal import Pending, Refusal
 from aioduco.sim.snapshot import SimulationSnapshot
 
@@ -126,7 +126,9 @@ class SimulationRuntime:
         self._sense = sense
         self._on_network = on_network
         self._lock = threading.Lock()
-        self.planning: Planning = Planning(controller, self._lock, self._changing, self._fail)
+        self.planning: PlanningThreads = PlanningThreads(
+            controller, self._lock, self._changing, self._fail
+        )
         self._wake = threading.Event()
         self._news = threading.Condition()
         self._watchers = 0

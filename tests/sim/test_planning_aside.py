@@ -14,7 +14,7 @@ from aioduco.errors import ConnectionLost, ControllerError
 from aioduco.models.enums import ProgramState, TaskState
 from aioduco.models.pose import Pose
 from aioduco.sim.planner.path import PlanError
-from aioduco.sim.planning import Planning as PlanningThreads
+from aioduco.sim.planning import PlanningThreads
 from aioduco.sim.simulator import READY, Simulator
 from aioduco.testing import eventually
 
