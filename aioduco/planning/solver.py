@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from aioduco.kinematics import Arm
     from aioduco.planning.clearance import Clearance
     from aioduco.planning.collision import CollisionChecker
     from aioduco.planning.curve import Curve
@@ -40,6 +41,7 @@ __all__ = ["solve"]
 
 _LEAST_PADDING = 0.0003  # [m]
 _SAMPLES = 24  # poses of a region that are tried
+_SOON = 0.3  # time for the nearest goals, before those a turn away and those closer to things [s]
 _DIRECT = 8  # goals to which the straight way is tried, the nearest first
 _CORNERS = 9  # told of a way that has none in joint space
 _LOOKS = 40  # at the clearance along the way
@@ -117,29 +119,63 @@ def _free(
     if not any(each.distance > 0.0 for each in clearances):
         raise _goal_in_collision(problem, reached, clearances)
     room = max(each.distance for each in clearances)
-    checker.padding = max(_LEAST_PADDING, min(checker.padding, 0.9 * room))
-    free = [q for q, c in zip(reached, clearances, strict=True) if c.distance > checker.padding]
-    goals = sorted(free, key=lambda q: float(np.abs(q - start).max()))
-    if float(np.abs(goals[0] - start).max()) < 1e-6:
-        return through(np.linspace(0.0, 1e-9, 6), np.tile(start, (6, 1))), start[None, :]
-    points = [space.point(q) for q in goals]
-    direct, step = _DIRECT, STEP
-    while time.monotonic() < deadline:
-        corners = search(space, space.point(start), points, deadline, direct=direct, step=step)
-        if corners is None:
-            break
-        curve = rounded(corners, space, checker)
-        joints = None if curve is None else joint_curve(curve, space)
-        if joints is not None and branch is None:
-            return joints, corners / checker.radii
-        if joints is not None:
-            return joints, joints(np.linspace(joints.t[0], joints.t[-1], _CORNERS))
-        direct, step = 0, 0.5 * step  # what was seen from afar as free was not: look closer
+    least = min(each.distance for each in clearances if each.distance > 0.0)
+    padding = max(_LEAST_PADDING, min(checker.padding, 0.9 * room))
+    closer = max(_LEAST_PADDING, min(padding, 0.9 * least))
+    # What is nearest, and as far from everything as was asked, may have no way where others have.
+    exact = [goal.array for goal in problem.goals if isinstance(goal, Joints)]
+    further = [
+        (other, c)
+        for q, c in zip(reached, clearances, strict=True)
+        if not any(np.array_equal(q, joints) for joints in exact)
+        for other in _turned(q, arm)
+    ]
+    if branch is not None:
+        further = [(q, c) for q, c in further if branch.same_branch(q.tolist())]
+    near = list(zip(reached, clearances, strict=True))
+    soon = min(time.monotonic() + _SOON, deadline)
+    for checker.padding, known, until in (
+        (padding, near, soon),
+        (closer, near + further, deadline),
+    ):
+        free = [q for q, c in known if c.distance > checker.padding]
+        goals = sorted(free, key=lambda q: float(np.abs(q - start).max()))
+        if float(np.abs(goals[0] - start).max()) < 1e-6:
+            return through(np.linspace(0.0, 1e-9, 6), np.tile(start, (6, 1))), start[None, :]
+        found = _way_to(goals, start, space, checker, until)
+        if found is not None and branch is None:
+            curve, corners = found
+            return curve, corners / checker.radii
+        if found is not None:
+            curve, _ = found
+            return curve, curve(np.linspace(curve.t[0], curve.t[-1], _CORNERS))
     raise NoPathFound(
         f"no path was found within {problem.timeout:g} s from {_degrees(start)} to "
         f"{_named(problem.goals)}, {checker.padding * 1e3:.1f} mm away from everything: give it "
         "more time (timeout), or less padding"
     )
+
+
+def _way_to(
+    goals: list[Points],
+    start: Points,
+    space: PathSpace,
+    checker: CollisionChecker,
+    deadline: float,
+) -> tuple[Curve, Points] | None:
+    """A rounded way to any of the goals, and its corners in what is searched; None: too late."""
+    points = [space.point(q) for q in goals]
+    direct, step = _DIRECT, STEP
+    while time.monotonic() < deadline:
+        corners = search(space, space.point(start), points, deadline, direct=direct, step=step)
+        if corners is None:
+            return None
+        curve = rounded(corners, space, checker)
+        joints = None if curve is None else joint_curve(curve, space)
+        if joints is not None:
+            return joints, corners
+        direct, step = 0, 0.5 * step  # what was seen from afar as free was not: look closer
+    return None
 
 
 def _configurations(problem: PlanningProblem) -> list[Points]:
@@ -166,6 +202,18 @@ def _configurations(problem: PlanningProblem) -> list[Points]:
             arm.ikine(pose @ back, start)
         except Unreachable as error:
             raise GoalOutOfReach(f"no goal can be reached: {error}") from None
+    return found
+
+
+def _turned(q: Points, arm: Arm) -> list[Points]:
+    """The same configuration with one joint a whole turn away, within its limits."""
+    found: list[Points] = []
+    for axis in range(len(q)):
+        for turn in (-2 * np.pi, 2 * np.pi):
+            if arm.lower[axis] <= q[axis] + turn <= arm.upper[axis]:
+                other = q.copy()
+                other[axis] += turn
+                found.append(other)
     return found
 
 

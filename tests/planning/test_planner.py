@@ -23,6 +23,7 @@ from aioduco import (
     Pose,
     StartInCollision,
 )
+from aioduco.kinematics import arm
 from aioduco.planning import Plan, Planner, Region, Scene
 from aioduco.sim.scene import Box
 
@@ -100,6 +101,35 @@ def test_a_pose_is_reached_by_any_configuration(scene: Scene, planner: Planner) 
     plan = planner.plan_blocking(LEFT, pose)
     assert scene.arm.fkine(plan.end) == pytest.approx(pose.matrix, abs=1e-9)
     assert plan.check(scene)
+
+
+def test_a_pose_behind_a_slot_is_reached_by_whole_turns_and_close_to_things() -> None:
+    """The nearest turns have no way, or the goals that have one are closer than the padding."""
+    r = arm("gcr3_618").reach
+    x, thick, middle, gap, wide, high = 0.62 * r, 0.03 * r, 0.55 * r, 0.4 * r, 1.8 * r, 1.4 * r
+    low, top, side = middle - 0.5 * gap, high - middle - 0.5 * gap, 0.5 * (wide - gap)
+    slot = [
+        Box(at=(x, 0, 0.5 * low), size=(thick, wide, low), name="below"),
+        Box(at=(x, 0, high - 0.5 * top), size=(thick, wide, top), name="above"),
+        Box(at=(x, 0.5 * (gap + side), middle), size=(thick, side, gap), name="left"),
+        Box(at=(x, -0.5 * (gap + side), middle), size=(thick, side, gap), name="right"),
+    ]
+    scene = Scene("gcr3_618", slot, padding=0.005)
+    queries = {
+        Joints.deg(-113.6, -18.8, 115.1, 84.8, -75.8, -51.0): Pose(
+            0.366348, 0.011659, 0.237652, -2.497639, 1.121128, -2.640692
+        ),
+        Joints.deg(-144.3, -7.6, 57.8, 130.9, -72.2, -119.0): Pose(
+            0.394438, 0.009809, 0.301401, 0.538378, 1.250145, 0.25326
+        ),
+    }
+    with Planner(scene) as planner:
+        for start, goal in queries.items():
+            plan = planner.plan_blocking(start, goal, v=1.0, a=5.0, timeout=60.0)
+            np.testing.assert_allclose(
+                scene.arm.fkine(plan.trajectory.positions[-1]), goal.matrix, atol=1e-6
+            )
+            assert plan.check(scene).ok
 
 
 def test_one_of_several_goals_is_enough(scene: Scene, planner: Planner) -> None:
