@@ -134,10 +134,8 @@ def _free(
         further = [(q, c) for q, c in further if branch.same_branch(q.tolist())]
     near = list(zip(reached, clearances, strict=True))
     soon = min(time.monotonic() + _SOON, deadline)
-    for checker.padding, known, until in (
-        (padding, near, soon),
-        (closer, near + further, deadline),
-    ):
+    for room, known, until in ((padding, near, soon), (closer, near + further, deadline)):
+        checker.padding = room
         free = [q for q, c in known if c.distance > checker.padding]
         goals = sorted(free, key=lambda q: float(np.abs(q - start).max()))
         if float(np.abs(goals[0] - start).max()) < 1e-6:

@@ -212,7 +212,7 @@ def _limit_loops() -> None:
         begin(self, selector or selectors.SelectSelector())
 
     def none(self: Any, *_: Any) -> None:
-        raise NotImplementedError
+        raise NotImplementedError  # as Windows' loop answers: it takes no handlers for signals
 
     loops.BaseSelectorEventLoop.__init__ = limited
     events._UnixSelectorEventLoop.add_signal_handler = none

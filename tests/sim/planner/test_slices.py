@@ -173,11 +173,8 @@ def long_limits(count: int = 5000) -> PathLimits:
     return PathLimits(nodes.tolist(), ceiling, each, each, [0.0] * count, each, waits)
 
 
-def test_a_law_is_laid_as_far_as_it_is_asked_about(monkeypatch: pytest.MonkeyPatch) -> None:
-    limits = long_limits()
-    back = backward(limits, 0.0)
-    whole = fastest(limits, back, 0.0, 0.0)
-    duration = whole.duration
+def counted_rates(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Grows by one for each acceleration that a law looks up from here on."""
     rates: list[int] = []
     rate = timing._rate
 
@@ -186,6 +183,15 @@ def test_a_law_is_laid_as_far_as_it_is_asked_about(monkeypatch: pytest.MonkeyPat
         return rate(*given)
 
     monkeypatch.setattr(timing, "_rate", counted)
+    return rates
+
+
+def test_a_law_is_laid_as_far_as_it_is_asked_about(monkeypatch: pytest.MonkeyPatch) -> None:
+    limits = long_limits()
+    back = backward(limits, 0.0)
+    whole = fastest(limits, back, 0.0, 0.0)
+    duration = whole.duration
+    rates = counted_rates(monkeypatch)
     law = fastest(limits, back, 0.0, 0.0)
     assert rates == []
     hint = place = 0
@@ -204,14 +210,7 @@ def test_a_law_is_laid_as_far_as_it_is_asked_about(monkeypatch: pytest.MonkeyPat
 def test_a_law_knows_early_that_it_does_not_end_soon(monkeypatch: pytest.MonkeyPatch) -> None:
     mover = Mover(FIVE, HOME, CYCLE)
     mover.append(1, partial(woven, swings=50))
-    rates: list[int] = []
-    rate = timing._rate
-
-    def counted(*given: Any) -> Any:
-        rates.append(1)
-        return rate(*given)
-
-    monkeypatch.setattr(timing, "_rate", counted)
+    rates = counted_rates(monkeypatch)
     mover.tick()
     assert mover.travel is not None
     assert not mover.travel.ends_within(0.1)
