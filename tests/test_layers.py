@@ -97,6 +97,7 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
     "refusal": set(),
     "forgiving": {"refusal"},
     "clock": set(),
+    "batches": {"clock"},
     "scene": set(),
     "process": set(),
     "view": set(),
@@ -110,7 +111,17 @@ SIM_MAY_IMPORT: dict[str, set[str]] = {
     "planning": {"planner", "controller"},
     "snapshot": {"planner", "controller", "cycle"},
     "runtime": {
-        *("planner", "planning", "cabinet", "controller", "physics", "cycle", "clock", "refusal"),
+        *(
+            "planner",
+            "planning",
+            "cabinet",
+            "controller",
+            "physics",
+            "cycle",
+            "clock",
+            "batches",
+            "refusal",
+        ),
         "snapshot",
     },
     "handlers": {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import struct
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from thriftpy2.protocol import TCyBinaryProtocol
 from thriftpy2.thrift import TApplicationException, TDecodeException
@@ -15,7 +15,7 @@ from aioduco._wire.type_checks import TypeMismatch
 from aioduco.errors import ControllerError, ParameterError, UnknownFunction
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from aioduco._wire.idl import Function
 
@@ -103,6 +103,9 @@ class ReplyReader:
     neither, so after a time-out its next call returns the answer to the one before.
     """
 
+    #: how many calls it answers
+    count: Final = 1
+
     __slots__ = (
         "_function",
         "_known",
@@ -152,6 +155,17 @@ class ReplyReader:
             self._result = older
             self._scanner = StructScanner(older.thrift_spec, self._start)
             return self._scanner.whole(data)
+
+    def take(self, data: bytes | bytearray) -> bool:
+        """As `whole`, where the replies to further calls may stand behind it."""
+        start = 8 + len(self._function.head)
+        if self._scanner is None and data.startswith(_REPLY + self._function.head + self._sequence):
+            found = self._function.layouts.find_first(data[start:])
+            if found is not None:
+                layout, size = found
+                self._read, self._start, self._known = layout.read, start, start + size
+                return True
+        return self.whole(data)
 
     def _is_known(self, data: bytes | bytearray) -> bool:
         """Whether this is a whole reply to this call of a layout that was met before."""
@@ -222,6 +236,73 @@ class ReplyReader:
                 TApplicationException.MISSING_RESULT,
             )
         return _text(result.success) if function.texts else result.success
+
+
+class ReadResult(NamedTuple):
+    """What one of several questions came to.
+
+    Attributes:
+        value: the result; None if there is an error.
+        error: what the controller answered instead.
+        at: when the answer was there, by `time.monotonic()`.
+    """
+
+    value: Any
+    error: ControllerError | None
+    at: float
+
+    def get(self) -> Any:
+        """The result.
+
+        Raises:
+            ControllerError: the controller answered by an error.
+        """
+        if self.error is not None:
+            raise self.error
+        return self.value
+
+
+class RepliesReader:
+    """Takes the bytes of the replies to several calls that were sent in a row, as `ReplyReader`.
+
+    Args:
+        readers: of each of the replies, in the order of the calls.
+        clock: the time [s].
+    """
+
+    __slots__ = ("_clock", "_readers", "_results", "count", "length")
+
+    def __init__(self, readers: Sequence[ReplyReader], clock: Callable[[], float]) -> None:
+        self._readers = readers
+        self._clock = clock
+        self._results: list[ReadResult] = []
+        self.count: Final = len(readers)
+        #: how many bytes the replies that came have together
+        self.length = 0
+
+    def whole(self, data: bytes | bytearray) -> bool:
+        """Whether these bytes, from the first message's begin on, hold all of the replies.
+
+        Raises:
+            Malformed: they are no replies to these calls.
+        """
+        for reader in self._readers[len(self._results) :]:
+            rest = data[self.length :]
+            if not rest or not reader.take(rest):
+                return False
+            value, error = None, None
+            try:
+                value = reader.value(rest)
+            except ControllerError as exc:
+                # its traceback would refer to this reader: a reference cycle
+                error = exc.with_traceback(None)
+            self._results.append(ReadResult(value, error, self._clock()))
+            self.length += reader.length
+        return True
+
+    def value(self, _data: bytes | bytearray) -> list[ReadResult]:
+        """What came of each of the calls, in their order."""
+        return self._results
 
 
 def _text(value: Any) -> Any:

@@ -29,7 +29,7 @@ from aioduco.errors import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
 #: time limit of calls through `Connection.rpc`, in seconds
 _CALL_TIMEOUT: Final = 2.0
@@ -88,7 +88,7 @@ class Connection:
         # number would on most connections.
         self._sequence = random.randrange(codec.LAST_SEQUENCE)
         #: the answer to a call that was sent before its owner came to it
-        self._ahead: codec.ReplyReader | None = None
+        self._ahead: codec.ReplyReader | codec.RepliesReader | None = None
         self._calls = 0
         self._answered = 0
         self._bytes_sent = 0
@@ -237,6 +237,7 @@ class Connection:
         arguments: bytes,
         deadline: float | None,
         meanwhile: Callable[[], object] | None = None,
+        further: Sequence[tuple[idl.Function, bytes]] = (),
     ) -> Any:
         """Send a call whose arguments are encoded, and wait for its answer.
 
@@ -246,9 +247,11 @@ class Connection:
             deadline: time of `time.monotonic()` by which the answer must be whole.
             meanwhile: called once the call is sent: work to be done while the controller does
                 its own.
+            further: functions that only read, with their encoded arguments, that are sent right
+                behind it: the controller answers one after the other.
 
         Returns:
-            The result, as `call` does.
+            The result, as `call` does; with further ones a list of `codec.ReadResult`.
         """
         if threading.get_ident() != self._owner:
             raise RuntimeError(f"{self!r} belongs to the thread that opened it")
@@ -262,7 +265,7 @@ class Connection:
         assert stream is not None
         try:
             if reply is None:
-                reply, message = self._next(function, arguments)
+                reply, message = self._next(function, arguments, further)
                 _check_silent(stream)
                 self._send(stream, message, deadline)
             if meanwhile is not None:
@@ -278,7 +281,7 @@ class Connection:
             if not self._life.complete():
                 # abandoned while the last bytes came: the caller already has an error
                 raise self._failure(function, Ended())
-        self._answered += 1
+        self._answered += reply.count
         if len(data) > reply.length:
             # this answer is valid, but the bytes behind it belong to no call
             self._end("bytes came behind an answer")
@@ -286,7 +289,13 @@ class Connection:
             raise value
         return value
 
-    def send_ahead(self, function: idl.Function, arguments: bytes, deadline: float | None) -> bool:
+    def send_ahead(
+        self,
+        function: idl.Function,
+        arguments: bytes,
+        deadline: float | None,
+        further: Sequence[tuple[idl.Function, bytes]] = (),
+    ) -> bool:
         """Send a call before its owner's thread gets to run, from any thread; never waits.
 
         The caller must hold the claim to the next call. The owner's `exchange` of this call then
@@ -305,7 +314,7 @@ class Connection:
             # What came unasked, or a closed connection, is for the owner to tell.
             if stream is None or not stream.silent or not self._life.begin():
                 return False
-            reply, message = self._next(function, arguments)
+            reply, message = self._next(function, arguments, further)
             if stream.send_at_once(message) != len(message):
                 self._life.poison("it did not take a whole call at once")
                 return False
@@ -316,15 +325,30 @@ class Connection:
         finally:
             self._guard.release()
 
-    def _next(self, function: idl.Function, arguments: bytes) -> tuple[codec.ReplyReader, bytes]:
-        """The next call: what reads its answer, and what is sent."""
+    def _next(
+        self,
+        function: idl.Function,
+        arguments: bytes,
+        further: Sequence[tuple[idl.Function, bytes]],
+    ) -> tuple[codec.ReplyReader | codec.RepliesReader, bytes]:
+        """The next calls: what reads their answers, and what is sent."""
+        first = self._next_one(function, arguments)
+        if not further:
+            return first
+        each = [first, *(self._next_one(*one) for one in further)]
+        replies = codec.RepliesReader([reply for reply, _ in each], time.monotonic)
+        return replies, b"".join(message for _, message in each)
+
+    def _next_one(
+        self, function: idl.Function, arguments: bytes
+    ) -> tuple[codec.ReplyReader, bytes]:
         self._calls += 1
         self._sequence = self._sequence % codec.LAST_SEQUENCE + 1
         message = codec.message(function, self._sequence, arguments)
         return codec.ReplyReader(function, self._sequence), message
 
     @staticmethod
-    def _decode(reply: codec.ReplyReader, data: bytes | bytearray) -> Any:
+    def _decode(reply: codec.ReplyReader | codec.RepliesReader, data: bytes | bytearray) -> Any:
         """The value, or the controller's error: an answer too, after which the call is over."""
         try:
             return reply.value(data)
@@ -339,7 +363,10 @@ class Connection:
         self._bytes_sent += sent
 
     def _receive(
-        self, stream: DeadlineSocket, reply: codec.ReplyReader, deadline: float | None
+        self,
+        stream: DeadlineSocket,
+        reply: codec.ReplyReader | codec.RepliesReader,
+        deadline: float | None,
     ) -> bytes | bytearray:
         data: bytes | bytearray = stream.receive(deadline)
         self._life.answering()

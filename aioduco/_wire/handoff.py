@@ -16,7 +16,7 @@ import signal
 import time
 from abc import ABC, abstractmethod
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._wire.forks import fork_hooks
 from aioduco.errors import WrongLoop, WrongProcess
@@ -27,34 +27,9 @@ if TYPE_CHECKING:
 
     from aioduco._wire.idl import Function
     from aioduco._wire.worker import Worker
-    from aioduco.errors import ControllerError
 
 #: seconds after its deadline at which a call is given up although its thread has not come back
 GRACE: Final = 0.25
-
-
-class ReadResult(NamedTuple):
-    """What one of several questions came to.
-
-    Attributes:
-        value: the result; None if there is an error.
-        error: what the controller answered instead.
-        at: when the answer was there, by `time.monotonic()`.
-    """
-
-    value: Any
-    error: ControllerError | None
-    at: float
-
-    def get(self) -> Any:
-        """The result.
-
-        Raises:
-            ControllerError: the controller answered by an error.
-        """
-        if self.error is not None:
-            raise self.error
-        return self.value
 
 
 class Call(ABC):
@@ -70,8 +45,8 @@ class Call(ABC):
         deadline: time of `time.monotonic()`, or None.
 
     Attributes:
-        further: functions that only read, with their encoded arguments, that the thread asks after
-            it; its value is then a list of `ReadResult`, its own first.
+        further: functions that only read, with their encoded arguments, that are sent behind it;
+            its value is then a list of `codec.ReadResult`, its own first.
     """
 
     __slots__ = (

@@ -19,7 +19,6 @@ from aioduco._wire.handoff import (
     AwaitedCall,
     Deadlines,
     OwnerLoop,
-    ReadResult,
     ThreadEnd,
     loop_callback,
 )
@@ -283,11 +282,12 @@ class WireLane:
             self.report(name, args, value, error, begin)
         return value
 
-    async def ask(self, *names: str) -> list[ReadResult]:
-        """Ask functions that only read and take nothing, one after the other on one connection.
+    async def ask(self, *names: str) -> list[codec.ReadResult]:
+        """Ask functions that only read and take nothing, all at once on one connection.
 
-        All of them are one way to the thread and back, and have the lane's time limit together. If
-        the connection is lost, all are asked again on another one.
+        They are sent in one piece; the controller reads and answers them in their order, as it
+        does the calls of any client. They are one way to the thread and back, and have the lane's
+        time limit together. If the connection is lost, all are asked again on another one.
 
         Args:
             names: the functions, two at least.
@@ -313,7 +313,7 @@ class WireLane:
             await checkpoint_if_cancelled()  # as in `call`
         self._calls += len(names)
         try:
-            answers: list[ReadResult] = await self._carry_out(call)
+            answers: list[codec.ReadResult] = await self._carry_out(call)
         except BaseException as exc:
             self.report(names[0], (), None, exc, begin)
             raise

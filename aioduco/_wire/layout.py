@@ -74,6 +74,16 @@ class Layouts:
             return None
         return kept
 
+    def find_first(self, structs: bytes | bytearray) -> tuple[Layout, int] | None:
+        """The layout and the length of the first of some structs, if one was laid out so before.
+
+        The bytes that are no value's say where a struct ends, so that only one length can fit.
+        """
+        for size in self._kept:
+            if size <= len(structs) and (layout := self.find(structs[:size])) is not None:
+                return layout, size
+        return None
+
     def keep(self, struct: bytes | bytearray) -> None:
         """Keep the layout of a struct that was measured: it is whole, and fits."""
         size = len(struct)

@@ -10,14 +10,13 @@ from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, Final
 
 from aioduco._wire.forks import fork_hooks
-from aioduco._wire.handoff import Call, ReadResult
+from aioduco._wire.handoff import Call
 from aioduco._wire.idempotence import CallKind, call_kind
 from aioduco._wire.lifecycle import ConnectionState, Progress
 from aioduco.errors import (
     CallTimeout,
     ConnectError,
     ConnectionLost,
-    ControllerError,
     NotSent,
     OutcomeUnknown,
 )
@@ -131,7 +130,9 @@ class Worker:
         if connection is not None and call.function is not None:
             # The thread may have to wait for the interpreter's lock; the bytes need not.
             call.handed_over = True  # before: an abandon in the middle of it must see it
-            call.handed_over = connection.send_ahead(call.function, call.arguments, call.deadline)
+            call.handed_over = connection.send_ahead(
+                call.function, call.arguments, call.deadline, call.further
+            )
         self._inbox.put(call)
 
     def recover(self, call: Call) -> None:
@@ -257,7 +258,7 @@ class Worker:
             # A connection that was used before may have died since. The call may have another
             # one if nothing of it was sent, or if a second time does no more than the first.
             in_time = call.deadline is None or time.monotonic() < call.deadline
-            again = may_send_again(call.function, connection.progress)
+            again = bool(call.further) or may_send_again(call.function, connection.progress)
             if not (used and again and in_time and not call.abandoned):
                 raise
             try:
@@ -273,9 +274,9 @@ class Worker:
         # a call that was abandoned before has a poisoned connection, which sends nothing
         call.handed_over = True
         try:
-            if call.further:
-                return _answers(connection, call)
-            return connection.exchange(call.function, call.arguments, call.deadline)
+            return connection.exchange(
+                call.function, call.arguments, call.deadline, further=call.further
+            )
         finally:
             if connection.state is not ConnectionState.IDLE:
                 self._close()
@@ -301,21 +302,6 @@ class Worker:
         if self._is_open:
             self._is_open = False
             self._source.ended(connection)
-
-
-def _answers(connection: Connection, call: Call) -> list[ReadResult]:
-    """Ask for all of a call, one after the other."""
-    assert call.function is not None
-    found: list[ReadResult] = []
-    for function, arguments in ((call.function, call.arguments), *call.further):
-        value, error = None, None
-        try:
-            value = connection.exchange(function, arguments, call.deadline)
-        except ControllerError as exc:
-            # its traceback would refer to this list: a reference cycle
-            error = exc.with_traceback(None)
-        found.append(ReadResult(value, error, time.monotonic()))
-    return found
 
 
 def may_send_again(function: Function, progress: Progress) -> bool:

@@ -30,7 +30,8 @@ class CycleSchedule:
         self.slipped: float = 0.0
         self.speed: float = checked_speed(speed)
         self._cycle = cycle
-        self._period = 0.0
+        #: real time of a cycle [s]; 0: as fast as possible
+        self.period: float = 0.0
         self._start = 0.0
         self._count = 0
 
@@ -41,7 +42,7 @@ class CycleSchedule:
         of real time while idle.
         """
         speed = 1.0 if idle and math.isinf(self.speed) else self.speed
-        self._period = self._cycle / speed
+        self.period = self._cycle / speed
         self._start = now
         self._count = 0
 
@@ -53,10 +54,10 @@ class CycleSchedule:
 
     def delay(self, now: float) -> float:
         """Real time until the next cycle is due [s]; negative when it is late."""
-        if not self._period:
+        if not self.period:
             return 0.0
-        delay = self._start + (self._count + 1) * self._period - now
-        if delay < -_SLACK and delay < -self._period:
+        delay = self._start + (self._count + 1) * self.period - now
+        if delay < -_SLACK and delay < -self.period:
             self.slipped -= delay
             self._start -= delay
             return 0.0
@@ -64,13 +65,13 @@ class CycleSchedule:
 
     def due(self, now: float) -> int:
         """How many cycles are due at `now`."""
-        if not self._period:
+        if not self.period:
             return 1
-        return max(0, math.floor((now - self._start) / self._period) - self._count)
+        return max(0, math.floor((now - self._start) / self.period) - self._count)
 
     def drop(self, now: float) -> None:
         """Have nothing be due any more that was due before `now` [s]."""
-        if now > self._start + self._count * self._period:
+        if now > self._start + self._count * self.period:
             self._start = now
             self._count = 0
 
@@ -96,7 +97,8 @@ class LoopStatistics(NamedTuple):
     Attributes:
         cycles: how many have run.
         slipped: real time by which simulated time fell behind for good.
-        late_p50, late_p99, late_max: from when a cycle was due to when it began.
+        late_p50, late_p99, late_max: from when a cycle was to begin to when it began. Where some
+            run at one go, they are to begin with the last of them.
         work_p50, work_p99, work_max: duration of a cycle's work.
     """
 

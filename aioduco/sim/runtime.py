@@ -7,7 +7,8 @@ Who may touch what:
 - motions are planned outside the lock (see `planning`). Where simulated time has no pace of its own
   (as fast as possible, or in step lock) it stands meanwhile, so that chance does not say in which
   cycle a motion begins;
-- readers take the latest snapshot, which is immutable, without a lock.
+- readers take the latest snapshot, which is immutable, without a lock. First they have the cycles
+  run that are due (see `batches`).
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from typing import TYPE_CHECKING
 
 from aioduco.errors import ParameterError
 from aioduco.models.enums import RobotState
+from aioduco.sim.batches import Batches
 from aioduco.sim.clock import CycleSchedule, LoopStatistics, LoopTimes, checked_speed
 from aioduco.sim.cycle import DriveCommand, SensedState
 from aioduco.sim.physics.temperature import Temperatures
@@ -130,10 +132,13 @@ class SimulationRuntime:
             controller, self._lock, self._changing, self._fail
         )
         self._wake = threading.Event()
+        self._batches = Batches(self._pace, self._wake, self._attended)
         self._news = threading.Condition()
         self._watchers = 0
         #: the change of the controller that is under way: the snapshot is older than it
         self._change: object | None = None
+        #: the thread that makes it, unless a cycle does
+        self._changer: int | None = None
         self._holds: dict[object, float] = {}
         self._lasting: set[object] = set()
         #: when simulated time that stood was let go last, in real time [s]
@@ -190,7 +195,13 @@ class SimulationRuntime:
         """
         if self._failure is not None:
             raise Refusal(f"the simulation failed: {self._failure!r}")
+        self._catch_up()
         return self._snapshot
+
+    def _catch_up(self) -> None:
+        # A change holds the lock without which no cycle runs; it began with those that were due.
+        wait = self._changer != threading.get_ident() and not self._within
+        self._batches.catch_up(wait=wait)
 
     @property
     def optimization(self) -> OptimizationSwitches:
@@ -226,6 +237,7 @@ class SimulationRuntime:
         if self._within:  # a program of the controller makes a call, under the lock of the tick
             yield self._controller
             return
+        self._catch_up()
         with self._changing() as controller:
             before = controller.unplanned
             yield controller
@@ -238,18 +250,19 @@ class SimulationRuntime:
     def _changing(self) -> Iterator[Controller]:
         """The controller under the lock, and what has to be told when it has been changed."""
         with self._lock:
-            self._change = object()
+            self._change, self._changer = object(), threading.get_ident()
             try:
                 yield self._controller
             finally:
                 self._snapshot = self._snapshot.seen(self._controller.view())
-                self._change = None
+                self._change = self._changer = None
                 released = self._take_answered()
         for event in released:
             event.set()
 
     def task_state(self, id_: int) -> TaskState:
         """State of a task, not before the snapshot shows the cycle in which it came about."""
+        self._catch_up()
         state = self._controller.tasks.state(id_)
         # Without the lock, for which the loop would compete again and again at top speed.
         if (change := self._change) is not None and not self._within:
@@ -322,6 +335,7 @@ class SimulationRuntime:
 
     def now(self) -> float:
         """Simulated time [s]; that of the end, once the simulation has ended or failed."""
+        self._catch_up()
         return self._snapshot.time
 
     def hold(self, at: float, *, lasting: bool = False) -> Callable[[], None]:
@@ -335,10 +349,11 @@ class SimulationRuntime:
             with self._holding:
                 held = self._holds.pop(key, None) is not None
                 self._lasting.discard(key)
-                if held and at <= self.now():
+                if held and at <= self._snapshot.time:
                     self._let_go_at = time.monotonic()
                 self._holding.notify_all()
 
+        self._catch_up()
         with self._holding:
             self._holds[key] = at
             if lasting:
@@ -461,6 +476,8 @@ class SimulationRuntime:
             self._loop()
         except Exception as exc:
             self._fail(exc)
+        finally:
+            self._batches.end()
 
     def _fail(self, exc: Exception) -> None:
         _log.exception("the simulation failed")
@@ -469,7 +486,7 @@ class SimulationRuntime:
         self.release()
 
     def _loop(self) -> None:
-        clock, sleep, pace = time.monotonic, time.sleep, self._pace
+        clock, pace = time.monotonic, self._pace
         idle = False
         # The clock is read once where a cycle ends, and once more after a sleep.
         now = clock()
@@ -494,24 +511,28 @@ class SimulationRuntime:
                 pace.ran(cycles)
                 now = clock()
             else:
-                cycles, delay = 1, pace.delay(now)
-                begun = now
-                if delay > 0.0:
-                    sleep(delay)
-                    begun = clock()
-                late = begun - now - delay
+                cycles, begun = 1, self._batches.await_cycle(now)
+                if begun is None:
+                    now = clock()
+                    continue
                 if self._told or self._braked is not self._drive.brake:
                     self._change_plant()
                 self._plant.step(self._drive.setpoint)
                 pace.ran()
                 self._tick(begun)
                 now = clock()
-                self._times.add(late, now - begun)
+                self._times.add(self._batches.late, now - begun)
+                self._batches.ran()
             if self._busy and not idle:
                 self._quiet = 0
             elif idle != self._is_idle(cycles):
                 idle = not idle
+                self._batches.end()
                 pace.begin(now, idle=idle)
+
+    def _attended(self) -> bool:
+        """Whether somebody waits for each cycle."""
+        return bool(self._watchers or self.observer or self._holds or self._limit is not None)
 
     def _change_plant(self) -> None:
         """Have the physics take over what was changed since the last cycle."""
@@ -542,6 +563,7 @@ class SimulationRuntime:
         """Wait for as long as a client holds simulated time."""
         if (not self._holds and self._limit is None) or self._allowed():
             return
+        self._batches.end()
         with self._holding:
             while not self._holding.wait_for(self._may_go_on, _HOLD):
                 at = self._count * self.cycle

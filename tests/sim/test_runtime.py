@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from aioduco.sim import batches
 from aioduco.sim import runtime as module
 from aioduco.sim.cycle import PlantReading
 from aioduco.sim.refusal import Refusal
@@ -87,6 +88,12 @@ def runtime(arm: Follower) -> Iterator[SimulationRuntime]:
     runtime.start()
     yield runtime
     runtime.close()
+
+
+def give(runtime: SimulationRuntime) -> None:
+    """A command that changes nothing."""
+    with runtime.command():
+        pass
 
 
 def enable(runtime: SimulationRuntime) -> None:
@@ -219,6 +226,46 @@ def test_statistics_of_a_loop_in_real_time(arm: Follower) -> None:
     assert found.late_p50 <= found.late_p99 <= found.late_max
 
 
+def test_some_cycles_run_at_one_go_unless_somebody_asks(
+    arm: Follower, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A longer sleep here, so that it is seen: who asks ends it, and finds the arm of now."""
+    for name, value in (("_CYCLES", 50), ("_LONGEST", 0.05), ("_PATIENCE", 60.0)):
+        monkeypatch.setattr(batches, name, value)
+    controller = controller_of(FakeMover)
+    runtime = SimulationRuntime(controller, arm, speed=1.0)
+    owed: list[int] = []
+    sleep_past = runtime._batches._sleep_past
+
+    def noted(now: float, delay: float) -> None:
+        sleep_past(now, delay)
+        owed.append(runtime._batches._owed)
+
+    monkeypatch.setattr(runtime._batches, "_sleep_past", noted)
+    runtime.start()
+    try:
+        enable(runtime)
+        with runtime.command() as controller:
+            id_ = controller.move("movej2", leg(1.0, 100_000))
+        for ask in (
+            lambda: runtime.snapshot,
+            runtime.now,
+            lambda: runtime.task_state(id_),
+            lambda: give(runtime),
+        ):
+            slept = len(owed)
+            eventually(lambda: runtime._batches.asleep, 60.0)
+            asked = time.monotonic()
+            ask()
+            assert runtime._pace.due(asked) == 0
+            assert len(owed) > slept
+        begun = arm.steps
+        eventually(lambda: arm.steps > begun + 500, 60.0)
+        assert max(owed) > 10
+    finally:
+        runtime.close()
+
+
 def test_time_can_be_held(
     runtime: SimulationRuntime, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -323,7 +370,8 @@ def test_a_task_has_ended_only_when_its_snapshot_is_there(
         looks.append(seconds)
         runtime._change = None
 
-    monkeypatch.setattr(module, "time", SimpleNamespace(sleep=look))
+    stand_in = SimpleNamespace(sleep=look, monotonic=time.monotonic)
+    monkeypatch.setattr(module, "time", stand_in)
     with runtime.command() as controller:
         id_ = controller.change_power("power_on")
         state = runtime.task_state(id_)

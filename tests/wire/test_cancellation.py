@@ -215,9 +215,9 @@ async def test_a_cancelled_call_holds_nobody_up() -> None:
     exchange = Connection.exchange
     held = []
 
-    def slow(connection: Connection, *args: Any) -> Any:
+    def slow(connection: Connection, *args: Any, **options: Any) -> Any:
         try:
-            return exchange(connection, *args)
+            return exchange(connection, *args, **options)
         except ConnectionLost:
             held.append(connection)
             assert go_on.wait(PATIENCE)
