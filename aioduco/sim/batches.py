@@ -20,8 +20,8 @@ __all__ = ["Batches"]
 
 #: while nobody asks for anything, at most so many cycles run at one go, and so much real time [s]
 #: goes by between two of these
-_CYCLES = 8
-_LONGEST = 0.008
+_CYCLES = 16
+_LONGEST = 0.016
 #: real time after somebody asked in which each cycle runs when it is due [s]: who asks often does
 #: not wait each time until the thread is awake
 _ATTENTION = 0.003
@@ -37,7 +37,7 @@ class Batches:
     Args:
         pace: when cycles are due.
         wake: what wakes the thread.
-        attended: whether somebody waits for each cycle.
+        attended: whether somebody waits for one of the next cycles.
 
     Attributes:
         late: how late the cycle that runs began [s].
@@ -57,6 +57,11 @@ class Batches:
         #: when somebody asked last, in real time [s]
         self._asked_at = -math.inf
         self.late: float = 0.0
+
+    @property
+    def longest(self) -> float:
+        """The most simulated time that the thread sleeps past [s]."""
+        return _CYCLES * self._pace.cycle
 
     @property
     def asleep(self) -> bool:

@@ -29,7 +29,8 @@ class CycleSchedule:
     def __init__(self, cycle: float, speed: float) -> None:
         self.slipped: float = 0.0
         self.speed: float = checked_speed(speed)
-        self._cycle = cycle
+        #: simulated time of a cycle [s]
+        self.cycle: float = cycle
         #: real time of a cycle [s]; 0: as fast as possible
         self.period: float = 0.0
         self._start = 0.0
@@ -42,7 +43,7 @@ class CycleSchedule:
         of real time while idle.
         """
         speed = 1.0 if idle and math.isinf(self.speed) else self.speed
-        self.period = self._cycle / speed
+        self.period = self.cycle / speed
         self._start = now
         self._count = 0
 

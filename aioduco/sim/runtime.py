@@ -531,8 +531,10 @@ class SimulationRuntime:
                 pace.begin(now, idle=idle)
 
     def _attended(self) -> bool:
-        """Whether somebody waits for each cycle."""
-        return bool(self._watchers or self.observer or self._holds or self._limit is not None)
+        """Whether somebody waits for one of the next cycles."""
+        if self._watchers or self.observer or self._holds or self._limit is not None:
+            return True
+        return bool(self._waiters) and self._controller.time_left < self._batches.longest
 
     def _change_plant(self) -> None:
         """Have the physics take over what was changed since the last cycle."""

@@ -70,6 +70,9 @@ class FakeMover:
     BRAKING = 3
     latest: ClassVar[FakeMover | None] = None
 
+    #: until the running motion is at its end: not known
+    time_left = 0.0
+
     def __init__(self, q: Vector) -> None:
         FakeMover.latest = self
         self.setpoint = JointSetPoint.at_rest(np.array(q))

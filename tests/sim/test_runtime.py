@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
 import threading
@@ -226,10 +227,14 @@ def test_statistics_of_a_loop_in_real_time(arm: Follower) -> None:
     assert found.late_p50 <= found.late_p99 <= found.late_max
 
 
-def test_some_cycles_run_at_one_go_unless_somebody_asks(
+@contextlib.contextmanager
+def in_batches(
     arm: Follower, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A longer sleep here, so that it is seen: who asks ends it, and finds the arm of now."""
+) -> Iterator[tuple[SimulationRuntime, int, list[int]]]:
+    """An arm that moves in real time, its task, and how many cycles were due after each sleep.
+
+    The sleeps are longer than they are, so that they are seen.
+    """
     for name, value in (("_CYCLES", 50), ("_LONGEST", 0.05), ("_PATIENCE", 60.0)):
         monkeypatch.setattr(batches, name, value)
     controller = controller_of(FakeMover)
@@ -247,6 +252,16 @@ def test_some_cycles_run_at_one_go_unless_somebody_asks(
         enable(runtime)
         with runtime.command() as controller:
             id_ = controller.move("movej2", leg(1.0, 100_000))
+        yield runtime, id_, owed
+    finally:
+        runtime.close()
+
+
+def test_some_cycles_run_at_one_go_unless_somebody_asks(
+    arm: Follower, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Who asks ends the sleep, and finds the arm of now."""
+    with in_batches(arm, monkeypatch) as (runtime, id_, owed):
         for ask in (
             lambda: runtime.snapshot,
             runtime.now,
@@ -262,8 +277,30 @@ def test_some_cycles_run_at_one_go_unless_somebody_asks(
         begun = arm.steps
         eventually(lambda: arm.steps > begun + 500, 60.0)
         assert max(owed) > 10
-    finally:
-        runtime.close()
+
+
+def test_who_waits_for_the_end_of_a_motion_is_told_in_its_cycle(
+    arm: Follower, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As long as the end is further off than a sleep is long, cycles run at one go."""
+    with in_batches(arm, monkeypatch) as (runtime, id_, owed):
+        waiting = threading.Thread(target=_wait_in_vain, args=(runtime, id_))
+        waiting.start()
+        eventually(lambda: runtime._waiters, 60.0)
+        monkeypatch.setattr(FakeMover, "time_left", 10.0)
+        eventually(lambda: runtime._batches.asleep, 60.0)
+        monkeypatch.setattr(FakeMover, "time_left", 0.01)
+        eventually(lambda: not runtime._batches.asleep, 60.0)
+        slept, begun = len(owed), arm.steps
+        eventually(lambda: arm.steps > begun + 100, 60.0)
+        assert len(owed) == slept
+        runtime.release()
+        waiting.join()
+
+
+def _wait_in_vain(runtime: SimulationRuntime, id_: int) -> None:
+    with pytest.raises(Refusal, match="ended before"):
+        runtime.wait(id_)
 
 
 def test_time_can_be_held(

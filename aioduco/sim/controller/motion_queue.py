@@ -228,6 +228,11 @@ class MotionQueue:
             self._settle()
 
     @property
+    def time_left(self) -> float:
+        """Time until the running motion is at its end [s]; 0.0 where that is not known."""
+        return 0.0 if self._follower is not None else self._mover.time_left
+
+    @property
     def unplanned(self) -> int | None:
         """The last motion that is still to be planned; None if there is none."""
         return self._unplanned[-1][0] if self._unplanned else None

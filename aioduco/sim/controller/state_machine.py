@@ -427,6 +427,11 @@ class Controller:
         self._motion.aside = True
 
     @property
+    def time_left(self) -> float:
+        """Time until the running motion is at its end [s]; 0.0 where that is not known."""
+        return self._motion.time_left
+
+    @property
     def unplanned(self) -> int | None:
         """The last motion that is still to be planned; None if there is none."""
         return self._motion.unplanned

@@ -241,6 +241,14 @@ class Mover:
         return min(self._s / length, 1.0) if length > 0.0 else 1.0
 
     @property
+    def time_left(self) -> float:
+        """Time until the active motion is at its end [s]; 0.0 while that may change by itself."""
+        law = self._law
+        if law is None or not self._tracking or self._pausing or self._stopping:
+            return 0.0
+        return (law.duration - self._time) / self._speed
+
+    @property
     def travel(self) -> Travel | None:
         """How far the active motion has come; None before it has started."""
         if self._law is None:
