@@ -1,7 +1,8 @@
 """Long plans in the simulated controller: how long others wait while a motion is planned.
 
-The simulator is in this process, so that its lock can be watched; the clients share its
-interpreter, which makes what they wait for longer, never shorter.
+Its lock and the slices of its work are watched in a simulator in this process. How long a stop
+waits that comes in the middle is measured at one in a process of its own, as a program would see
+it, and beside it the same stop while nothing is planned.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from aioduco.models.pose import Pose
 from aioduco.sim.simulator import Simulator
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from aioduco._wire.rpc import RpcClient
 
@@ -115,32 +116,22 @@ def chain(start: Pose, robot: RpcClient) -> int:
     return id_
 
 
-def alone(sim: Simulator, ask: Ask) -> None:
+def alone(port: int, ask: Ask) -> None:
     """Ask on a connection of its own, which the thread of another must not use."""
-    with client(sim.port) as robot:
+    with client(port) as robot:
         ask(robot)
 
 
-def measured(sim: Simulator, watch: Watch, ask: Ask) -> dict[str, float]:
-    """Ask for a motion, once to its plan's end, and once to stop in the middle."""
-    with client(sim.port) as robot, client(sim.port) as other:
+def planned(port: int, watch: Watch, ask: Ask) -> dict[str, float]:
+    """Ask for a motion; what its plan cost [s]."""
+    with client(port) as robot:
         watch.clear()
         began = time.perf_counter()
         ask(robot)
         took = time.perf_counter() - began
         held, parts = sorted(watch.lock.held), sorted(watch.slices)
-        other.stop(True)
-        waits = []
-        for share in (0.25, 0.5, 0.75):
-            asking = threading.Thread(target=alone, args=(sim, ask))
-            asking.start()
-            time.sleep(share * took)
-            stopped = time.perf_counter()
-            other.stop(False)
-            waits.append(time.perf_counter() - stopped)
-            asking.join()
-            other.stop(True)
-    milliseconds = {
+        robot.stop(True)
+    return {
         "plan": took,
         "lock_p50": percentile(held, 50),
         "lock_p99": percentile(held, 99),
@@ -148,29 +139,71 @@ def measured(sim: Simulator, watch: Watch, ask: Ask) -> dict[str, float]:
         "slice_p50": percentile(parts, 50),
         "slice_p99": percentile(parts, 99),
         "slice_max": parts[-1],
-        "stop_waits": max(waits),
     }
-    return {f"{name}_ms": round(1e3 * each, 3) for name, each in milliseconds.items()}
+
+
+def stopped(port: int, ask: Ask, count: int) -> dict[str, float]:
+    """Stop in the middle of planning, at as many moments, and as often while nothing is planned."""
+    waits: list[float] = []
+    idle: list[float] = []
+    with client(port) as robot, client(port) as other:
+        began = time.perf_counter()
+        ask(robot)
+        took = time.perf_counter() - began
+        other.stop(True)
+        for number in range(count):
+            asking = threading.Thread(target=alone, args=(port, ask))
+            asking.start()
+            time.sleep(took * (number + 0.5) / count)
+            waits.append(_stop(other))
+            asking.join()
+            other.stop(True)
+            time.sleep(0.05)
+            idle.append(_stop(other))
+    return {
+        "stop_waits_p50": percentile(sorted(waits), 50),
+        "stop_waits_max": max(waits),
+        "idle_stop_p50": percentile(sorted(idle), 50),
+        "idle_stop_max": max(idle),
+    }
+
+
+def _stop(robot: RpcClient) -> float:
+    began = time.perf_counter()
+    robot.stop(False)
+    return time.perf_counter() - began
 
 
 def measure(quick: bool) -> dict[str, dict[str, float]]:
     """A row for each motion that takes long to plan, in real time and with the arm enabled."""
     rows: dict[str, dict[str, float]] = {}
-    with Simulator() as sim, client(sim.port) as robot:
+    with Simulator() as sim:
+        watch = Watch(sim)
+        for name, ask in asks(sim.port, quick):
+            rows[name] = planned(sim.port, watch, ask)
+    with Simulator.spawn() as spawned:
+        for name, ask in asks(spawned.port, quick):
+            rows[name] |= stopped(spawned.port, ask, 5 if quick else 20)
+    return {
+        name: {f"{key}_ms": round(1e3 * each, 3) for key, each in row.items()}
+        for name, row in rows.items()
+    }
+
+
+def asks(port: int, quick: bool) -> Iterator[tuple[str, Ask]]:
+    """Enable the arm, and name each motion with what asks for it."""
+    with client(port) as robot:
         robot.power_on(True)
         robot.enable(True)
-        watch, start = Watch(sim), Pose.of(robot.get_tcp_pose())
+        start = Pose.of(robot.get_tcp_pose())
         for name, shape in SHAPES.items():
             if not quick or name in ("sine", "trapezoid"):
                 weave(robot, shape, SWINGS)
-                rows[f"weave of {SWINGS} swings, {name}"] = measured(
-                    sim, watch, partial(line, start)
-                )
+                yield f"weave of {SWINGS} swings, {name}", partial(line, start)
                 robot.disable_combine_motion()
         long = {"spline of 50 poses": spline, "spiral of 100 turns": spiral, "50 lines": chain}
         for name, ask in long.items():
-            rows[name] = measured(sim, watch, partial(ask, start))
-    return rows
+            yield name, partial(ask, start)
 
 
 def judged(rows: dict[str, dict[str, float]]) -> dict[str, dict[str, Any]]:
@@ -179,7 +212,7 @@ def judged(rows: dict[str, dict[str, float]]) -> dict[str, dict[str, Any]]:
         "longest under the lock while planning [ms]": max(
             row["lock_max_ms"] for row in rows.values()
         ),
-        "longest slice of planning [ms]": max(row["slice_max_ms"] for row in rows.values()),
+        "longest stop while planning [ms]": max(row["stop_waits_max_ms"] for row in rows.values()),
     }
     return {
         name: {"asked": f"at most {WAIT:g}", "found": value, "reached": value <= WAIT}

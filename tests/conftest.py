@@ -40,8 +40,10 @@ if TYPE_CHECKING:
 # NumPy to load, in each of some hundred processes.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-_FAULTS = {False: 300, True: 10_000}
+_FAULTS = {False: 300, True: 2_000}
 _FRAMES = {False: 300, True: 3_000}
+#: tests that xdist gives a process at a time
+_CHUNK = 12
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -94,6 +96,10 @@ def pytest_configure(config: pytest.Config) -> None:
     all_of_it: bool = config.getoption("thorough")
     if not all_of_it:
         set_cycle(COARSE)
+    if getattr(config.option, "maxschedchunk", 0) is None:
+        # Else xdist gives each process a sixteenth of all tests to begin with: the slow ones, which
+        # come first, would all be one's.
+        config.option.maxschedchunk = _CHUNK
     for option, number in (("faults", _FAULTS), ("frames", _FRAMES)):
         if config.getoption(option) is None:
             setattr(config.option, option, number[all_of_it])
@@ -125,7 +131,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         kept, left = quick.divided(items)
     if left:
         config.hook.pytest_deselected(items=left)
-        items[:] = kept
+    items[:] = quick.slow_first(kept)
 
 
 @pytest.hookimpl(wrapper=True)

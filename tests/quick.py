@@ -41,6 +41,12 @@ CASES = {
     "test_cli": 2,
     "testing/": 4,
 }
+#: beginnings of the paths of tests that take long, mostly since they start programs
+LONG = (
+    *("client/test_examples", "fleet/", "grippers/test_simulated", "hostile/test_cable"),
+    *("hostile/test_fork", "hostile/test_frozen", "hostile/test_imports", "pages/", "panel/"),
+    *("planning/", "playback/", "preflight/", "streaming/test_examples", "test_cli"),
+)
 #: of the examples of a property, at least so many are tried
 LEAST_EXAMPLES = 5
 
@@ -82,6 +88,20 @@ def beyond(items: Iterable[pytest.Item], run: Path) -> tuple[list[pytest.Item], 
         case = (".".join([path.removesuffix(".py").replace("/", "."), *classes]), name)
         (left if case in passed and not _does_more(item) else kept).append(item)
     return kept, left
+
+
+def slow_first(items: Iterable[pytest.Item]) -> list[pytest.Item]:
+    """The same items: first those that take long, for which all others would have to wait.
+
+    Args:
+        items: of a run.
+    """
+    return sorted(items, key=_is_quick)
+
+
+def _is_quick(item: pytest.Item) -> bool:
+    path = item.nodeid.removeprefix("tests/")
+    return item.get_closest_marker("slow") is None and not path.startswith(LONG)
 
 
 def _does_more(item: pytest.Item) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import signal
 import socket
+import sys
 from pathlib import Path  # noqa: TC003 - typer reads the annotations
 from typing import TYPE_CHECKING, Annotated, cast
 
@@ -90,7 +91,9 @@ def sim(
     from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this command alone
     from aioduco.sim.console import Console  # noqa: PLC0415 - as above
     from aioduco.sim.server.line_server import LineServer  # noqa: PLC0415 - as above
+    from aioduco.sim.spawned import SWITCH_INTERVAL  # noqa: PLC0415 - as above
 
+    sys.setswitchinterval(SWITCH_INTERVAL)
     with _bell() as (heard, ring):
         try:
             simulator = Simulator(

@@ -7,6 +7,7 @@ import os
 import selectors
 import signal
 import socket
+import sys
 from typing import TYPE_CHECKING, Any
 
 from aioduco._linked_process import ValueChannel
@@ -15,7 +16,10 @@ from aioduco.sim.simulator import Simulator
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ["main", "serve"]
+__all__ = ["SWITCH_INTERVAL", "main", "serve"]
+
+#: how long one thread of a simulator's own process keeps another from running [s]
+SWITCH_INTERVAL = 0.0005
 
 
 def serve(
@@ -32,6 +36,9 @@ def serve(
         held_by: the channel whose end is the end of the simulator.
         answer: reads what comes over it and answers; whether it goes on. None to read nothing.
     """
+    # This process is the simulator's alone: a command need not wait for as long as other threads
+    # compute, such as one that plans a motion.
+    sys.setswitchinterval(SWITCH_INTERVAL)
     heard = answer or (lambda _: not held_by.ended())
     ours, others = socket.socketpair()
     ours.setblocking(False)

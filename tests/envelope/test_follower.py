@@ -177,7 +177,7 @@ def test_no_set_point_is_beyond_a_zone(way: str, thorough: bool) -> None:
     # Straight ahead, where it could not stop, is not where the targets lead.
     ahead = 0.3 if way == "ruckig" else 0.15
     ended = outside = 0
-    for _ in range(300 if thorough else 5):
+    for _ in range(100 if thorough else 5):
         targets = wander(rng)
         zones = random_zones(rng, targets[0])
         sent, crossed = stream(way, targets, *zones)
