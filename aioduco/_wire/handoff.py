@@ -22,7 +22,6 @@ from aioduco._wire.forks import fork_hooks
 from aioduco.errors import WrongLoop, WrongProcess
 
 if TYPE_CHECKING:
-    import contextvars
     from collections.abc import Callable, Generator, Sequence
 
     from aioduco._wire.idl import Function
@@ -249,17 +248,6 @@ class _Answer(asyncio.Future[Any]):
     and timers: a fifth of a call. A callback of the loop that sets this one has it go on at once.
     """
 
-    #: the task, what has it go on, and its context; None until it waits, and when it waits no more
-    waiter: tuple[Any, Callable[[Any], object], contextvars.Context] | None = None
-
-    def add_done_callback(
-        self, fn: Callable[[Any], object], *, context: contextvars.Context | None = None
-    ) -> None:
-        """As for any future; the task that waits, which is alone in this, names its context."""
-        super().add_done_callback(fn, context=context)
-        if context is not None:
-            self.waiter = asyncio.current_task(), fn, context
-
     def resume(self, set_it: Callable[[], None]) -> None:
         """Set it, and have the task go on; in a callback of the loop, where no other task runs.
 
@@ -269,19 +257,23 @@ class _Answer(asyncio.Future[Any]):
         if self.done():
             # the loop has the task go on: it was cancelled, or did not wait yet
             return
-        if self.waiter is None:
+        # Asked of the future, where a task that began to wait is known at once: Python code that
+        # noted it could be interrupted before it did, and the task would never go on.
+        waiting = self._callbacks
+        if not waiting or len(waiting) > 1:
             set_it()
             return
-        task, fn, context = self.waiter
+        ((fn, context),) = waiting
+        task = getattr(fn, "__self__", None)
         try:
             self.remove_done_callback(fn)
             set_it()
             context.run(fn, self)
         except BaseException:
             # The task's own, once it has gone on; it waits for something else then, or has ended.
-            if task._fut_waiter is self:
+            if getattr(task, "_fut_waiter", None) is self:
                 self.remove_done_callback(fn)
-                super().add_done_callback(fn, context=context)
+                self.add_done_callback(fn, context=context)
             raise
 
 
@@ -355,7 +347,6 @@ class AwaitedCall(Call):
 
     def over(self) -> None:
         """The task waits no more."""
-        self._answer.waiter = None
         self.error = None
 
 

@@ -116,6 +116,54 @@ async def test_an_interrupt_in_the_middle_of_settling_leaves_no_task_behind(then
     assert lines > 8
 
 
+def test_an_interrupt_as_a_task_begins_to_wait_leaves_none_behind() -> None:
+    """At whichever line of the package: the loop has the task go on when it is cancelled."""
+    lines, interrupted = 0, True
+    while interrupted:
+        lines += 1
+        with asyncio.Runner() as runner:
+            loop = runner.get_loop()
+            tracer = _Tracer(lines)
+            waiting = loop.create_task(_wait_for_a_call(tracer))
+            try:
+                loop.run_until_complete(asyncio.sleep(0))
+            except KeyboardInterrupt:
+                interrupted = True
+            else:
+                interrupted = False
+            finally:
+                sys.settrace(None)
+            waiting.cancel()
+            ended, _ = loop.run_until_complete(asyncio.wait([waiting], timeout=PATIENCE))
+            assert ended == {waiting}, f"it waits for ever after line {lines}"
+            if not waiting.cancelled():
+                assert isinstance(waiting.exception(), KeyboardInterrupt)
+    assert lines > 1
+
+
+async def _wait_for_a_call(tracer: _Tracer) -> None:
+    call = awaited(OwnerLoop(), None)
+    sys.settrace(tracer.trace)
+    await call
+
+
+class _Tracer:
+    """Interrupts at one of the lines that are run of how a call gets to its thread and back."""
+
+    def __init__(self, line: int) -> None:
+        self._left = line
+
+    def trace(self, frame: FrameType, event: str, _: object) -> Any:
+        if frame.f_code.co_filename != handoff.__file__:
+            return None
+        if event == "line":
+            self._left -= 1
+            if not self._left:
+                sys.settrace(None)
+                raise KeyboardInterrupt
+        return self.trace
+
+
 async def _interrupted(loop: asyncio.AbstractEventLoop, call: AwaitedCall, after: int) -> bool:
     """Settle a call in a callback of the loop; whether it was interrupted at that line."""
     left, told = after, loop.create_future()
