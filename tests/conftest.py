@@ -42,8 +42,6 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 _FAULTS = {False: 300, True: 2_000}
 _FRAMES = {False: 300, True: 3_000}
-#: tests that xdist gives a process at a time
-_CHUNK = 12
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -98,8 +96,8 @@ def pytest_configure(config: pytest.Config) -> None:
         set_cycle(COARSE)
     if getattr(config.option, "maxschedchunk", 0) is None:
         # Else xdist gives each process a sixteenth of all tests to begin with: the slow ones, which
-        # come first, would all be one's.
-        config.option.maxschedchunk = _CHUNK
+        # come first, would all be one's. One at a time costs more fixtures of modules.
+        config.option.maxschedchunk = 1 if all_of_it else 12
     for option, number in (("faults", _FAULTS), ("frames", _FRAMES)):
         if config.getoption(option) is None:
             setattr(config.option, option, number[all_of_it])
