@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 # Threads of NumPy's algebra, which nothing here has a use for, take longer to start and to end than
 # NumPy to load, in each of some hundred processes.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# MuJoCo imports glfw, which starts interpreters to look for its library: see aioduco/_spawn.py.
+os.environ.setdefault("PYGLFW_LIBRARY", os.devnull)
 
 _FAULTS = {False: 300, True: 2_000}
 _FRAMES = {False: 300, True: 3_000}
@@ -94,10 +96,10 @@ def pytest_configure(config: pytest.Config) -> None:
     all_of_it: bool = config.getoption("thorough")
     if not all_of_it:
         set_cycle(COARSE)
-    if getattr(config.option, "maxschedchunk", 0) is None:
-        # Else xdist gives each process a sixteenth of all tests to begin with: the slow ones, which
-        # come first, would all be one's. One at a time costs more fixtures of modules.
-        config.option.maxschedchunk = 1 if all_of_it else 12
+    if getattr(config.option, "dist", "no") == "load":
+        # Each process takes neighbours, so that a fixture of a module is made once or twice, and at
+        # the end those that another one has left.
+        config.option.dist = "worksteal"
     for option, number in (("faults", _FAULTS), ("frames", _FRAMES)):
         if config.getoption(option) is None:
             setattr(config.option, option, number[all_of_it])

@@ -24,7 +24,7 @@ import aioduco.sync
 from aioduco._wire import idl
 from aioduco.cli.app import app
 from aioduco.cli.call import function_of
-from aioduco.cli.demo.command import LEFT
+from aioduco.cli.demo.run import LEFT
 from aioduco.cli.sim_do import control_port_of
 from aioduco.kinematics import models
 from aioduco.models.enums import RobotState

@@ -335,7 +335,7 @@ def test_commands_and_names_of_robots_are_completed(config: Path) -> None:
 HEAVY = """
 import sys
 from aioduco.cli.app import app
-heavy = {"mujoco", "matplotlib", "thriftpy2", "foxglove", "PIL", "scipy", "aioduco.sync"}
+heavy = {"numpy", "mujoco", "matplotlib", "thriftpy2", "foxglove", "PIL", "scipy", "aioduco.sync"}
 print(sorted(heavy & set(sys.modules)))
 """
 

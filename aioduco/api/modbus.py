@@ -82,7 +82,8 @@ class Modbus(Section):
         frequency_ = ranges.MODBUS_FREQUENCY("frequency", frequency)
         before = await self._rpc.get_last_error()
         await self._rpc.modbus_set_frequency(name_, frequency_)
-        if why := added(before, await self._rpc.get_last_error(), name_):
+        why = added(before, await self._rpc.get_last_error(), "modbus_set_frequency", name_)
+        if why:
             raise Refused("modbus_set_frequency", None, "; ".join(why))
 
     async def modbus_write_multiple_regs(

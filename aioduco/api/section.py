@@ -223,8 +223,10 @@ class Section(ManualNames):
             return answer
         before = await self._rpc.get_last_error()
         answer = await ask()
-        if nothing(answer) and (why := added(before, await self._rpc.get_last_error(), name)):
-            raise Refused(function, answer, "; ".join(why))
+        if nothing(answer):
+            why = added(before, await self._rpc.get_last_error(), function, name)
+            if why:
+                raise Refused(function, answer, "; ".join(why))
         return answer
 
     async def _must_stand(self, function: str) -> None:
@@ -264,18 +266,20 @@ def noted(call: Call) -> tuple[str, tuple[Any, ...]]:
     return name, args
 
 
-def added(before: Sequence[str], after: Sequence[str], name: str) -> Sequence[str]:
+def added(before: Sequence[str], after: Sequence[str], function: str, name: str) -> Sequence[str]:
     """What came onto the controller's error list, of which it forgets the oldest entries.
 
     Args:
         before: the list as it was.
         after: the list as it is.
-        name: what the call between them was about, in case the list is full of one text.
+        function: that was called between them, in case the list is full of one text.
+        name: what the call was about, in that case.
     """
     new = added_entries(before, after)
-    if not new and len(after) > 1 and set(after) == {after[0]} and name in after[0]:
-        return after[:1]
-    return new
+    if new or len(after) < 2 or set(after) != {after[0]} or name not in after[0]:
+        return new
+    teller = after[0].partition(":")[0]
+    return () if teller != function and hasattr(AsyncRpc, teller) else after[:1]
 
 
 def done(function: str, answer: int) -> None:

@@ -7,9 +7,6 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from aioduco.kinematics import arm as arm_of
-from aioduco.kinematics import models
-
 if TYPE_CHECKING:
     from aioduco.kinematics import Arm
 
@@ -47,6 +44,9 @@ def need(*extras: str) -> None:
 
 def arm(model: str) -> Arm:
     """Give the arm of a name; refuse one that is not known, and list the known ones."""
+    from aioduco.kinematics import arm as arm_of  # noqa: PLC0415 - NumPy is not for all commands
+    from aioduco.kinematics import models  # noqa: PLC0415
+
     if model not in models():
         raise typer.BadParameter(
             f"no arm is named {model!r}; there are {', '.join(models())}", param_hint="--model"

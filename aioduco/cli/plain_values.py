@@ -8,7 +8,6 @@ import json
 import math
 from typing import Any
 
-import numpy as np
 import typer
 
 __all__ = ["plain", "print_json"]
@@ -29,8 +28,10 @@ def _parts(value: Any) -> Any:
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         names = [field.name for field in dataclasses.fields(value)]
         return {name: plain(getattr(value, name)) for name in names}
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
+    if callable(
+        tolist := getattr(value, "tolist", None)
+    ):  # what NumPy has, which is not loaded here
+        return plain(tolist())
     if isinstance(value, dict):
         return {str(key): plain(each) for key, each in value.items()}
     if isinstance(value, list | tuple | set | frozenset):

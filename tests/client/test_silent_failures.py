@@ -89,7 +89,9 @@ async def test_a_nought_that_is_true_is_read(sim: Simulator, robot: aioduco.Robo
         (["a", "a"], ["a", "a", "a"], ["a"]),
         (["x: v"] * 3, ["x: v"] * 3, ["x: v"]),  # full of the same
         (["x: w"] * 3, ["x: w"] * 3, []),
+        (["modbus_read: v"] * 3, ["modbus_read: v"] * 3, ["modbus_read: v"]),
+        (["modbus_write: v"] * 3, ["modbus_write: v"] * 3, []),  # of another function, and old
     ],
 )
 def test_what_came_onto_the_error_list(before: list[str], after: list[str], new: list[str]) -> None:
-    assert list(added(before, after, "v")) == new
+    assert list(added(before, after, "modbus_read", "v")) == new

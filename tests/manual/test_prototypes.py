@@ -49,12 +49,6 @@ ANSWERS = {
     "modbus_write_multiple_regs": 4,
     "modbus_write_multiple_coils": 4,
 }
-#: what is to be done before, beyond what the table has
-SETUP = {
-    "enable_combined_motion": [
-        ("combine_motion_config", table.FUNCTIONS["combine_motion_config"]["args"])
-    ]
-}
 #: what the manual's text and prototype say of a default, where our classes have it otherwise
 OTHERWISE = {
     f"{name}.def_acc": "the text turns the flag round: true is the acceleration that is given"
@@ -93,7 +87,7 @@ def arm(sim: Simulator, name: str) -> Iterator[compat.DucoCobot]:
     sim.cabinet.modbus.slaves["127.0.0.1", 1] = slave
     with compat.DucoCobot(sim.host, sim.port) as robot:
         bring_home(robot)
-        carry_out(robot, SETUP.get(name, row.get("setup", ())))
+        carry_out(robot, row.get("setup", ()))
         yield robot
         if name not in APART:
             carry_out(robot, row.get("after", ()))

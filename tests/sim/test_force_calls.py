@@ -102,12 +102,24 @@ def sim() -> Iterator[Simulator]:
 
 
 @pytest.fixture(scope="module")
-def robot(sim: Simulator) -> Iterator[Program]:
+def program(sim: Simulator) -> Iterator[Program]:
     wire = Wire(sim)
     program = Program(wire)
     program.bring_up()
     yield program
     wire.close()
+
+
+@pytest.fixture
+def robot(program: Program) -> Iterator[Program]:
+    """An enabled arm without force control, whose sensor reads nothing."""
+    yield program
+    for function, args in (
+        ("fc_stop", ()),
+        ("fc_guard_deact", ()),
+        ("fc_force_set_value", (ON, SIX)),
+    ):
+        assert ended(program, getattr(program, function)(*args)) == FINE
 
 
 def ended(robot: Program, id_: int) -> int:

@@ -101,6 +101,7 @@ def test_a_program_runs_to_its_end(cell: Simulator, program: Program) -> None:
 
 def test_its_motions_blend(cell: Simulator, program: Program) -> None:
     seen: list[str] = []
+    program.to(*READY)
     id_ = program.run_program("blend", False)
     assert program.get_noneblock_taskstate(id_) in (TaskState.IDLE, TaskState.RUNNING)
     cell.wait_until(lambda: program.get_noneblock_taskstate(id_) == TaskState.FINISHED)

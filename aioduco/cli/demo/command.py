@@ -1,40 +1,13 @@
-"""`aioduco demo`: options, the question before a real arm moves, and what comes out."""
+"""The options of `aioduco demo`."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
-import anyio
-import numpy as np
 import typer
-from rich.console import Console
-
-import aioduco
-from aioduco.cli import extras
-from aioduco.cli.demo import session, view
-from aioduco.cli.demo.report import Report
-from aioduco.cli.demo.script import GRIPPER_NAME, Choreography, scene
-from aioduco.errors import DucoError
-from aioduco.kinematics import forward
-
-if TYPE_CHECKING:
-    import signal
-
-    from numpy.typing import NDArray
-
-    from aioduco.cli.demo.session import Found
-    from aioduco.cli.demo.stage import Look
-    from aioduco.controller_clock import Clock
-    from aioduco.kinematics import Arm
 
 __all__ = ["demo"]
-
-NOT_CONFIRMED = 3
-OUTPUT = Path("-")
-#: where the simulated arm stands at first, as if someone had left it there [rad]
-LEFT = (-0.7, -0.4, 1.2, 0.1, -1.1, 0.2)
 
 
 def demo(
@@ -61,141 +34,9 @@ def demo(
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before a real arm moves.")] = False,
 ) -> None:
     """Make a small pick and place, show it, and say how well it went."""
+    from aioduco.cli.demo import run  # noqa: PLC0415 - NumPy and the rest are for this command alone
+
     if planned:
-        _plan(host, model, result, pictures)
-        return
-    extras.need(*(() if host else ("sim",)), *(() if no_plot else ("plot",)))
-    arm = extras.arm(model)
-    console = Console(stderr=result == OUTPUT)
-    plan = Choreography.for_reach(arm.reach, careful=host is not None)
-    if host is not None:
-        if not yes:
-            _ask(host, port, model, plan, console)
-        report = Report(model, f"{host}:{port}", simulated=False)
-        ended_by = _perform(host, port, plan, report, console)
+        run.run_planned(host, model, result, pictures)
     else:
-        from aioduco.sim import Simulator  # noqa: PLC0415 - MuJoCo is for this case alone
-
-        cell = {"scene": scene(arm, plan), "gripper": GRIPPER_NAME}
-        with Simulator.spawn(model=model, speed=speed, joints=LEFT, **cell) as sim:
-
-            def look() -> tuple[float, float, float]:
-                x, y, z = sim.positions[-7:-4].tolist()  # the box comes last, with its quaternion
-                return x, y, z
-
-            report = Report(model, f"{sim.host}:{sim.port}", simulated=True, speed=speed)
-            ended_by = _perform(sim.host, sim.port, plan, report, console, sim.clock, look)
-
-    console.print(view.summary(report))
-    if report.error:
-        console.print(f"error: {report.error}", style="bold red", markup=False, highlight=False)
-    if not no_plot and len(report.track):
-        _plot(report, arm, plot)
-        console.print(f"plot: {plot}", highlight=False)
-    if result is not None:
-        _write(report, result)
-    if ended_by is not None:
-        raise typer.Exit(128 + ended_by)  # as a shell has it: 130 for Ctrl-C
-    raise typer.Exit(0 if report.ok else 1)
-
-
-def _plan(host: str | None, model: str, result: Path | None, pictures: Path | None) -> None:
-    """Plan and carry out ways round an obstacle, on a simulated arm."""
-    if host is not None:
-        raise typer.BadParameter("is for a simulated arm: its obstacle stands nowhere else",
-                                 param_hint="--plan")  # fmt: skip
-    extras.need("sim", "plan", *(("plot",) if pictures is not None else ()))
-    from aioduco.cli.demo import planned  # noqa: PLC0415 - MuJoCo is for this case alone
-    from aioduco.sim import Simulator  # noqa: PLC0415
-
-    arm = extras.arm(model)
-    console = Console(stderr=result == OUTPUT)
-    try:
-        left, board = planned.LEFT_THERE, planned.obstacle(arm)
-        with Simulator.spawn(model=model, joints=left, scene=[board]) as sim:
-            steps = anyio.run(planned.perform_plans, sim, arm, console, pictures)
-    except DucoError as error:
-        console.print(f"error: {error}", style="bold red", markup=False, highlight=False)
-        raise typer.Exit(1) from None
-    if result is not None:
-        text = json.dumps({"model": model, "steps": [step._asdict() for step in steps]}, indent=2)
-        _put(text, result)
-
-
-def _perform(
-    host: str,
-    port: int,
-    plan: Choreography,
-    report: Report,
-    console: Console,
-    clock: Clock | None = None,
-    look: Look | None = None,
-) -> signal.Signals | None:
-    shown = view.view_for(console)
-    shown.open(report)
-    try:
-        robot = aioduco.connect(host, port, state_rate=session.SAMPLES, clock=clock)
-        return anyio.run(session.perform, robot, plan, report, shown, look)
-    finally:
-        shown.close()
-
-
-def _ask(host: str, port: int, model: str, plan: Choreography, console: Console) -> None:
-    """Say what is there and what will move, and go on only if that is confirmed."""
-    try:
-        found = anyio.run(session.look, host, port)
-    except DucoError as error:
-        console.print(f"error: {error}", style="bold red", markup=False, highlight=False)
-        raise typer.Exit(1) from None
-    warning = _warning(f"{host}:{port}", model, plan, found)
-    console.print(warning, markup=False, highlight=False, soft_wrap=True)
-    try:
-        agreed = typer.confirm("Move the arm?", default=False)
-    except typer.Abort:
-        agreed = False
-    if not agreed:
-        console.print("not confirmed: nothing was sent that moves the arm")
-        raise typer.Exit(NOT_CONFIRMED)
-
-
-def _warning(controller: str, model: str, plan: Choreography, found: Found) -> str:
-    """The warning before the arm moves."""
-    now, start = found.status.joints.array, plan.start.array
-    far = np.rad2deg(np.abs(start - now))
-    joint = int(far.argmax())
-    return f"""\
-controller at {controller}: {found.states}
-the arm:       {found.arm or "not told by the controller"}; this plan is for a {model}
-joints now:    {_degrees(now)}
-joints first:  {_degrees(start)}   (joint {joint + 1} turns by {far[joint]:.0f}°)
-joints aside:  {_degrees(plan.aside.array)}
-The arm will be powered on and enabled if it is not. It goes to the first joints, picks and places
-{plan.width * 1e3:.0f} mm to each side of there and {plan.depth * 1e3:.0f} mm below, and turns \
-aside and back. Joints turn at {np.rad2deg(plan.joint_speed):.0f} °/s, lines are made at \
-{plan.line_speed * 1e3:.0f} mm/s. Digital output 1 switches.
-No path is checked for obstacles. Is everyone out of reach, and someone at the emergency stop?"""
-
-
-def _degrees(joints: NDArray[np.float64]) -> str:
-    return "  ".join(f"{angle:7.1f}°" for angle in np.rad2deg(joints))
-
-
-def _plot(report: Report, arm: Arm, path: Path) -> None:
-    from aioduco.cli.demo import plot  # noqa: PLC0415 - matplotlib takes half a second to load
-
-    def skeleton(joints: NDArray[np.float64]) -> NDArray[np.float64]:
-        origins: NDArray[np.float64] = forward.frames(arm.geometry, joints)[:, :3, 3]
-        return origins
-
-    plot.save(report, path, skeleton)
-
-
-def _write(report: Report, path: Path) -> None:
-    _put(json.dumps(report.as_json(), indent=2), path)
-
-
-def _put(text: str, path: Path) -> None:
-    if path == OUTPUT:
-        typer.echo(text)
-    else:
-        path.write_text(text + "\n", encoding="utf-8")
+        run.run(host, port, model, speed, None if no_plot else plot, result, yes=yes)

@@ -223,10 +223,11 @@ def test_the_demonstration_goes_round_an_obstacle(domain: Domain) -> None:
     board = Box(at=(0.55, 0.0, 0.35), size=(0.5, 0.04, 0.7), name="board")
     with Simulator(scene=[board], joints=Joints.deg(50, 0, 90, 0, -90, 0)) as sim:
         domain.start_node(sim, "heartbeat:=10.0")
+        domain.ready()
         program = ROOT / "examples" / "ros2_plan_round_obstacle.py"
         client = domain.start(sys.executable, str(program))
         out, _ = client.communicate(timeout=400)
-        assert client.returncode == 0, domain.errors
+        assert client.returncode == 0, (out, domain.errors)
         assert "on the right side" in out
         assert sim.joints.almost_equal(Joints.deg(-50, 0, 90, 0, -90, 0), 0.02)
 
