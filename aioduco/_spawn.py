@@ -238,10 +238,9 @@ def _environment(module: str, *, runs_program: bool) -> dict[str, str]:
     # NumPy's algebra starts a thread for each processor, which matrices of six have no use for:
     # to start and end them takes longer than to import NumPy.
     environment.setdefault("OPENBLAS_NUM_THREADS", "1")
-    if environment.get("MUJOCO_GL", "").lower() != "glfw":
-        # MuJoCo imports glfw, which starts interpreters in the current folder to look for the
-        # newest of its libraries there too. With this one, which is none, it starts nothing.
-        environment.setdefault("PYGLFW_LIBRARY", os.devnull)
+    # MuJoCo would load what draws, which starts interpreters in the current folder to look for the
+    # newest of its libraries there too. Pictures are drawn by a process that loads its own.
+    environment.setdefault("MUJOCO_GL", "disable")
     return environment
 
 

@@ -39,8 +39,8 @@ if TYPE_CHECKING:
 # Threads of NumPy's algebra, which nothing here has a use for, take longer to start and to end than
 # NumPy to load, in each of some hundred processes.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-# MuJoCo imports glfw, which starts interpreters to look for its library: see aioduco/_spawn.py.
-os.environ.setdefault("PYGLFW_LIBRARY", os.devnull)
+# MuJoCo loads what draws, which takes as long as the rest of it: see aioduco/_spawn.py.
+os.environ.setdefault("MUJOCO_GL", "disable")
 
 _FAULTS = {False: 300, True: 2_000}
 _FRAMES = {False: 300, True: 3_000}

@@ -26,6 +26,8 @@ else:
 
 __all__ = ["ADVICE", "PictureRequest", "main"]
 
+#: values of MUJOCO_GL with which MuJoCo itself loads nothing that draws
+_NOT_LOADED = frozenset(("disable", "disabled", "off", "false", "0"))
 ADVICE = "On Debian: apt-get install libegl1 libgl1-mesa-dri, or set MUJOCO_GL to what there is"
 
 
@@ -109,10 +111,12 @@ class Drawer:
 
 
 def _context(width: int, height: int) -> Any:
-    """Open what OpenGL draws in: what MUJOCO_GL says, else the first of what needs no display."""
+    """Open what OpenGL draws in: what MUJOCO_GL names, else the first of what needs no display."""
     wanted = os.environ.get("MUJOCO_GL", "").lower()
     native = {"darwin": "cgl", "win32": "glfw"}.get(sys.platform)
-    tries = [wanted] if wanted else [native] if native else ["egl", "osmesa"]
+    tries = [native] if native else ["egl", "osmesa"]
+    if wanted and wanted not in _NOT_LOADED:
+        tries = [wanted]
     failures = []
     for kind in tries:
         try:
