@@ -160,11 +160,8 @@ def _guard_refused(error: BaseException) -> str:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """`-n auto`: more than the processors, since most tests wait for an arm or an answer.
-
-    Each has to load all tests first, which counts in the quick run.
-    """
-    return quick.processors() + (2 if config.getoption("thorough") else 1)
+    """`-n auto`: more than the processors, since most tests wait for an arm or an answer."""
+    return quick.processors() + 2
 
 
 @pytest.fixture(scope="session")
