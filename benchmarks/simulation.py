@@ -8,6 +8,9 @@ Each model makes the same joint moves and lines at its full speed and accelerati
 the planner and MuJoCo together. One goes to and fro besides, with force control between the two.
 What the whole simulator takes for a cycle is compared with these: the p50 of all together.
 
+A bare thread that ticks and steps when cycles are due, and does nothing else, shows what waking up
+costs on this machine: caches and clocks are cold after each sleep.
+
 Then come motions that take long to plan: what that takes in all, for how long the controller's lock
 is held meanwhile, how long the slices of the work are, and how long a stop waits that comes in the
 middle.
@@ -149,6 +152,30 @@ def cycles(any_arm: Arm, repeats: int, *, forced: bool = False) -> dict[str, Any
     }
 
 
+def paced(any_arm: Arm, seconds: float, at_one_go: int) -> dict[str, float]:
+    """Processor time of a cycle in a thread that ticks and steps in real time, and nothing else.
+
+    Args:
+        any_arm: the arm.
+        seconds: how long.
+        at_one_go: cycles between two sleeps; 0 for no sleep at all.
+    """
+    took, cycles = 0.0, 0
+    while cycles * CYCLE < seconds:
+        world, mover = World(any_arm, CYCLE, HOME), Mover(any_arm, HOME, CYCLE)
+        to_and_fro(any_arm, mover)
+        due, began = time.perf_counter(), time.thread_time()
+        while mover.moving:
+            if at_one_go:
+                due += at_one_go * CYCLE
+                time.sleep(max(0.0, due - time.perf_counter()))
+            for _ in range(at_one_go or 1):
+                world.step(mover.tick().setpoint)
+                cycles += 1
+        took += time.thread_time() - began
+    return {"cpu_per_cycle_us": round(took / cycles * 1e6, 1)}
+
+
 def main() -> None:
     options = arguments(__doc__, "simulation")
     planning = simulation_planning.measure(options.quick)
@@ -159,9 +186,16 @@ def main() -> None:
     forced = f"{MODEL}, force control"
     results[forced] = cycles(arm(MODEL), repeats, forced=True)
     works = results[MODEL]["both_us"], results[forced]["both_us"]
+    seconds = 2.0 if options.quick else 10.0
+    alone = {
+        "without a sleep": paced(arm(MODEL), seconds, 0),
+        "each when it is due": paced(arm(MODEL), seconds, 1),
+        "sixteen at one go": paced(arm(MODEL), seconds, 16),
+    }
     asked = judged(service["clock"], service["calls_while_moving"], *works)
     asked |= simulation_planning.judged(planning)
-    service = {"asked_for": asked} | service | {"long_plans": planning}
+    service = {"asked_for": asked} | service
+    service |= {"tick_and_step_in_a_bare_thread": alone, "long_plans": planning}
     for title, table in service.items():
         rows = [[name, *row.values()] for name, row in table.items()]
         print_table(title.replace("_", " "), ["", *next(iter(table.values()))], rows)
