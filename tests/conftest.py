@@ -32,6 +32,7 @@ if "--bare-platform" in sys.argv or "AIODUCO_TESTS_BARE" in os.environ:
 
 from cycle_time import COARSE, set_cycle  # noqa: E402 - see above
 from patient import be_patient  # noqa: E402
+from ports import give_each_once  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Generator
@@ -93,6 +94,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     be_patient()
+    give_each_once()
     all_of_it: bool = config.getoption("thorough")
     if not all_of_it:
         set_cycle(COARSE)

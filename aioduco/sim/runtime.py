@@ -534,6 +534,8 @@ class SimulationRuntime:
         """Whether somebody waits for one of the next cycles."""
         if self._watchers or self.observer or self._holds or self._limit is not None:
             return True
+        if self._controller.unplanned is not None:
+            return True  # whoever asks would wait until many cycles have run beside what plans
         return bool(self._waiters) and self._controller.time_left < self._batches.longest
 
     def _change_plant(self) -> None:

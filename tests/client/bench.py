@@ -112,12 +112,17 @@ class Bench(RecordingServer):
         return gate
 
     def arrive(self) -> None:
-        """Have the motion that runs end now, in a test that does not want to be in time for it."""
+        """Have the motion that runs end now, in a test that does not want to be in time for it.
+
+        Those behind it begin at once.
+        """
         with self._lock:
-            now = time.monotonic()
+            now, sooner = time.monotonic(), 0.0
             for task in self.tasks.values():
                 if self._advance(task, now) is TaskState.RUNNING:
-                    task.end = now
+                    sooner, task.end = task.end - now, now
+                elif not task.state.ended:
+                    task.begin, task.end = task.begin - sooner, task.end - sooner
 
     def moving(self) -> bool:
         """Whether the arm moves."""

@@ -72,8 +72,11 @@ async def test_a_motion_with_an_expected_end_is_asked_about_less_often(
 
 
 async def test_many_tasks_are_asked_about_in_turn(robot: aioduco.Robot, bench: Bench) -> None:
+    bench.motion_time = 600.0  # the first goes on until all wait behind it
+    tasks = [await robot.motion.movel(POSE, v=0.2, a=1.0, r=0.01).start()]
     bench.motion_time = 0.05
-    tasks = [await robot.motion.movel(POSE, v=0.2, a=1.0, r=0.01).start() for _ in range(10)]
+    tasks += [await robot.motion.movel(POSE, v=0.2, a=1.0, r=0.01).start() for _ in range(9)]
+    bench.arrive()
     assert [await task for task in tasks] == [Outcome.BLENDED] * 9 + [Outcome.FINISHED]
     asked = [call.args[0] for call in bench.received("get_noneblock_taskstate")]
     counts = [asked.count(task.id) for task in tasks]

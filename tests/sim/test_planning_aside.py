@@ -144,6 +144,11 @@ def test_the_arm_goes_on_while_the_next_motion_is_planned(
     begun, at = sim.time, robot.get_actual_joints_position()[0]
     sim.wait_until(lambda: sim.time > begun + 0.2)
     assert robot.get_actual_joints_position()[0] > at + 0.02
+    # Who gives a command meanwhile does not wait for many cycles that were slept past.
+    assert sim._runtime is not None
+    batches = sim._runtime._batches
+    sim.wait_until(lambda: sim.time > begun + 0.3)
+    assert not batches.asleep
     robot.stop(True)
     tasks = [robot.get_noneblock_taskstate(id_) for id_ in (running, asked.result(30.0))]
     assert tasks == [TaskState.STOPPED, TaskState.STOPPED]
