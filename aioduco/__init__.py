@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from aioduco.models.units import deg, mm
     from aioduco.models.version import ControllerVersion
     from aioduco.models.weave import WeavePlane, WeaveShape
-    from aioduco.robot import Robot, connect
+    from aioduco.robot import Robot, connect, stop_all
     from aioduco.streaming.gains import ServoGains
     from aioduco.streaming.joint_trajectory import JointTrajectory, Tolerances
     from aioduco.streaming.options import LaneOptions
@@ -71,6 +71,7 @@ __all__ = [  # noqa: RUF022  # grouped by what they are for
     "connect",
     "freeze_support",
     "Robot",
+    "stop_all",
     "HeldMotion",
     "MotionCommand",
     "MotionPath",
@@ -169,7 +170,7 @@ _HOMES = {
     "aioduco.models.units": ("deg", "mm"),
     "aioduco.models.version": ("ControllerVersion",),
     "aioduco.models.weave": ("WeavePlane", "WeaveShape"),
-    "aioduco.robot": ("Robot", "connect"),
+    "aioduco.robot": ("Robot", "connect", "stop_all"),
     "aioduco.streaming.gains": ("ServoGains",),
     "aioduco.streaming.joint_trajectory": ("JointTrajectory", "Tolerances"),
     "aioduco.streaming.report": ("StreamStatistics",),

@@ -59,6 +59,7 @@ __all__ = [
     "StaleState",
     "StartInCollision",
     "StopUnconfirmed",
+    "StopsUnconfirmed",
     "StreamClosed",
     "StreamError",
     "StreamLeavesEnvelope",
@@ -384,6 +385,19 @@ class StopUnconfirmed(DucoError):
 
     The one error that calls for a hand on the emergency stop.
     """
+
+
+class StopsUnconfirmed(StopUnconfirmed):
+    """Several arms were told to stop, and of some it is not known that they stand.
+
+    Attributes:
+        errors: for each robot, in the order in which they were given, why that is not known; None
+            for one that stands.
+    """
+
+    def __init__(self, message: str, errors: tuple[DucoError | None, ...]) -> None:
+        super().__init__(message)
+        self.errors = errors
 
 
 class FeedOverflow(DucoError):

@@ -8,16 +8,18 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+import anyio
+
 from aioduco._wire.host import HOST_RULE, is_host
 from aioduco.controller_clock import WallClock
-from aioduco.errors import ParameterError
+from aioduco.errors import DucoError, ParameterError, StopsUnconfirmed
 from aioduco.models.names import ManualNames
 from aioduco.models.ranges import TIMEOUT as SECONDS
 from aioduco.supervision.settings import RobotSettings
 from aioduco.trace import ProcedureFinished, emit
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from os import PathLike
     from types import TracebackType
     from typing import Self
@@ -57,7 +59,7 @@ if TYPE_CHECKING:
     from aioduco.supervision.task import OnCancel, Task
     from aioduco.trace import Trace
 
-__all__ = ["Robot", "connect"]
+__all__ = ["Robot", "connect", "stop_all"]
 
 #: where the class of each section lies; `Robot` declares their types
 _SECTIONS = {
@@ -191,6 +193,52 @@ def connect(
             clock=WallClock() if clock is None else clock,
         ),
     )
+
+
+async def stop_all(robots: Iterable[Robot]) -> None:
+    """Stop several arms (停止所有机械臂), and wait until all stand.
+
+    Each robot is told before anything else of the event loop runs, however busy that is, and each
+    stop goes on to its end, as `Robot.stop`, whatever becomes of the others.
+
+    Args:
+        robots: the robots, all of this event loop.
+
+    Raises:
+        StopsUnconfirmed: of some it is not known that they stand, or they were not open; the
+            others stand. Press their emergency stops.
+
+    Manual section 1.3.3.
+    """
+    from aioduco.supervision.guard.client import shared as guard  # noqa: PLC0415
+
+    chosen = tuple(robots)
+    errors: list[DucoError | None] = [None] * len(chosen)
+    with guard.together():
+        for index, robot in enumerate(chosen):
+            try:
+                robot._supervisor.check_open("stop")
+                robot._supervisor.stop_coordinator.begin_stop()
+            except DucoError as exc:
+                errors[index] = exc
+
+    async def stop(index: int) -> None:
+        try:
+            await chosen[index].stop()
+        except DucoError as exc:
+            errors[index] = exc
+
+    async with anyio.create_task_group() as tasks:
+        for index, error in enumerate(errors):
+            if error is None:
+                tasks.start_soon(stop, index)
+    failed = {f"{r.host}:{r.port}": e for r, e in zip(chosen, errors, strict=True) if e is not None}
+    if failed:
+        said = "; ".join(f"{place}: {error}" for place, error in failed.items())
+        raise StopsUnconfirmed(
+            f"of {len(failed)} of {len(chosen)} arms it is not known that they stand: {said}",
+            tuple(errors),
+        ) from next(iter(failed.values()))
 
 
 class Robot(ManualNames):

@@ -37,6 +37,9 @@ class Member:
         self.lane = lane
         self.samples = 0
         self.motions = 0
+        #: set unless the robot is to stand
+        self.allowed = anyio.Event()
+        self.allowed.set()
 
     async def read(self) -> None:
         with self.robot.feed.subscribe() as feed:
@@ -51,6 +54,7 @@ class Member:
             try:
                 await self.robot.motion.movej2([way] * 6, speed, acceleration)
             except aioduco.TaskStopped:
+                await self.allowed.wait()
                 continue
             self.motions += 1
 
@@ -65,13 +69,17 @@ def cpu(guard: int | None) -> float:
     return total
 
 
-async def stop_all(fleet: list[Member]) -> float:
-    """Stop every robot; seconds until the last controller's handler was reached."""
+async def stop_all(fleet: list[Member]) -> tuple[float, float]:
+    """Stop every robot; seconds until the last handler was reached, and until all stand."""
+    for member in fleet:
+        member.allowed = anyio.Event()
     begin = time.monotonic()
-    async with anyio.create_task_group() as tasks:
-        for member in fleet:
-            tasks.start_soon(member.robot._supervisor.stop_channel.stop, 5.0)
-    return await seen(fleet, begin) - begin
+    await aioduco.stop_all(member.robot for member in fleet)
+    stand = time.monotonic() - begin
+    last = await seen(fleet, begin)
+    for member in fleet:
+        member.allowed.set()
+    return last - begin, stand
 
 
 class Bare:
@@ -135,11 +143,13 @@ async def measure(server: ServerProcess, guard: bool, seconds: float, stops: int
         share = (cpu(pid) - before) / wall
         rate = (sum(member.samples for member in fleet) - samples) / wall / len(fleet)
         motions = sum(member.motions for member in fleet)
-        late, bare_late = [], []
+        late, standing, bare_late = [], [], []
         bare = Bare(server.endpoints.values())
         for _ in range(stops):
             await anyio.sleep(0.25)  # five samples: what asking for the last stops held up is over
-            late.append(await stop_all(fleet))
+            reached, stand = await stop_all(fleet)
+            late.append(reached)
+            standing.append(stand)
             await anyio.sleep(0.25)
             bare_late.append(await bare.stop_all(fleet))
         bare.close()
@@ -153,6 +163,7 @@ async def measure(server: ServerProcess, guard: bool, seconds: float, stops: int
         "samples_per_second_each": round(rate, 1),
         "motions": motions,
         "stop_all": spread(late) | {"stops": stops},
+        "all_stand": spread(standing) | {"stops": stops},
         "bare_sends": spread(bare_late) | {"stops": stops},
     }
 
@@ -174,6 +185,7 @@ def main() -> None:
         "p50",
         "p99",
         "max",
+        "stand p50",
         "bare p50",
         "bare p99",
     ]
@@ -184,6 +196,7 @@ def main() -> None:
             f["samples_per_second_each"],
             f["motions"],
             *(round(f["stop_all"][p] / 1000, 2) for p in ("p50_us", "p99_us", "max_us")),
+            round(f["all_stand"]["p50_us"] / 1000, 2),
             *(round(f["bare_sends"][p] / 1000, 2) for p in ("p50_us", "p99_us")),
         ]
         for name, f in fleets.items()

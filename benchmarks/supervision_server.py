@@ -27,6 +27,7 @@ class Handlers:
         self._duration = 0.3
         self._ends: dict[int, float] = {}
         self._stops: list[float] = []
+        self._stopped: set[int] = set()
         self._moving_until = 0.0
         self._ids = itertools.count(1000)
         self._beat: threading.Timer | None = None
@@ -47,12 +48,18 @@ class Handlers:
 
     def get_noneblock_taskstate(self, id: int) -> int:  # noqa: A002  # the wire's name
         end = self._ends.get(id, 0.0)
+        if id in self._stopped:
+            return TaskState.STOPPED
         return TaskState.FINISHED if time.monotonic() >= end else TaskState.RUNNING
 
     def stop(self, block: bool) -> int:  # noqa: ARG002  # the wire's name
         now = time.monotonic()
         self._stops.append(now)
         self._moving_until = min(self._moving_until, now)
+        for task_id, end in self._ends.items():
+            if end > now:
+                self._ends[task_id] = now
+                self._stopped.add(task_id)
         return next(self._ids)
 
     def robotmoving(self) -> bool:

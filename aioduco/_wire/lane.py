@@ -6,7 +6,7 @@ import enum
 import math
 import time
 import warnings
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
 import anyio
 from anyio import current_effective_deadline
@@ -29,7 +29,7 @@ from aioduco.errors import ConnectError, ConnectionLost, NotSent, UnknownFunctio
 from aioduco.trace import CallFinished, emit, tell
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Coroutine
 
     from aioduco.trace import Trace
 
@@ -77,6 +77,10 @@ class LaneStatistics(NamedTuple):
     opened: int
     abandoned: int
     stuck: int
+
+
+#: awaits the answer of a call that was begun, once; raises the errors of `WireLane.call`
+BegunCall: TypeAlias = "Callable[[], Coroutine[Any, Any, Any]]"
 
 
 class WireLane:
@@ -271,10 +275,48 @@ class WireLane:
             begun(call)
         if self._trace is None and not self.observers:
             return await self._carry_out(call)
+        return await self._reported(name, args, begin, self._carry_out(call))
+
+    def begin(self, name: str, args: tuple[Any, ...], timeout: float) -> BegunCall:
+        """Send a call before anything else of the event loop gets to run.
+
+        It is sent when this returns, if a connection is free.
+
+        Args:
+            name: the function.
+            args: one value per parameter.
+            timeout: most seconds for the whole call.
+
+        Returns:
+            The call, whose answer must be awaited.
+
+        Raises:
+            ParameterError: a value cannot be sent.
+            ConnectionLost: the lane is not open; nothing was sent.
+            WrongLoop: the lane belongs to another event loop; nothing was sent.
+            WrongProcess: the lane belongs to the process that forked this one; nothing was sent.
+        """
+        function = self._functions[name]
+        encoded = codec.encode(function, args)
+        if self._state is not LaneState.OPEN:
+            raise ConnectionLost(f"{name} was not sent, since {self!r} is not open")
+        begin = time.monotonic()
+        call = AwaitedCall(self.owner_loop, function, encoded, begin + timeout, self._finished)
+        self._calls += 1
+        self._hand_over(call)
+
+        def answer() -> Coroutine[Any, Any, Any]:
+            return self._reported(name, args, begin, self._carry_out(call, handed_over=True))
+
+        return answer
+
+    async def _reported(
+        self, name: str, args: tuple[Any, ...], begin: float, rest: Coroutine[Any, Any, Any]
+    ) -> Any:
         value: Any = None
         error: BaseException | None = None
         try:
-            value = await self._carry_out(call)
+            value = await rest
         except BaseException as exc:
             error = exc
             raise
@@ -341,14 +383,19 @@ class WireLane:
             emit(self._trace, event)
         tell(self.observers, event)
 
-    async def _carry_out(self, call: AwaitedCall) -> Any:
+    def _hand_over(self, call: AwaitedCall) -> None:
+        """Have a connection send it now, or as soon as one is free."""
+        self._deadlines.add(call)
+        worker = self._pool.take(call)
+        if worker is not None:
+            self._submit(worker, call)
+        else:
+            self._dispatch()
+
+    async def _carry_out(self, call: AwaitedCall, *, handed_over: bool = False) -> Any:
         try:
-            self._deadlines.add(call)
-            worker = self._pool.take(call)
-            if worker is not None:
-                self._submit(worker, call)
-            else:
-                self._dispatch()
+            if not handed_over:
+                self._hand_over(call)
             return await call
         except BaseException as exc:
             if isinstance(exc, ConnectionLost | ConnectError):

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
 import anyio
 import anyio.abc
 
-from aioduco.errors import DucoError
+from aioduco.errors import DucoError, StopsUnconfirmed
 from aioduco.events import ConnectionBack, ConnectionGone
 from aioduco.fleet.gateway_state import GatewayState
 from aioduco.fleet.link import FleetLink
 from aioduco.fleet.reports import ArmReport
 from aioduco.fleet.settings import FleetFileError
 from aioduco.reporting import BackgroundLogger
-from aioduco.robot import connect
+from aioduco.robot import connect, stop_all
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -105,8 +106,8 @@ class FleetGateway:
                         await self._follow(arm.name, robot)
                     finally:
                         if arm.heartbeat:
-                            with anyio.CancelScope(shield=True):
-                                await self._stop_arm(robot)
+                            with anyio.CancelScope(shield=True), suppress(DucoError):
+                                await robot.stop()
                         del self.robots[arm.name]
             except* DucoError as group:
                 why = str(_first(group))
@@ -156,26 +157,22 @@ class FleetGateway:
     async def _stop(self, data: bytes) -> bytes:
         """Carry out a stop that somebody in the fleet asks for."""
         order = self._state.stop(data)
-        async with anyio.create_task_group() as tasks:
-            for name in order.arms:
-                tasks.start_soon(self._stop_one, order.number, name)
+        robots = [(name, self.robots[name]) for name in order.arms if name in self.robots]
+        errors: tuple[DucoError | None, ...] = (None,) * len(robots)
+        try:
+            await stop_all(robot for _, robot in robots)
+        except StopsUnconfirmed as unconfirmed:
+            errors = unconfirmed.errors
+        said = {
+            name: f"{type(error).__name__}: {error}" if error is not None else ""
+            for (name, _), error in zip(robots, errors, strict=True)
+        }
+        for name in order.arms:
+            self._state.stopped(order.number, name, said.get(name, "not connected"))
         report = self._state.report_of(order.number)
         assert report is not None
         _log.warning("the fleet stopped %s", ", ".join(arm.name for arm in report.arms) or "no arm")
         return report.encode()
-
-    async def _stop_one(self, order: int, name: str) -> None:
-        robot = self.robots.get(name)
-        error = "not connected" if robot is None else await self._stop_arm(robot)
-        self._state.stopped(order, name, error)
-
-    async def _stop_arm(self, robot: Robot) -> str:
-        """Stop an arm; why it is not known that it stands, empty if it does."""
-        try:
-            await robot.stop()
-        except DucoError as error:
-            return f"{type(error).__name__}: {error}"
-        return ""
 
 
 def _reach(arm: ArmSettings, rate: float) -> Robot:

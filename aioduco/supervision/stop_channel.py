@@ -13,7 +13,7 @@ Guarantees:
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import anyio
 
@@ -21,7 +21,10 @@ from aioduco.errors import DucoError, Refused, StopUnconfirmed
 from aioduco.supervision.concurrency import every
 
 if TYPE_CHECKING:
-    from aioduco._wire.lane import WireLane
+    from collections.abc import Callable, Coroutine
+    from typing import Any
+
+    from aioduco._wire.lane import BegunCall, WireLane
 
 #: seconds after which an unanswered stop is repeated over a fresh connection; doubled each time
 FIRST_ATTEMPT = 0.25
@@ -38,6 +41,31 @@ STANDSTILL_COUNT = 2
 _ASK_LIMIT = 0.5
 #: the same once the time is over
 _LAST_LIMIT = 0.25
+
+
+#: awaits the guard's answer, once: whether it had a stop accepted
+ByGuard: TypeAlias = "Callable[[], Coroutine[Any, Any, bool]]"
+
+
+class _BegunStop:
+    """A stop that was sent, by the guard or on the lane for stops.
+
+    Args:
+        at: when [s of `time.monotonic`].
+        by_guard: what awaits the guard's answer, if it has one.
+
+    Attributes:
+        call: what awaits the controller's answer.
+        error: why nothing was sent.
+    """
+
+    __slots__ = ("at", "by_guard", "call", "error")
+
+    def __init__(self, at: float, by_guard: ByGuard | None) -> None:
+        self.at = at
+        self.by_guard = by_guard
+        self.call: BegunCall | None = None
+        self.error: DucoError | None = None
 
 
 class StopChannel:
@@ -62,6 +90,34 @@ class StopChannel:
         self.epoch: int = 0
         self.stops: int = 0
         self.attempts: int = 0
+        self._begun: _BegunStop | None = None
+
+    def begin(self, timeout: float) -> _BegunStop:
+        """Send a stop before anything else of the event loop gets to run.
+
+        `stop` must be awaited next: it waits until the controller accepts it, or sends it again.
+
+        Args:
+            timeout: seconds in which that must happen.
+
+        Returns:
+            How far it came.
+
+        Raises:
+            WrongLoop: this is not the robot's event loop; nothing was sent.
+            WrongProcess: this is a forked child; nothing was sent.
+        """
+        self._stop.owner_loop.require("stop")
+        self.epoch += 1
+        begun = _BegunStop(time.monotonic(), self._ask_guard(timeout))
+        if begun.by_guard is None:
+            self.attempts += 1
+            try:
+                begun.call = self._stop.begin("stop", (False,), min(FIRST_ATTEMPT, timeout))
+            except DucoError as exc:
+                begun.error = exc
+        self._begun = begun
+        return begun
 
     async def stop(self, timeout: float) -> None:
         """Send a stop until the controller accepts one.
@@ -74,29 +130,35 @@ class StopChannel:
             WrongLoop: this is not the robot's event loop; nothing was sent.
             WrongProcess: this is a forked child; nothing was sent.
         """
-        self._stop.owner_loop.require("stop")
-        self.epoch += 1
-        until = time.monotonic() + timeout
-        if await self._by_guard(timeout):
+        begun = self._begun
+        # One that nobody awaited in its time says nothing of the arm of now.
+        if begun is None or time.monotonic() - begun.at > FIRST_ATTEMPT:
+            begun = self.begin(timeout)
+        self._begun = None
+        until = begun.at + timeout
+        if begun.by_guard is not None and await begun.by_guard():
             self.stops += 1
             return
+        call, error = begun.call, begun.error
         budget = FIRST_ATTEMPT
         lanes = (self._stop, self.others)
-        error: BaseException | None = None
         attempt = 0
-        while (left := until - time.monotonic()) > 0:
-            # Each repeat is on the other lane: whatever holds the first, it does not hold both.
-            lane = lanes[attempt % 2]
+        while call is not None or (left := until - time.monotonic()) > 0:
             began = time.monotonic()
-            self.attempts += 1
             try:
-                answer: int = await lane.call("stop", (False,), min(budget, left))
+                if call is None:
+                    # Each repeat is on the other lane: whatever holds the first, it does not hold
+                    # both.
+                    self.attempts += 1
+                    call = lanes[attempt % 2].begin("stop", (False,), min(budget, left))
+                answer: int = await call()
                 if answer >= 0:
                     self.stops += 1
                     return
                 error = Refused("stop", answer, "no reason is given")
             except DucoError as exc:
                 error = exc
+            call = None
             attempt += 1
             # One that fails at once (a refused port) is not repeated in a busy loop.
             await anyio.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
@@ -132,12 +194,12 @@ class StopChannel:
             time.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
         raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
 
-    async def _by_guard(self, timeout: float) -> bool:  # noqa: ARG002  # here there is none
-        """Ask the guard first, if there is one. Returns whether it had a stop accepted."""
-        return False
+    def _ask_guard(self, timeout: float) -> ByGuard | None:  # noqa: ARG002  # here there is none
+        """Have the guard send a stop, if there is one."""
+        return None
 
     def _by_guard_now(self, timeout: float) -> bool:  # noqa: ARG002  # here there is none
-        """As `_by_guard`, for `stop_now`."""
+        """Ask the guard first, if there is one. Returns whether it had a stop accepted."""
         return False
 
     async def moving(self) -> bool:

@@ -234,6 +234,10 @@ class StopCoordinator:
         await self.modes.leave()
         await self.modes.leave_standing(timeout, self.follower.complete)
 
+    def begin_stop(self) -> None:
+        """Send a stop before anything else of the event loop runs; `stop` must be awaited next."""
+        self._channel.begin(self._settings.stop_timeout)
+
     async def stop(self) -> None:
         """As `halt`, to its end even if cancelled, until the motions are seen to have ended."""
         _, cancelled = await run_to_completion(self.halt)

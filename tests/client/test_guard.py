@@ -75,7 +75,7 @@ def running(pid: int) -> bool:
     [
         Watch(1, 2, "robot", 7003, None, 1.0, 3.0, 2.0),
         Alive(1, 12.5, True),
-        Stop(1, 2, 5.0),
+        Stop([1, 3], [2, 4], 5.0),
         Rearm(1),
         Release(1, 2),
         Done(2, ""),

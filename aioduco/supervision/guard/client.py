@@ -24,10 +24,10 @@ from aioduco._wire.nonblocking import send_at_once
 from aioduco._wire.resource_errors import resource_error
 from aioduco.errors import GuardLost
 from aioduco.reporting import BackgroundLogger
-from aioduco.supervision.guard.messages import LARGEST, Beat, Done, Said, pack, unpack
+from aioduco.supervision.guard.messages import LARGEST, MANY, Beat, Done, Said, Stop, pack, unpack
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from aioduco.supervision.guard.messages import Message
 
@@ -76,6 +76,7 @@ class GuardLink:
         self._robots = itertools.count(1)
         self._answers: dict[int, Answer] = {}
         self._listeners: dict[int, GuardListener] = {}
+        self._collected: list[Stop] | None = None
         self.alive: bool = True
         self.users = 0
         if lack := guard_lacks():
@@ -149,21 +150,46 @@ class GuardLink:
         packet = pack(message)
         return self.alive and send_at_once(self._socket.fileno(), packet) == len(packet)
 
-    def ask(self, request: Callable[[int], Message], answer: Answer) -> bool:
+    def ask(
+        self, request: Callable[[int], Message], answer: Answer, *, at_once: bool = True
+    ) -> bool:
         """Send a request that is answered by `Done`.
 
         Args:
             request: makes the message, given the token.
             answer: is given what came of it; also when the guard dies.
+            at_once: whether to send a stop now, even while others are collected.
 
         Returns:
-            Whether it was sent; if not, the answer is never given.
+            Whether it was sent, or will be; if not, the answer is never given.
         """
         token = next(self._tokens)
         self._answers[token] = answer
-        if self.tell(request(token)):
+        message = request(token)
+        if not at_once and self._collected is not None and isinstance(message, Stop):
+            self._collected.append(message)
+            return self.alive or self._answers.pop(token, None) is None
+        if self.tell(message):
             return True
         return self._answers.pop(token, None) is None
+
+    @contextlib.contextmanager
+    def together(self) -> Iterator[None]:
+        """Send the stops that are asked for meanwhile in one message; without an await in it."""
+        stops: list[Stop] = []
+        self._collected = stops
+        try:
+            yield
+        finally:
+            self._collected = None
+            for begin in range(0, len(stops), MANY):
+                part = stops[begin : begin + MANY]
+                robots = [robot for each in part for robot in each.robots]
+                tokens = [token for each in part for token in each.tokens]
+                if not self.tell(Stop(robots, tokens, min(each.until for each in part))):
+                    for token in tokens:
+                        if (answer := self._answers.pop(token, None)) is not None:
+                            answer.give("the guard does not read")
 
     def end(self) -> None:
         """Close the link: a guard without robots ends, one with robots stops their arms first."""
@@ -255,6 +281,13 @@ class _Shared:
                 self._link = GuardLink()
             self._link.users += 1
             return self._link
+
+    @contextlib.contextmanager
+    def together(self) -> Iterator[None]:
+        """As `GuardLink.together`, if there is a guard."""
+        link = self._link
+        with contextlib.nullcontext() if link is None else link.together():
+            yield
 
     def release(self, link: GuardLink) -> None:
         with self._lock:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from aioduco._wire.lane import WireLane
     from aioduco.supervision.settings import RobotSettings
+    from aioduco.supervision.stop_channel import ByGuard
 
 #: seconds after which a stop that the guard has not confirmed goes the local way too
 CONFIRM_LIMIT: Final = 0.1
@@ -185,14 +186,20 @@ class GuardClient:
             assert self._link is not None
             self._link.tell(Rearm(self._robot))
 
-    def stop(self, timeout: float, notify: Callable[[], None]) -> Answer | None:
-        """Send a stop by the guard, from any thread. None: there is no guard to send it by."""
+    def stop(self, timeout: float, notify: Callable[[], None], *, at_once: bool) -> Answer | None:
+        """Send a stop by the guard, from any thread. None: there is no guard to send it by.
+
+        Args:
+            timeout: seconds after which the guard is not to send it any more.
+            notify: called when the answer is there.
+            at_once: whether to send it now, even while stops are collected.
+        """
         link, robot = self._link, self._robot
         if link is None or not robot:
             return None
         answer = Answer(notify)
         until = time.monotonic() + timeout
-        sent = link.ask(lambda token: Stop(robot, token, until), answer)
+        sent = link.ask(lambda token: Stop([robot], [token], until), answer, at_once=at_once)
         return answer if sent else None
 
     async def _asked(
@@ -235,25 +242,29 @@ class GuardedStopChannel(StopChannel):
         super().__init__(stop, others, watch)
         self._client = client
 
-    async def _by_guard(self, timeout: float) -> bool:
-        """Have the guard send a stop; the guard has it before this first waits."""
+    def _ask_guard(self, timeout: float) -> ByGuard | None:
+        """Have the guard send a stop; it has it when this returns."""
         begin = time.monotonic()
         done = anyio.Event()
         # No longer than it is waited for: one that comes after the local way's would stop what was
         # sent since.
         timeout = min(CONFIRM_LIMIT, timeout)
-        answer = self._asked(timeout, loop_callback(done.set))
+        answer = self._asked(timeout, loop_callback(done.set), at_once=False)
         if answer is None:
-            return False
-        with anyio.move_on_after(timeout):
-            await done.wait()
-        return self._confirmed(answer, begin)
+            return None
+
+        async def by_guard() -> bool:
+            with anyio.move_on_after(begin + timeout - time.monotonic()):
+                await done.wait()
+            return self._confirmed(answer, begin)
+
+        return by_guard
 
     def _by_guard_now(self, timeout: float) -> bool:
         begin = time.monotonic()
         done: SimpleQueue[None] = SimpleQueue()
         timeout = min(CONFIRM_LIMIT, timeout)
-        answer = self._asked(timeout, lambda: done.put(None))
+        answer = self._asked(timeout, lambda: done.put(None), at_once=True)
         if answer is None:
             return False
         try:
@@ -269,8 +280,8 @@ class GuardedStopChannel(StopChannel):
             self._stop.report("stop", (False,), None, None, begin)
         return confirmed
 
-    def _asked(self, timeout: float, notify: Callable[[], None]) -> Answer | None:
-        answer = self._client.stop(timeout, notify)
+    def _asked(self, timeout: float, notify: Callable[[], None], *, at_once: bool) -> Answer | None:
+        answer = self._client.stop(timeout, notify, at_once=at_once)
         self.attempts += answer is not None
         return answer
 

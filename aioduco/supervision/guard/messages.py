@@ -8,12 +8,17 @@ those of CLOCK_MONOTONIC, which is the same for all processes of a machine.
 from __future__ import annotations
 
 import json
-from typing import Final, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
 from aioduco.supervision.heartbeat import HeartbeatState
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
 #: more bytes than any message has
 LARGEST: Final = 8192
+#: robots of one `Stop`, at most
+MANY: Final = 200
 #: characters of an error's text that a message carries
 _TEXT: Final = 2000
 
@@ -57,16 +62,16 @@ class Alive(NamedTuple):
 
 
 class Stop(NamedTuple):
-    """Program to guard: stop the arm. Answered by `Done`.
+    """Program to guard: stop these arms, all before anything else. Each is answered by `Done`.
 
     Attributes:
-        robot: the program's number for the robot.
-        token: comes back in the answer.
+        robots: the program's numbers for the robots.
+        tokens: come back in the answers.
         until: when a stop must have been accepted; a guard that reads this later does nothing.
     """
 
-    robot: int
-    token: int
+    robots: Sequence[int]
+    tokens: Sequence[int]
     until: float
 
 

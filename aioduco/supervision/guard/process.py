@@ -276,7 +276,7 @@ class Guard:
                     self._guarded[robot].life.stamp = stamp
                     self._guarded[robot].life.moves = moves
             case Stop():
-                tasks.start_soon(self._stop, message)
+                self._stop(message, tasks)
             case Watch(robot):
                 # Here and not in the task: a release that follows at once must find it.
                 self._arrivals[robot] = arrival = _Arrival()
@@ -305,15 +305,21 @@ class Guard:
         arrival.over.set()
         self.tell(Done(request.token, error))
 
-    async def _stop(self, request: Stop) -> None:
-        guarded = self._guarded.get(request.robot)
-        if guarded is None:
-            self.tell(Done(request.token, "the guard does not know this robot"))
-            return
+    def _stop(self, request: Stop, tasks: TaskGroup) -> None:
+        """Stop arms: each is told before anything else of the event loop runs."""
         left = request.until - time.monotonic()
-        if left <= 0.0:
-            self.tell(Done(request.token, "the guard was held up, and came to it too late"))
-            return
+        for robot, token in zip(request.robots, request.tokens, strict=True):
+            guarded = self._guarded.get(robot)
+            if guarded is None:
+                self.tell(Done(token, "the guard does not know this robot"))
+            elif left <= 0.0:
+                self.tell(Done(token, "the guard was held up, and came to it too late"))
+            else:
+                guarded.stop_channel.begin(left)
+                tasks.start_soon(self._stopped, guarded, token, left)
+
+    async def _stopped(self, guarded: GuardedRobot, token: int, left: float) -> None:
+        """Have a stop accepted that was begun, and say so."""
         error = _RELEASED
         with anyio.CancelScope() as scope:
             guarded.stopping.add(scope)
@@ -325,7 +331,7 @@ class Guard:
                 error = ""
             finally:
                 guarded.stopping.discard(scope)
-        self.tell(Done(request.token, error))
+        self.tell(Done(token, error))
 
     async def _release(self, request: Release) -> None:
         if (arrival := self._arrivals.get(request.robot)) is not None:
