@@ -11,6 +11,8 @@ import os
 import resource
 import socket
 import time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from typing import TYPE_CHECKING, Any
 
 import anyio
@@ -168,14 +170,21 @@ async def measure(server: ServerProcess, guard: bool, seconds: float, stops: int
     }
 
 
+def served(count: int, guard: bool, seconds: float, stops: int) -> dict[str, Any]:
+    """One fleet and its controllers."""
+    with ServerProcess("fleet_server.py", str(count)) as server:
+        return anyio.run(measure, server, guard, seconds, stops)
+
+
 def main() -> None:
     options = arguments(__doc__, "fleet")
     counts, seconds = (((8, 20),), 3.0) if options.quick else (((32, 50), (100, 10)), 12.0)
     fleets: dict[str, dict[str, Any]] = {}
     for count, stops in counts:
         for name, guard in (("without guard", False), ("with guard", True)):
-            with ServerProcess("fleet_server.py", str(count)) as server:
-                found = anyio.run(measure, server, guard, seconds, stops)
+            # Each in a program of its own, as one would be: nothing of another one is left in it.
+            with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as program:
+                found = program.submit(served, count, guard, seconds, stops).result()
             fleets[f"{count} robots, {name}"] = found
     columns = [
         "fleet",
