@@ -7,6 +7,7 @@ of all, as many bare sends: what the same bytes take on open connections, while 
 
 from __future__ import annotations
 
+import gc
 import os
 import resource
 import socket
@@ -136,6 +137,9 @@ async def measure(server: ServerProcess, guard: bool, seconds: float, stops: int
             fleet.append(member)
             tasks.start_soon(member.read)
             tasks.start_soon(member.move)
+        # As docs/guides/production.md has it: else Python looks through all of them for garbage.
+        gc.collect()
+        gc.freeze()
         seat = fleet[0].robot._supervisor.guard
         pid = seat.pid if seat is not None else None
         before, begin = cpu(pid), time.monotonic()
