@@ -399,6 +399,17 @@ class StopsUnconfirmed(StopUnconfirmed):
         super().__init__(message)
         self.errors = errors
 
+    @classmethod
+    def of(cls, places: Sequence[str], errors: Sequence[DucoError | None]) -> StopsUnconfirmed:
+        """Make one of what is known of each robot, and of where they are."""
+        pairs = zip(places, errors, strict=True)
+        said = [f"{place}: {error}" for place, error in pairs if error is not None]
+        return cls(
+            f"of {len(said)} of {len(places)} arms it is not known that they stand: "
+            + "; ".join(said),
+            tuple(errors),
+        )
+
 
 class FeedOverflow(DucoError):
     """A subscriber that is to have every item did not take them in time: some are missing."""

@@ -232,13 +232,9 @@ async def stop_all(robots: Iterable[Robot]) -> None:
         for index, error in enumerate(errors):
             if error is None:
                 tasks.start_soon(stop, index)
-    failed = {f"{r.host}:{r.port}": e for r, e in zip(chosen, errors, strict=True) if e is not None}
-    if failed:
-        said = "; ".join(f"{place}: {error}" for place, error in failed.items())
-        raise StopsUnconfirmed(
-            f"of {len(failed)} of {len(chosen)} arms it is not known that they stand: {said}",
-            tuple(errors),
-        ) from next(iter(failed.values()))
+    if (first := next(filter(None, errors), None)) is not None:
+        places = [f"{robot.host}:{robot.port}" for robot in chosen]
+        raise StopsUnconfirmed.of(places, errors) from first
 
 
 class Robot(ManualNames):

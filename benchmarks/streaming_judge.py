@@ -87,7 +87,7 @@ def judged(results: dict[str, Any]) -> dict[str, dict[str, Any]]:
         end["left"] == 0,
     )
     largest = max(results["memory"].values())
-    line("memory of a lane's process [MB]", "at most 60", largest, largest <= 60)
+    line("memory of a lane's process [MB]", "at most 34", largest, largest <= 34)
     simulator = results["simulator"]
     line(
         "simulator, servoj at 1 kHz, loop busy: lateness p99 [µs]",

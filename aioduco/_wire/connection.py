@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import random
+import os
 import socket
 import threading
 import time
@@ -86,7 +86,8 @@ class Connection:
         self._owner: int | None = None
         # Begun anywhere: a stray or forged answer must not fit by chance, as one with a low
         # number would on most connections.
-        self._sequence = random.randrange(codec.LAST_SEQUENCE)
+        # Of the system: the program's own random numbers stay as it has seeded them.
+        self._sequence = int.from_bytes(os.urandom(4)) % codec.LAST_SEQUENCE
         #: the answer to a call that was sent before its owner came to it
         self._ahead: codec.ReplyReader | codec.RepliesReader | None = None
         self._calls = 0

@@ -16,6 +16,7 @@ from aioduco.sync._feeds import Events, Feed, Subscription
 from aioduco.sync._gripper import Gripper
 from aioduco.sync._playback import check_path_on, check_waypoints_on, play, run_waypoints
 from aioduco.sync._robot import Robot, connect
+from aioduco.sync._stop_all import stop_all
 from aioduco.sync._streams import OffsetStream, Stream, TrackStream
 from aioduco.sync._tasks import MotionCommand, MotionFunction, MotionPath, Task
 from aioduco.sync._teleoperation import teleoperate
@@ -38,5 +39,6 @@ __all__ = [
     "connect",
     "play",
     "run_waypoints",
+    "stop_all",
     "teleoperate",
 ]

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from aioduco.robot import Robot
     from aioduco.supervision.task import Task
 
-__all__ = ["Runner"]
+__all__ = ["Runner", "StartedCall"]
 
 _log = BackgroundLogger(__name__)
 
@@ -41,7 +41,7 @@ _WAKE_EVERY = 0.2
 T = TypeVar("T")
 
 
-class _Call(Generic[T]):
+class StartedCall(Generic[T]):
     """One await on the loop, and the thread that waits for it."""
 
     def __init__(self, work: Coroutine[Any, Any, T]) -> None:
@@ -164,7 +164,7 @@ class Runner:
             RuntimeError: this is the loop's own thread.
         """
         thread = threading.get_ident()
-        call = _Call(work)
+        call = StartedCall(work)
         self._presence.enter(thread)
         try:
             self._hand_over(call, work)
@@ -184,6 +184,17 @@ class Runner:
                 del call  # the error's traceback would keep itself alive
         return call.answers[0]
 
+    def start(self, work: Coroutine[Any, Any, T]) -> StartedCall[T]:
+        """Have work done on the loop, which goes on to its end, and wait for nothing.
+
+        Raises:
+            RobotStateError: the robot is not open.
+            RuntimeError: this is the loop's own thread.
+        """
+        call = StartedCall(work)
+        self._hand_over(call, work)
+        return call
+
     def look(self, function: Callable[[], T]) -> T:
         """Call something that does not wait, on the loop if it runs."""
         if threading.get_ident() == self._thread.ident or not self.running:
@@ -202,7 +213,7 @@ class Runner:
         """Whether a task was stopped because the program was not heard of."""
         return task.id in self._let_go
 
-    def _hand_over(self, call: _Call[T], work: Coroutine[Any, Any, T]) -> None:
+    def _hand_over(self, call: StartedCall[T], work: Coroutine[Any, Any, T]) -> None:
         portal = self._portal
         if portal is None or not self.running:
             work.close()
@@ -220,7 +231,7 @@ class Runner:
             raise RobotStateError("the robot is being closed: nothing was sent") from exc
 
     def _give_up(
-        self, call: _Call[T], undo: Callable[[T], Coroutine[Any, Any, object]] | None
+        self, call: StartedCall[T], undo: Callable[[T], Coroutine[Any, Any, object]] | None
     ) -> None:
         portal = self._portal
         if portal is None or threading.get_ident() == self._thread.ident:
@@ -236,7 +247,7 @@ class Runner:
 
         _to_the_end(withdraw)
         if call.answers and undo is not None:
-            undoing = _Call(undo(call.answers[0]))
+            undoing = StartedCall(undo(call.answers[0]))
             portal.start_task_soon(undoing.run)
             _to_the_end(undoing.wait)
             call.error = undoing.error

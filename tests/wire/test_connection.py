@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import socket
 import struct
 import threading
@@ -102,6 +103,13 @@ def test_states_statistics_and_repr_of_a_life() -> None:
         connection.close()
         assert repr(connection) == f"<Connection {address} CLOSED: it was closed, 1 calls>"
         connection.close()
+
+
+def test_the_programs_own_random_numbers_stay_as_it_has_seeded_them() -> None:
+    before = random.getstate()
+    with connected() as (connection, _):
+        connection.rpc.stop(True)
+    assert random.getstate() == before
 
 
 def test_sequence_ids_rise_and_begin_again() -> None:

@@ -1,0 +1,79 @@
+"""Several arms are stopped at once, each whatever the others do, and whatever interrupts it."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+import pytest
+from api.desk import Desk
+
+import aioduco.sync
+from aioduco import Joints, Outcome
+from aioduco.sync import Robot, stop_all
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from sync.conftest import Interrupts
+
+HOME = Joints(0, 0, 1.5, 0, -1.5, 0)
+
+
+@pytest.fixture
+def desks() -> Iterator[list[Desk]]:
+    with ExitStack() as stack:
+        yield [stack.enter_context(Desk()) for _ in range(3)]
+
+
+@pytest.fixture
+def robots(desks: list[Desk]) -> Iterator[list[Robot]]:
+    with ExitStack() as stack:
+        yield [
+            stack.enter_context(
+                aioduco.sync.connect(desk.host, desk.port, stop_timeout=0.5, hold_limit=None)
+            )
+            for desk in desks
+        ]
+
+
+def start_all(robots: list[Robot], desks: list[Desk]) -> None:
+    for desk, robot in zip(desks, robots, strict=True):
+        desk.motion_time = 600.0
+        robot.motion.movej2.start(HOME, v=1.0, a=1.0)
+
+
+def test_all_stand(robots: list[Robot], desks: list[Desk]) -> None:
+    start_all(robots, desks)
+    tasks = [robot.tasks[0] for robot in robots]
+    stop_all(robots)
+    assert not any(desk.moving() for desk in desks)
+    assert [task.outcome for task in tasks] == [Outcome.STOPPED] * 3
+    stop_all([])
+
+
+def test_who_fails_is_named_and_the_others_stand(robots: list[Robot], desks: list[Desk]) -> None:
+    start_all(robots, desks)
+    desks[0].answer("stop", -1)
+    robots[2].close()
+    with pytest.raises(aioduco.StopsUnconfirmed, match="of 2 of 3 arms") as caught:
+        stop_all(robots)
+    first, second, third = caught.value.errors
+    assert isinstance(first, aioduco.StopUnconfirmed)
+    assert second is None
+    assert isinstance(third, aioduco.RobotStateError)
+    assert f"{desks[0].host}:{desks[0].port}: " in str(caught.value)
+    assert not desks[1].moving()
+    desks[0].answer("stop", desks[0]._stop)
+
+
+def test_an_interrupt_goes_on_when_all_stand(
+    robots: list[Robot], desks: list[Desk], interrupts: Interrupts
+) -> None:
+    start_all(robots, desks)
+    for desk in desks:
+        desk.braking_time = 0.3
+    told = lambda: "stop" in desks[0].commands  # noqa: E731  # read better in one line
+    with interrupts(told, told), pytest.raises(KeyboardInterrupt):
+        stop_all(robots)
+    assert not any(desk.moving() for desk in desks)
