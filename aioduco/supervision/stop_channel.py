@@ -62,8 +62,8 @@ class _BegunStop:
     __slots__ = ("at", "by_guard", "call", "error")
 
     def __init__(self, at: float, by_guard: ByGuard | None) -> None:
-        self.at = at
-        self.by_guard = by_guard
+        self.at: float = at
+        self.by_guard: ByGuard | None = by_guard
         self.call: BegunCall | None = None
         self.error: DucoError | None = None
 
@@ -142,8 +142,8 @@ class StopChannel:
         call, error = begun.call, begun.error
         budget = FIRST_ATTEMPT
         lanes = (self._stop, self.others)
-        attempt = 0
-        while call is not None or (left := until - time.monotonic()) > 0:
+        attempt, left = 0, until - time.monotonic()
+        while call is not None or left > 0:
             began = time.monotonic()
             try:
                 if call is None:
@@ -163,6 +163,7 @@ class StopChannel:
             # One that fails at once (a refused port) is not repeated in a busy loop.
             await anyio.sleep(max(0.0, min(began + FIRST_ATTEMPT / 5, until) - time.monotonic()))
             budget = min(budget * 2, _LONGEST_ATTEMPT)
+            left = until - time.monotonic()
         raise _unconfirmed(f"no stop was accepted within {timeout:g} s", error) from error
 
     def stop_now(self, timeout: float) -> None:

@@ -48,7 +48,7 @@ class StartedCall(Generic[T]):
         self._work = work
         self._scope: anyio.CancelScope | None = None
         self._withdrawn = False
-        self.over = threading.Event()
+        self.over: threading.Event = threading.Event()
         self.answers: list[T] = []
         self.error: BaseException | None = None
 
