@@ -118,8 +118,9 @@ class Batches:
         """A cycle has run."""
         if self._owed:
             self._owed -= 1
-            if not self._owed:
-                self.end()
+        # Also if none was owed: one may have come to be due since the thread woke up.
+        if not self._owed:
+            self.end()
 
     def end(self) -> None:
         """Have those go on who wait for the cycles that are due."""
