@@ -15,6 +15,7 @@ import selectors
 import sys
 import threading
 import time
+from contextlib import ExitStack
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -434,12 +435,27 @@ def _unanswered(clock: ProgramClock) -> None:
 def _calls(recorder: RunRecorder) -> None:
     lanes: Any = lane.WireLane
     vendor: Any = DucoCobot
-    call, from_thread, vendor_call = lanes.call, lanes.call_from_thread, vendor._call
+    call, begin = lanes.call, lanes.begin
+    from_thread, vendor_call = lanes.call_from_thread, vendor._call
 
     async def called(self: Any, name: str, args: Any, *rest: Any, **options: Any) -> Any:
         with recorder.call(name, args) as record:
             record.result = await call(self, name, args, *rest, **options)
             return record.result
+
+    def begun(self: Any, name: str, args: Any, timeout: float) -> Any:
+        with ExitStack() as stack:
+            record = stack.enter_context(recorder.call(name, args))
+            answer = begin(self, name, args, timeout)
+            # If nobody awaits the answer, this ends with the last reference to it.
+            under_way = stack.pop_all()
+
+        async def answered() -> Any:
+            with under_way:
+                record.result = await answer()
+                return record.result
+
+        return answered
 
     def called_from_thread(self: Any, name: str, args: Any, timeout: Any) -> Any:
         with recorder.call(name, args) as record:
@@ -451,7 +467,8 @@ def _calls(recorder: RunRecorder) -> None:
             record.result = vendor_call(self, name, args)
             return record.result
 
-    lanes.call, lanes.call_from_thread, vendor._call = called, called_from_thread, called_by_vendor
+    lanes.call, lanes.begin, lanes.call_from_thread = called, begun, called_from_thread
+    vendor._call = called_by_vendor
 
     motion: Any = MotionCommand
     init, gone = motion.__init__, motion.__del__
