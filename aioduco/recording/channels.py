@@ -224,6 +224,7 @@ class MessageChannels:
         self._offset = clock_offset
         self._released = False
         self._flange: tuple[float, ...] | None = None
+        self._flange_written = False
         self._pose: tuple[float, ...] | None = None
         self._last: dict[str, tuple[float, Any]] = {}
 
@@ -286,9 +287,9 @@ class MessageChannels:
 
     def flange(self, pose: Pose | None) -> None:
         """Take where the flange is, seen from the tip of the tool; None if nobody tells."""
-        self._flange = None if pose is None else _transform_numbers(pose)
-        if pose is not None:
-            self._pose = None
+        numbers = None if pose is None else _transform_numbers(pose)
+        self._flange_written = self._flange_written and numbers == self._flange
+        self._flange = numbers
 
     def command(
         self,
@@ -343,12 +344,14 @@ class MessageChannels:
             return
         numbers = _transform_numbers(pose)
         again = self._due("/tf again", at, _AGAIN)
-        if numbers == self._pose and not again:
+        flange = None if self._flange_written and not again else self._flange
+        if numbers == self._pose and flange is None and not again:
             return
         self._pose = numbers
         transforms = [_transform(stamp, "world", "tcp", numbers)]
-        if again and self._flange is not None:
-            transforms.append(_transform(stamp, "tcp", "flange", self._flange))
+        if flange is not None:
+            transforms.append(_transform(stamp, "tcp", "flange", flange))
+            self._flange_written = True
         self._set.transforms.log(FrameTransforms(transforms=transforms), log_time=time_ns)
 
     def _due(self, topic: str, at: float, every: float) -> bool:
