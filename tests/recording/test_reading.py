@@ -118,7 +118,9 @@ def test_arrays_are_what_was_recorded_within_their_grids(run: RecordedRun) -> No
 
 
 @pytest.mark.slow
-async def test_transforms_are_the_poses_of_the_arm(tmp_path: Path) -> None:
+async def test_transforms_are_the_poses_of_the_arm(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with Simulator() as sim:
         async with aioduco.connect(sim.host, sim.port, clock=sim.clock) as robot:
             await robot.bring_up()
@@ -131,7 +133,7 @@ async def test_transforms_are_the_poses_of_the_arm(tmp_path: Path) -> None:
                     taken.append(kind)
                     put(kind, *rest)
 
-                recording._writer.put = seen
+                monkeypatch.setattr(recording._writer, "put", seen)
                 with robot.feed.subscribe() as samples:
                     # The flange comes soon after the first samples, not after five seconds.
                     after: list[str] = []
