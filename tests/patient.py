@@ -16,12 +16,15 @@ from typing import TYPE_CHECKING
 import aioduco
 import aioduco.sync
 from aioduco.streaming.realtime import RealtimeStreams
+from aioduco.supervision.state_feed import StateFeed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 #: s that the tests' robots give by default; tests about such a time set it
 PATIENCE = {"heartbeat": 20.0, "loop_stall_limit": 15.0, "call_timeout": 10.0}
+#: s that a sample may be old by default, and the first one may take
+SAMPLE_PATIENCE = 10.0
 #: how streams through the realtime queue are opened then, which else may run dry for 20 ms only
 PATIENT_QUEUE = {"com_lost_time": 0.5, "depth": 100}
 
@@ -39,9 +42,11 @@ def patient_queue() -> Iterator[None]:
 
 
 def be_patient() -> None:
-    """Make these the defaults of both ways to connect."""
+    """Make these the defaults of both ways to connect, and to ask for the newest sample."""
     for connect in (aioduco.connect, aioduco.sync.connect):
         connect.__kwdefaults__ = {**(connect.__kwdefaults__ or {}), **PATIENCE}
+    for latest in (StateFeed.latest, aioduco.sync.Feed.latest):
+        latest.__kwdefaults__ = {"max_age": SAMPLE_PATIENCE}
 
 
 if __name__ == "__main__":

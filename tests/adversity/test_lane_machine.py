@@ -167,9 +167,9 @@ class LaneMachine(RuleBasedStateMachine):
         future.cancel()
         self.doubtful = True
         if not self.pending:
-            eventually(
-                lambda: self.lane.statistics()[3:5:1][0] == 0 == self.lane.statistics().waiting
-            )
+            eventually(self.idle)
+            if not self.refusing:
+                self.proxy.clear()  # of a fault whose call was cancelled before it was sent
 
     def idle(self) -> bool:
         figures = self.lane.statistics()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 import time
 from collections import deque
@@ -133,6 +134,21 @@ async def test_an_old_sample_is_never_returned(bench: Bench) -> None:
             with pytest.raises(aioduco.StaleState, match="does not answer"):
                 await _until_stale(robot, ages)
             assert max(ages, default=0.0) <= 0.3
+
+
+async def test_a_loop_that_is_held_up_is_not_taken_for_a_controller_that_does_not_answer(
+    bench: Bench,
+) -> None:
+    """The answer came while the loop did not run: it is taken when it runs again."""
+    async with aioduco.connect(bench.host, bench.port) as robot:
+        begin = time.monotonic()
+
+        def hold_up() -> None:
+            while time.monotonic() < begin + 1.5:
+                pass
+
+        asyncio.get_running_loop().call_soon(hold_up)
+        assert await robot.feed.latest(max_age=1.0)
 
 
 async def test_subscribers_do_not_hold_each_other_up(robot: aioduco.Robot) -> None:
