@@ -222,7 +222,9 @@ async def test_the_realtime_queue_ends_before_the_wall(
     thread = LaneOptions(lane="thread", timeout=10.0)
     points = [[x, y + 0.0003 * number, *others] for number in range(1, 200)]
     sim.speed = 1.0  # the queue is emptied by the controller's clock
-    stream = robot.realtime.stream("pose", v=(0.3, 1.0), a=(2.0, 4.0), options=thread)
+    stream = robot.realtime.stream(
+        "pose", v=(0.3, 1.0), a=(2.0, 4.0), com_lost_time=0.5, depth=100, options=thread
+    )
     try:
         with pytest.raises(StreamLeavesEnvelope, match="'wall'"):
             await lead(stream, points)
