@@ -115,14 +115,17 @@ class PollSchedule(Generic[K]):
     def asked(self, key: K, now: float, every: float) -> None:
         """`key` was asked: its next due time is `every` after the last, or after now if past.
 
-        A long interval may be shorter by `GRID`.
+        A long interval may be shorter by `GRID`, if that is not past.
         """
         if key in self._due:
             due = self._due[key] + every
             if due <= now:
                 due = now + every
-            # those of other robots then are due at the same moments, and cost one turn of the loop
-            self._due[key] = on_grid(due) if every >= 4 * GRID else due
+            if every >= 4 * GRID and (shared := on_grid(due)) > now:
+                # those of other robots then are due at the same moments, and cost one turn of the
+                # loop
+                due = shared
+            self._due[key] = due
 
 
 #: seconds for one answer about a task
