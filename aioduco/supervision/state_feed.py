@@ -117,8 +117,8 @@ _STATE = ("get_robot_state", "getRobotStatus", "getRobotIOStatus")
 _FORCES = ("get_tcp_force", "get_ext_torque")
 #: seconds between two attempts while nobody answers
 _RETRY_EVERY = 0.1
-#: a wait that took so much longer than it was to take: the loop did not get to run meanwhile
-_HELD_UP = 1.25
+#: seconds by which a wait is late if the loop did not get to run meanwhile
+_HELD_UP = 0.05
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -296,26 +296,33 @@ class StateFeed:
             StaleState: it is older, since the controller does not answer.
         """
         self._begin()
-        while self._lacks_forces or self._latest is None or self._latest.age > max_age:
+        for _ in range(2):
+            if self._fresh(max_age):
+                break
             # One that is due, or the first: it may come within the time that is allowed.
-            began = time.monotonic()
+            until = time.monotonic() + max_age
             with anyio.move_on_after(max_age), self.subscribe() as subscription:
                 while True:
                     sample = await anext(subscription)
                     # One on its way when forces were asked for has none.
                     if sample.read_forces is not None or not self.forces:
                         return sample
-            # A loop that was held up meanwhile could not take what came: that says nothing of the
-            # controller.
-            if time.monotonic() - began < _HELD_UP * max_age:
+            # A loop that was held up meanwhile could not take what came, which says nothing of the
+            # controller: once more.
+            if time.monotonic() < until + _HELD_UP:
                 break
         snapshot = self._latest
-        if snapshot is not None and snapshot.age <= max_age and not self._lacks_forces:
+        if snapshot is not None and self._fresh(max_age):
             return snapshot
         age = "there is none yet" if snapshot is None else f"the newest is {snapshot.age:.2f} s old"
         raise StaleState(
             f"no sample of the state within {max_age:g} s: {age}; the controller does not answer"
         ) from self._error
+
+    def _fresh(self, max_age: float) -> bool:
+        """Whether the newest sample has all that is asked for, and is no older [s]."""
+        newest = self._latest
+        return newest is not None and newest.age <= max_age and not self._lacks_forces
 
     @contextmanager
     def subscribe(

@@ -224,7 +224,7 @@ def install() -> None:
         return
     if "aioduco._platform" in sys.modules:
         raise RuntimeError("the package has seen all of the platform already")
-    socket.socket.share = share  # type: ignore[attr-defined] # of Windows
+    socket.socket.share = share  # type: ignore[attr-defined]  # Windows alone has it
     os.environ.update(_environment())
     builtins.__import__ = _bare_import
     if "asyncio" in sys.modules:

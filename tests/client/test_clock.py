@@ -122,7 +122,7 @@ def test_clocks() -> None:
         with pytest.raises(ValueError, match="above 0 and finite"):
             ScaledClock(speed)
     with pytest.raises(aioduco.ParameterError, match="clock"):
-        aioduco.connect("192.0.2.1", clock="noon")  # type: ignore[arg-type]  # what is tested
+        aioduco.connect("192.0.2.1", clock="noon")  # type: ignore[arg-type]  # the wrong type is the point
 
 
 @pytest.mark.slow

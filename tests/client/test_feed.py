@@ -134,6 +134,9 @@ async def test_an_old_sample_is_never_returned(bench: Bench) -> None:
             with pytest.raises(aioduco.StaleState, match="does not answer"):
                 await _until_stale(robot, ages)
             assert max(ages, default=0.0) <= 0.3
+            for soon in (0.0, 0.001):
+                with pytest.raises(aioduco.StaleState, match="the newest is"):
+                    await robot.feed.latest(max_age=soon)
 
 
 async def test_a_loop_that_is_held_up_is_not_taken_for_a_controller_that_does_not_answer(

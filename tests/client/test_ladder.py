@@ -176,7 +176,7 @@ def test_rungs_are_times_or_none() -> None:
         with pytest.raises(ParameterError, match=f"exit_ladder.{rung} is 0"):
             aioduco.ExitLadder(**{rung: 0})
     with pytest.raises(ParameterError, match="exit_ladder"):
-        aioduco.connect("robot", exit_ladder=5.0)  # type: ignore[arg-type]  # what is tested
+        aioduco.connect("robot", exit_ladder=5.0)  # type: ignore[arg-type]  # the wrong type is the point
 
 
 async def test_each_rung_is_logged(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
