@@ -344,7 +344,7 @@ def test_a_lost_connection_raises_what_the_vendors_class_raises(server: Recordin
 def test_a_lost_answer_is_told_in_last_error(server: RecordingServer) -> None:
     gate = threading.Event()
     server.answer("movej2", lambda *_: gate.wait(30.0) and 4)
-    with DucoCobot(server.host, server.port, timeout=0.05) as robot:
+    with DucoCobot(server.host, server.port, timeout=1.0) as robot:
         with pytest.raises(OutcomeUnknown, match="movej2"):
             robot.movej2(JOINTS, 1.0, 1.0, 0.0, True)
         assert "movej2" in str(robot.last_error)

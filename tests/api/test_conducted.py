@@ -41,9 +41,9 @@ async def test_a_replay_returns_at_its_end(robot: aioduco.Robot, desk: Desk) -> 
 
 
 async def test_a_replay_lasts_longer_than_a_call_may_take(desk: Desk) -> None:
-    desk.motion_time = 0.4
+    desk.motion_time = 1.5
     replays(desk)
-    async with aioduco.connect(desk.host, desk.port, call_timeout=0.1, pool_size=1) as robot:
+    async with aioduco.connect(desk.host, desk.port, call_timeout=1.0, pool_size=1) as robot:
         await robot.motion.replay("track", 50, 0)
         assert not desk.moving()
 

@@ -194,7 +194,7 @@ async def test_an_answer_that_is_lost_stops_the_arm(bench: Bench) -> None:
     bench.motion_time = 30.0
     async with (
         FaultProxy(bench.host, bench.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port, call_timeout=0.3, unanswered_timeout=0.1) as robot,
+        aioduco.connect(proxy.host, proxy.port, call_timeout=1.0, unanswered_timeout=0.1) as robot,
     ):
         proxy.on("movej2", DropReply())
         with pytest.raises(aioduco.OutcomeUnknown, match="movej2 was sent"):
@@ -207,7 +207,7 @@ async def test_a_motion_that_is_served_after_the_stop_is_stopped_too(bench: Benc
     """Its answer was lost, the stop came first, and then the controller began to move."""
     bench.motion_time = 30.0
     start = bench._answers["movej2"]
-    async with aioduco.connect(bench.host, bench.port, call_timeout=0.2) as robot:
+    async with aioduco.connect(bench.host, bench.port, call_timeout=1.0) as robot:
         gate = bench.hold("movej2", start)
         stop = bench._answers["stop"]
 

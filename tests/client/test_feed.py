@@ -125,7 +125,7 @@ async def _until_stale(robot: aioduco.Robot, ages: list[float]) -> None:
 async def test_an_old_sample_is_never_returned(bench: Bench) -> None:
     with FaultProxy(bench.host, bench.port) as proxy:
         async with aioduco.connect(
-            proxy.host, proxy.port, call_timeout=0.2, heartbeat=None
+            proxy.host, proxy.port, call_timeout=1.0, heartbeat=None
         ) as robot:
             await robot.feed.latest()
             for name in ("get_robot_state", "getRobotStatus", "getRobotIOStatus"):
@@ -251,7 +251,7 @@ async def test_events_of_the_state(bench: Bench, robot: aioduco.Robot) -> None:
 async def test_events_of_the_lines(bench: Bench) -> None:
     with FaultProxy(bench.host, bench.port) as proxy:
         async with aioduco.connect(
-            proxy.host, proxy.port, heartbeat=0.3, call_timeout=0.2
+            proxy.host, proxy.port, heartbeat=1.0, call_timeout=1.0
         ) as robot:
             with robot.events.subscribe() as events:
                 await robot.feed.latest()

@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -185,14 +184,12 @@ async def test_a_broken_connection_of_the_guard_is_replaced(bench: Bench) -> Non
 
 async def test_a_hung_loop_has_its_arm_stopped(bench: Bench) -> None:
     async with aioduco.connect(
-        bench.host, bench.port, guard="process", heartbeat=60.0, loop_stall_limit=0.2
+        bench.host, bench.port, guard="process", heartbeat=60.0, loop_stall_limit=2.0
     ) as robot:
         bench.motion_time = 30.0
         task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
         before = stops(bench)
-        began = time.monotonic()
-        while stops(bench) == before:  # the loop does not run
-            assert time.monotonic() - began < 10.0
+        eventually(lambda: stops(bench) > before)  # the loop does not run
         await eventually_async(lambda: state(robot) is HeartbeatState.STALLED)
         with pytest.raises(aioduco.HeartbeatLost):
             await robot.motion.movej2(HOME, v=1.0, a=1.0)

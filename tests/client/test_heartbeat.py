@@ -65,23 +65,23 @@ async def test_a_short_stall_of_the_loop_does_not_stop_the_beat(bench: Bench) ->
         bench.host, bench.port, heartbeat=0.2, loop_stall_limit=20.0
     ) as robot:
         before = beats(bench)
-        eventually(lambda: beats(bench) >= before + 6)  # blocks the event loop meanwhile
-        assert state(robot) is HeartbeatState.BEATING
+        # Blocks the event loop meanwhile. One beat that a busy machine delays is found lost.
+        eventually(lambda: beats(bench) >= before + 6 and state(robot) is HeartbeatState.BEATING)
 
 
 @pytest.mark.slow
 async def test_a_hung_loop_stops_the_beat_until_rearmed(
     bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:
-    limit = 1.0  # a busy machine does not hold up a loop for so long, a loop that hangs is
+    limit = 2.0  # a busy machine does not hold up a loop for so long, a loop that hangs is
     async with aioduco.connect(
-        bench.host, bench.port, heartbeat=0.2, loop_stall_limit=limit
+        bench.host, bench.port, heartbeat=1.5, loop_stall_limit=limit
     ) as robot:
         with caplog.at_level(logging.CRITICAL, "aioduco"):
             eventually(lambda: state(robot) is HeartbeatState.STALLED)  # blocks the event loop
         stalled = beats(bench)
         # The loop runs again, and still there is no beat: several times that between two pass.
-        with anyio.move_on_after(0.3):
+        with anyio.move_on_after(1.5):
             await eventually_async(lambda: beats(bench) > stalled, timeout=5)
         assert beats(bench) == stalled
         with pytest.raises(aioduco.HeartbeatLost, match=r"the event loop hung.*rearm_heartbeat"):
@@ -121,12 +121,12 @@ async def test_a_lost_heartbeat_is_reported_and_comes_back(
 async def test_one_beat_without_an_answer_is_repeated_in_time(bench: Bench) -> None:
     async with (
         FaultProxy(bench.host, bench.port) as proxy,
-        aioduco.connect(proxy.host, proxy.port, heartbeat=0.6) as robot,
+        aioduco.connect(proxy.host, proxy.port, heartbeat=3.0) as robot,
     ):
         await eventually_async(lambda: beats(bench) >= 2)
         proxy.on("rpc_heartbeat", DropReply())
         seen = beats(bench)
-        await eventually_async(lambda: beats(bench) >= seen + 4)
+        await eventually_async(lambda: beats(bench) >= seen + 3)
         figures = robot.heartbeat
         assert figures is not None
         assert figures.state is HeartbeatState.BEATING

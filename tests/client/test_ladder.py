@@ -132,7 +132,7 @@ async def test_a_controller_that_hangs_does_not_hold_the_way_out_for_ever(bench:
     bench.motion_time = 30.0
     async with FaultProxy(bench.host, bench.port) as proxy:
         robot = aioduco.connect(
-            proxy.host, proxy.port, call_timeout=0.3, stop_timeout=0.5, standstill_timeout=0.5
+            proxy.host, proxy.port, call_timeout=1.0, stop_timeout=0.5, standstill_timeout=0.5
         )
         await robot.open()
         await robot.motion.movej2(HOME, v=1.0, a=1.0).start()

@@ -144,7 +144,7 @@ async def test_a_controller_that_is_gone_leaves_no_await_behind(
     bench.motion_time = 30.0
     proxy = FaultProxy(bench.host, bench.port)
     with proxy:
-        robot = aioduco.connect(proxy.host, proxy.port, stop_timeout=0.3, call_timeout=0.3)
+        robot = aioduco.connect(proxy.host, proxy.port, stop_timeout=0.3, call_timeout=1.0)
         await robot.open()
         task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
         proxy.refuse()
@@ -163,7 +163,7 @@ async def test_a_controller_that_stops_answering_leaves_no_await_behind(
     monkeypatch.setattr(poller, "LOST_AFTER", 0.3)
     bench.motion_time = 30.0
     with FaultProxy(bench.host, bench.port) as proxy:
-        robot = aioduco.connect(proxy.host, proxy.port, stop_timeout=0.3, call_timeout=0.3)
+        robot = aioduco.connect(proxy.host, proxy.port, stop_timeout=0.3, call_timeout=1.0)
         await robot.open()
         task = await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
         proxy.freeze()

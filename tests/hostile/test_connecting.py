@@ -85,7 +85,7 @@ async def test_a_heartbeat_without_a_descriptor_is_no_silent_controller(
         made(connection, deadline)
 
     monkeypatch.setattr(Connection, "open", open_)
-    robot = aioduco.connect(bench.host, bench.port, call_timeout=0.5)
+    robot = aioduco.connect(bench.host, bench.port, call_timeout=2.0)
     with pytest.raises(ConnectError, match=r"no file descriptor left .EMFILE") as caught:
         await robot.open()
     assert not isinstance(caught.value, ConnectTimeout)

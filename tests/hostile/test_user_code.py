@@ -195,7 +195,7 @@ async def test_a_hung_loop_has_its_arm_stopped_while_a_handler_blocks(
     handler = Blocking()
     with installed(handler):
         async with aioduco.connect(
-            bench.host, bench.port, heartbeat=60.0, loop_stall_limit=0.3, guard=guard
+            bench.host, bench.port, heartbeat=60.0, loop_stall_limit=2.0, guard=guard
         ) as robot:
             await robot.motion.movej2(HOME, v=1.0, a=1.0).start()
             BackgroundLogger("aioduco.test").critical("the handler blocks from here on")

@@ -251,7 +251,7 @@ async def test_a_program_that_hangs_while_an_array_is_played_stops_the_arm(
 
     async def program() -> None:
         opened = aioduco.connect(
-            sim.host, sim.port, heartbeat=0.3, loop_stall_limit=0.3, lag_limit=None
+            sim.host, sim.port, heartbeat=2.0, loop_stall_limit=2.0, lag_limit=None
         )
         async with opened as robot:
             await robot.recover()
