@@ -169,6 +169,7 @@ class ControlLease:
             return None
         self.phase = LeasePhase.ENDING
         self.holder = None
+        self._ending_motion = self.motion is not None
         return EndLease(reason)
 
     # -- what its page does ----------------------------------------------------------------------

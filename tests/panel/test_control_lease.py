@@ -159,6 +159,14 @@ def test_a_stop_ends_what_is_held_and_nothing_starts_until_it_is_through() -> No
     assert made.press(1, JOG, 0.0, 0.0) == BeginMotion(JOG)
 
 
+def test_the_end_of_a_lease_is_the_end_of_its_motion_which_is_told_once() -> None:
+    made = commanded()
+    made.press(1, JOG, 0.0, 0.0)
+    assert isinstance(made.give_back(1), EndLease)
+    assert made.due(60.0) is None
+    assert made.stop() is None
+
+
 class Pages(RuleBasedStateMachine):
     """Three pages, the arm and the time, in any order: what is moved is always someone's."""
 
