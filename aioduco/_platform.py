@@ -187,7 +187,7 @@ def go_first_by_moments(longest: float, given_back: Callable[[], object]) -> boo
         return False
 
     def give_back(*_: object) -> None:
-        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        go_with_all()
         given_back()
 
     _, most = resource.getrlimit(watched)
@@ -199,6 +199,11 @@ def go_first_by_moments(longest: float, given_back: Callable[[], object]) -> boo
     except (OSError, ValueError):
         return False
     return set_first(1)
+
+
+def go_with_all() -> None:
+    """Have the calling thread run as all others do that have no priority."""
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
 
 
 def _allowed(name: str, request: Callable[[], Any]) -> bool:

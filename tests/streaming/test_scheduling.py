@@ -13,6 +13,7 @@ import pytest
 from aioduco import LaneOptions
 from aioduco._platform import set_first
 from aioduco.scheduling import shorten_slice
+from aioduco.streaming.worker.clock import ProcessorShare
 from aioduco.testing import eventually_async
 
 from .conftest import HERE
@@ -79,15 +80,46 @@ def test_who_goes_first_and_does_not_wait_goes_like_all_others_again() -> None:
 
 
 async def test_a_lane_that_is_woken_late_goes_first_by_itself(controller: Controller) -> None:
-    """At ten thousand a second each wake-up of the system's is late, sooner or later."""
+    """By 62 µs, at this rate: each system wakes somebody so late, sooner or later."""
     if not allowed():
         pytest.skip("no permission for a policy of real time")
-    async with controller.servo.joints(v=1.0, a=5.0, rate=10_000.0) as stream:
+    async with controller.servo.joints(v=1.0, a=5.0, rate=4_000.0) as stream:
         await stream.send(HERE)
-        await eventually_async(lambda: stream.statistics().priority == 1)
-        assert stream.pid is not None
-        assert os.sched_getscheduler(stream.pid) == os.SCHED_FIFO
+        pid = stream.pid
+        assert pid is not None
+        await eventually_async(
+            lambda: (stream.statistics().priority, os.sched_getscheduler(pid)) == (1, os.SCHED_FIFO)
+        )
     assert not stream.statistics().unmet
+
+
+@pytest.mark.linux("policies of the scheduler")
+async def test_a_lane_that_hardly_waits_leaves_the_processor_to_the_program(
+    controller: Controller,
+) -> None:
+    """It waits, if only for moments: the system does not find that it works without a wait."""
+    before = os.sched_getaffinity(0)
+    async with controller.servo.joints(v=1.0, a=5.0, rate=50_000.0) as stream:
+        assert stream.pid is not None
+        # on one processor, as in a small container: the loop runs, and the stream goes on
+        one = {min(before)}
+        os.sched_setaffinity(stream.pid, one)
+        os.sched_setaffinity(0, one)
+        try:
+            await stream.send(HERE)
+            await eventually_async(lambda: stream.statistics().ticks > 15_000)
+        finally:
+            os.sched_setaffinity(0, before)
+    assert stream.statistics().priority == 0
+
+
+def test_a_share_of_a_processor_is_judged_over_a_while() -> None:
+    share = ProcessorShare(0, 0)
+    assert not share.exceeded(99_999_999, lambda: 99_999_999)
+    assert not share.exceeded(100_000_000, lambda: 50_000_000)
+    assert not share.exceeded(150_000_000, lambda: 100_000_000)
+    assert share.exceeded(200_000_000, lambda: 100_000_001)
+    assert not share.exceeded(300_000_000, lambda: 100_000_002)
 
 
 @pytest.mark.parametrize(

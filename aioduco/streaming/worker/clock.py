@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Schedule", "sharpen_sleep", "sleep_until"]
+__all__ = ["ProcessorShare", "Schedule", "sharpen_sleep", "sleep_until"]
 
 
 class Schedule:
@@ -50,6 +50,38 @@ class Schedule:
         self.due += skipped * self.period
         self.missed += skipped
         return skipped
+
+
+class ProcessorShare:
+    """Whether a thread uses more than half of a processor, tenth of a second by tenth. Pure.
+
+    Args:
+        now: the time [ns].
+        used: processor time that the thread has used [ns].
+    """
+
+    __slots__ = ("_since", "_used")
+
+    #: how long it is watched before it is judged [ns]
+    OVER: Final = 100_000_000
+
+    def __init__(self, now: int, used: int) -> None:
+        self._since = now
+        self._used = used
+
+    def exceeded(self, now: int, used: Callable[[], int]) -> bool:
+        """Whether it did in the time that ends now, if that is long enough to judge.
+
+        Args:
+            now: the time [ns].
+            used: gives the processor time that the thread has used [ns].
+        """
+        if now - self._since < self.OVER:
+            return False
+        total = used()
+        most = (now - self._since) // 2
+        spent, self._since, self._used = total - self._used, now, total
+        return spent > most
 
 
 def sleep_until(

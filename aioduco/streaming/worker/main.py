@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 from aioduco._platform import (
     ending_signals,
     go_first_by_moments,
+    go_with_all,
     goes_first,
     handed_socket,
     readiness,
@@ -37,7 +38,7 @@ from aioduco.streaming.shared.block import Block, ControlWord, StatusWord, Strea
 from aioduco.streaming.shared.config import Calls, PoolDrive, QueueDrive
 from aioduco.streaming.shared.state import Reason, StreamState
 from aioduco.streaming.worker.buffered import RealtimeQueueDriver, TrackPoolDriver
-from aioduco.streaming.worker.clock import Schedule, sharpen_sleep, sleep_until
+from aioduco.streaming.worker.clock import ProcessorShare, Schedule, sharpen_sleep, sleep_until
 from aioduco.streaming.worker.drivers import CallDriver, Driver, ProbeDriver
 from aioduco.streaming.worker.outlast import outlast
 
@@ -87,6 +88,8 @@ class StreamWorker:
         self._link.setblocking(False)
         self._readable = readiness(link)
         self._looked = self._reported = 0
+        #: of a worker that went first by itself
+        self._share: ProcessorShare | None = None
         self._told: object = None
         self._driver: Driver | None = None
         self._terminated = False
@@ -248,7 +251,7 @@ class StreamWorker:
             status[StatusWord.MISSED] = schedule.missed
 
     def _go_first(self) -> None:
-        """Run before all that have no priority, for as long as the work of a tick is a moment's."""
+        """Run before all that have no priority, while a tick is a moment's and mostly waits."""
         status = self._block.status
 
         def given_back() -> None:
@@ -256,6 +259,7 @@ class StreamWorker:
 
         if go_first_by_moments(_LONGEST, given_back):
             status[StatusWord.PRIORITY] = goes_first()
+            self._share = ProcessorShare(time.monotonic_ns(), time.thread_time_ns())
 
     def _obey(self, driver: Driver, now: int) -> None:
         """Do what the program wants, and see whether it lives."""
@@ -269,6 +273,11 @@ class StreamWorker:
         if now - self._looked < _LOOK:
             return
         self._looked = now
+        if self._share is not None and self._share.exceeded(now, time.thread_time_ns):
+            # Waits of moments between much work: the program, on the same processor, gets nothing.
+            self._share = None
+            go_with_all()
+            self._block.status[StatusWord.PRIORITY] = 0
         if self._terminated:
             driver.brake(Reason.FAILED)
             self._block.text = "the lane's process was told to end by a signal"
