@@ -59,7 +59,8 @@ class LaneOptions(WorkerSettings):
         cpus: processors that the worker may use; none given: all.
         priority: priority under SCHED_FIFO, 1 to 99, if the system allows it; 0: none. None: a
             worker with a process of its own takes the lowest by itself, where the system allows it,
-            once it is woken late; it loses it if it ever works for 50 ms without a wait.
+            once it is woken late; it loses it if it ever works for 50 ms without a wait, or uses
+            more than half of a processor.
         spin: how long before each tick to watch the clock instead of sleeping [s]. It costs
             that share of a processor and takes the system's wake-up time out of the lateness.
         timeout: most time for one answer of the controller [s].
