@@ -119,7 +119,7 @@ async def by_loop(found: Lateness, port: int, seconds: float) -> None:
 
 async def pacing(port: int, busy: bool, quick: bool) -> dict[str, dict[str, Any]]:
     """One set-point each millisecond; the alternatives take turns."""
-    slices, seconds = (1, 1.5) if quick else (6, 10.0)
+    slices, seconds = (1, 1.5) if quick else (6, 3.0)
     runs: dict[str, Callable[[Lateness], Awaitable[None]]] = {
         kind: functools.partial(by_lane, kind=kind, port=port, seconds=seconds) for kind in LANES
     }

@@ -60,7 +60,7 @@ async def queue_by_loop(port: int, seconds: float, stall: bool) -> None:
 
 async def starvation(port: int, busy: bool, stall: bool, quick: bool) -> dict[str, dict[str, Any]]:
     """A point each millisecond through the queue, under load; the controller's side of it."""
-    slices, seconds = (1, 2.0) if quick else (6, 10.0)
+    slices, seconds = (1, 2.0) if quick else (6, 2.0)
     runs: dict[str, Callable[[], Awaitable[object]]] = {
         "process": functools.partial(queue_by_lane, "process", port, seconds, stall),
         "urgent": functools.partial(queue_by_lane, "urgent", port, seconds, stall),

@@ -107,7 +107,7 @@ async def killed(robot: aioduco.Robot, port: int) -> dict[str, Any]:
 
 async def simulated(quick: bool) -> dict[str, dict[str, Any]]:
     """Against a simulated arm in a process of its own."""
-    seconds = 2.0 if quick else 60.0
+    seconds = 2.0 if quick else 20.0
     # The stall is meant, so nobody needs to be warned of it.
     async with Simulator.spawn() as sim, aioduco.connect(HOST, sim.port, lag_limit=None) as robot:
         await robot.bring_up()
