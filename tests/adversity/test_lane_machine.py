@@ -109,6 +109,8 @@ class LaneMachine(RuleBasedStateMachine):
                 future.cancel()
             if hasattr(self, "lane"):
                 self.portal.call(self.lane.aclose)
+                # One that the proxy has yet to accept is not cut: without a fault it ends by itself.
+                self.proxy.clear()
                 self.proxy.cut()
                 eventually(lambda: self.proxy.statistics().open == self.server.connections == 0)
             self.book.check(self.server)
