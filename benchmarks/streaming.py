@@ -6,7 +6,7 @@ All alternatives stream to the same server process and take turns in slices, so 
 else the machine does meets them all.
 
     process     a lane in a process of its own, the default
-    without priority  the same, but that it never goes first, as `process` does once it is woken late
+    without priority  the same, but that it never goes first, as `process` does once it wakes late
     urgent      the same under SCHED_FIFO from the start, where the system allows it
     thread      the same lane in a thread of the program
     loop        no lane: a task of the program's event loop sleeps to each tick and awaits the call

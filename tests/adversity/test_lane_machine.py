@@ -109,7 +109,7 @@ class LaneMachine(RuleBasedStateMachine):
                 future.cancel()
             if hasattr(self, "lane"):
                 self.portal.call(self.lane.aclose)
-                # One that the proxy has yet to accept is not cut: without a fault it ends by itself.
+                # One that the proxy has yet to accept is not cut: without a fault it ends alone.
                 self.proxy.clear()
                 self.proxy.cut()
                 eventually(lambda: self.proxy.statistics().open == self.server.connections == 0)
