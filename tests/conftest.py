@@ -134,7 +134,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         kept, left = quick.divided(items)
     if left:
         config.hook.pytest_deselected(items=left)
-    items[:] = quick.slow_first(kept)
+    items[:] = quick.slow_first(kept, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
 
 
 def pytest_collection_finish() -> None:
@@ -172,8 +172,11 @@ def _guard_refused(error: BaseException) -> str:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """`-n auto`: more than the processors, since most tests wait for an arm or an answer."""
-    return quick.processors() + 2
+    """`-n auto`: more than the processors, since most tests wait for an arm or an answer.
+
+    Each process collects all tests, so the quick run takes fewer of them.
+    """
+    return quick.processors() + (4 if config.getoption("thorough") else 2)
 
 
 @pytest.fixture(scope="session")

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
 
 import pytest
-from quick import CASES, beyond, divided, examples, spread, spread_cases
+from quick import CASES, beyond, divided, examples, slow_first, spread, spread_cases
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -56,6 +56,28 @@ def test_each_test_is_there_with_a_few_of_its_cases_and_in_order() -> None:
     first = ids(spread(dear, CASES["streaming/"]))
     assert ids(kept)[: len(first) + 1] == [*first, alone[0].nodeid]
     assert sorted(ids(kept) + ids(left)) == sorted(ids([*dear, *alone, *cheap, *marked]))
+
+
+@pytest.mark.parametrize(
+    ("slow", "quick", "processes"), [(7, 30, 3), (9, 2, 4), (0, 5, 2), (3, 8, 1)]
+)
+def test_each_process_begins_with_tests_that_take_long(
+    slow: int, quick: int, processes: int
+) -> None:
+    long = items("tests/sim/t.py::long", slow, slow=True)
+    given = [*items("tests/sim/t.py::t", quick), *long]
+    ordered = slow_first(given, processes)
+    assert sorted(ids(ordered)) == sorted(ids(given))
+    begin, began = 0, 0
+    for process in range(processes):
+        part = ordered[begin : begin + (len(given) - begin) // (processes - process)]
+        firsts = [item in long for item in part]
+        # those that take long come first, and each process has a like number of them
+        assert firsts == sorted(firsts, reverse=True)
+        began += sum(firsts)
+        begin += len(part)
+        assert abs(sum(firsts) - slow / processes) < 1
+    assert began == slow
 
 
 def test_a_slow_test_is_left_out_and_has_a_case_all_the_same() -> None:
