@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 PATIENCE = {"heartbeat": 20.0, "loop_stall_limit": 15.0, "call_timeout": 10.0}
 #: s that a sample may be old by default, and the first one may take
 SAMPLE_PATIENCE = 10.0
+#: s that a stream's controller may take for an answer by default
+ANSWER_PATIENCE = 10.0
 #: how streams through the realtime queue are opened then, which else may run dry for 20 ms only
 PATIENT_QUEUE = {"com_lost_time": 0.5, "depth": 100}
 
@@ -42,9 +44,11 @@ def patient_queue() -> Iterator[None]:
 
 
 def be_patient() -> None:
-    """Make these the defaults of both ways to connect, and to ask for the newest sample."""
+    """Make these the defaults of both ways to connect, of streams and of the newest sample."""
     for connect in (aioduco.connect, aioduco.sync.connect):
         connect.__kwdefaults__ = {**(connect.__kwdefaults__ or {}), **PATIENCE}
+    options = aioduco.LaneOptions.__init__
+    options.__kwdefaults__ = {**(options.__kwdefaults__ or {}), "timeout": ANSWER_PATIENCE}
     for latest in (StateFeed.latest, aioduco.sync.Feed.latest):
         latest.__kwdefaults__ = {"max_age": SAMPLE_PATIENCE}
 
