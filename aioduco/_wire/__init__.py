@@ -1,1 +1,1 @@
-"""The wire: only this folder and the simulator's server import Thrift."""
+"""The wire protocol: only this folder and the simulator's server import Thrift."""

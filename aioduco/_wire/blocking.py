@@ -1,4 +1,4 @@
-"""Calls that a thread or a signal handler waits for, without a lock and without an event loop."""
+"""Calls that block a thread or a signal handler, without a lock and without an event loop."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ _SECOND_STOP_AFTER: Final = 0.1
 class BlockingCalls:
     """The blocking calls of one lane.
 
-    A call takes a connection of the lane if one is free, else one of its own: it never waits
-    behind another call.
+    A call takes a connection of the lane if one is free. Otherwise it opens a connection of its
+    own, so it never waits behind another call.
 
     Args:
         pool: the lane's threads.
-        connections: where a connection of its own comes from.
+        connections: factory that makes a connection for one call.
 
     Attributes:
-        released: called on the thread that has become free again.
+        released: callback that a worker's thread calls when it is free again.
     """
 
     def __init__(self, pool: WorkerPool[Worker, Any], connections: ConnectionFactory) -> None:
@@ -41,12 +41,12 @@ class BlockingCalls:
         self.released: Callable[[], None] = _no_waiter
 
     def call(self, function: Function, arguments: bytes, deadline: float | None) -> Any:
-        """Call a function of the wire and block until its answer is there.
+        """Call a function of the wire and block until its answer has arrived.
 
         Args:
             function: the function.
             arguments: its encoded arguments.
-            deadline: time of `time.monotonic()` by which the answer must be there, or None.
+            deadline: time of `time.monotonic()` by which the answer must have arrived, or None.
         """
         call = BlockingCall(function, arguments, deadline, self.released)
         workers = tuple(self._pool.workers)
@@ -76,7 +76,7 @@ class BlockingCalls:
         return call.outcome()
 
     def _stop_surely(self, call: BlockingCall, function: Function) -> Any:
-        """Wait for a stop that is under way. If it hangs, send a second one."""
+        """Wait for a stop that is under way. If it hangs, send a second stop."""
         if call.wait(_SECOND_STOP_AFTER):
             return call.outcome()
         try:
@@ -89,7 +89,7 @@ class BlockingCalls:
     def _on_own_connection(
         self, function: Function, arguments: bytes, deadline: float | None
     ) -> Any:
-        """Call on a connection of the calling thread's own."""
+        """Call on a new connection that the calling thread opens and closes."""
         connection = self._connections.make()
         try:
             connection.open(deadline)
@@ -99,4 +99,4 @@ class BlockingCalls:
 
 
 def _no_waiter() -> None:
-    """No call waits before the lane is open."""
+    """Do nothing: before the lane is open, no call waits."""

@@ -1,4 +1,4 @@
-"""Calls to bytes and replies to values: thriftpy2's strict binary protocol, without I/O."""
+"""Encode calls and decode replies: thriftpy2's strict binary protocol, without I/O."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from aioduco._wire.idl import Function
 
-#: thriftpy2 ships types of half of its functions
+#: thriftpy2 has type hints for half of its functions only
 _protocol: Any = TCyBinaryProtocol
 
 _CALL: Final = b"\x80\x01\x00\x01"
@@ -31,7 +31,7 @@ _NOTHING: Final = b"\0"
 
 _sequence = struct.Struct("!i").pack
 
-#: sequence ids run from 1 to here and begin again
+#: largest sequence id; the next one is 1 again
 LAST_SEQUENCE: Final = 0x7FFFFFFF
 
 
@@ -43,7 +43,7 @@ def encode(function: Function, args: tuple[Any, ...]) -> bytes:
         args: one value per parameter.
 
     Returns:
-        The argument struct as it stands in the message.
+        The argument struct, as in the message.
 
     Raises:
         ParameterError: a value does not fit the type of its parameter.
@@ -63,7 +63,7 @@ def encode(function: Function, args: tuple[Any, ...]) -> bytes:
             check(value)
     except TypeMismatch as exc:
         raise ParameterError(f"{parameter}{exc.path}", exc.value, exc.expected) from None
-    # a buffer of its own: a signal handler may encode a stop in the middle of another call
+    # a new buffer for each call: a signal handler may encode a stop in the middle of another call
     buffer = TCyMemoryBuffer()
     try:
         _protocol(buffer).write_struct(function.args(*args))
@@ -76,19 +76,19 @@ def encode(function: Function, args: tuple[Any, ...]) -> bytes:
 
 
 def message(function: Function, sequence: int, arguments: bytes) -> bytes:
-    """The whole message of a call, from its encoded arguments."""
+    """Make the whole message of a call from its encoded arguments."""
     return _CALL + function.head + _sequence(sequence) + arguments
 
 
 def decode_arguments(function: Function, body: bytes) -> dict[str, Any]:
-    """Decode the arguments of a call, as who stands between a client and a controller sees them.
+    """Decode the arguments of a call, for a program between a client and a controller.
 
     Args:
         function: the function of the wire.
-        body: the argument struct as it stands in the message, found whole before.
+        body: the argument struct of the message, which must be complete.
 
     Returns:
-        By parameter what came; a parameter that did not come is left out.
+        The received values by parameter; a parameter that was not sent is left out.
     """
     args = function.args()
     _protocol(TCyMemoryBuffer(body)).read_struct(args)
@@ -97,13 +97,13 @@ def decode_arguments(function: Function, body: bytes) -> dict[str, Any]:
 
 
 class ReplyReader:
-    """Takes the bytes of the reply to one call, checks that they are, and decodes them.
+    """Checks that bytes are the reply to one call, and decodes them.
 
-    The reply must name the function and carry the sequence id of the call: thriftpy2 checks
-    neither, so after a time-out its next call returns the answer to the one before.
+    The reply must have the function's name and the sequence id of the call. thriftpy2 checks
+    neither, so after a time-out its next call returns the answer to the previous call.
     """
 
-    #: how many calls it answers
+    #: number of calls whose replies it reads
     count: Final = 1
 
     __slots__ = (
@@ -123,22 +123,22 @@ class ReplyReader:
         self._sequence = _sequence(sequence)
         self._scanner: StructScanner | None = None
         self._start = 0
-        #: the length of a reply that need not be measured, and what reads it
+        #: length of a reply of a known layout, and the function that reads it
         self._known = 0
         self._read: Callable[[bytes | bytearray, int], Any] | None = None
-        #: whether the controller answered by an application error
+        #: whether the controller answered with an application error
         self.failed = False
 
     @property
     def length(self) -> int:
-        """How many bytes the reply has, once it is whole."""
+        """Number of bytes of the reply, once it is complete."""
         return self._scanner.position if self._scanner is not None else self._known
 
     def whole(self, data: bytes | bytearray) -> bool:
-        """Whether these bytes, from the message's begin on, hold the whole reply.
+        """Whether these bytes, from the start of the message on, contain the whole reply.
 
         Raises:
-            Malformed: they are no reply to this call.
+            Malformed: the bytes are not a reply to this call.
         """
         if self._scanner is None:
             if self._is_known(data):
@@ -157,7 +157,7 @@ class ReplyReader:
             return self._scanner.whole(data)
 
     def take(self, data: bytes | bytearray) -> bool:
-        """As `whole`, where the replies to further calls may stand behind it."""
+        """Like `whole`, for bytes in which the replies to further calls may follow."""
         start = 8 + len(self._function.head)
         if self._scanner is None and data.startswith(_REPLY + self._function.head + self._sequence):
             found = self._function.layouts.find_first(data[start:])
@@ -168,7 +168,7 @@ class ReplyReader:
         return self.whole(data)
 
     def _is_known(self, data: bytes | bytearray) -> bool:
-        """Whether this is a whole reply to this call of a layout that was met before."""
+        """Whether this is a whole reply to this call, with a layout that was received before."""
         head = _REPLY + self._function.head + self._sequence
         start = len(head)
         if not data.startswith(head):
@@ -192,7 +192,7 @@ class ReplyReader:
             raise Malformed(
                 f"the bytes {bytes(data[:32])!r} begin no reply of Thrift's strict binary protocol"
             )
-        # compared as far as the bytes have come, so that a wrong one is not waited for
+        # compare as many bytes as have arrived: do not wait for the rest of a wrong reply
         name = bytes(data[4 : 4 + len(head)])
         if not head.startswith(name):
             raise Malformed(f"a reply to another function: {bytes(data[8:48])!r}")
@@ -208,7 +208,7 @@ class ReplyReader:
         """Decode the whole reply.
 
         Raises:
-            ControllerError: the controller answered by an application error.
+            ControllerError: the controller answered with an application error.
             UnknownFunction: the controller does not have the function.
         """
         if self._read is not None:
@@ -239,12 +239,12 @@ class ReplyReader:
 
 
 class ReadResult(NamedTuple):
-    """What one of several questions came to.
+    """Result of one of several calls that were sent in one batch.
 
     Attributes:
         value: the result; None if there is an error.
-        error: what the controller answered instead.
-        at: when the answer was there, by `time.monotonic()`.
+        error: the error with which the controller answered; None if there is a result.
+        at: time of `time.monotonic()` at which the answer had arrived.
     """
 
     value: Any
@@ -252,10 +252,10 @@ class ReadResult(NamedTuple):
     at: float
 
     def get(self) -> Any:
-        """The result.
+        """Return the result.
 
         Raises:
-            ControllerError: the controller answered by an error.
+            ControllerError: the controller answered with an error.
         """
         if self.error is not None:
             raise self.error
@@ -263,11 +263,11 @@ class ReadResult(NamedTuple):
 
 
 class RepliesReader:
-    """Takes the bytes of the replies to several calls that were sent in a row, as `ReplyReader`.
+    """Reads the replies to several calls that were sent in one batch, like `ReplyReader`.
 
     Args:
-        readers: of each of the replies, in the order of the calls.
-        clock: the time [s].
+        readers: one reader for each reply, in the order of the calls.
+        clock: function that returns the time [s].
     """
 
     __slots__ = ("_clock", "_readers", "_results", "count", "length")
@@ -277,14 +277,14 @@ class RepliesReader:
         self._clock = clock
         self._results: list[ReadResult] = []
         self.count: Final = len(readers)
-        #: how many bytes the replies that came have together
+        #: number of bytes of all replies that have arrived
         self.length = 0
 
     def whole(self, data: bytes | bytearray) -> bool:
-        """Whether these bytes, from the first message's begin on, hold all of the replies.
+        """Whether these bytes, from the start of the first message on, contain all replies.
 
         Raises:
-            Malformed: they are no replies to these calls.
+            Malformed: the bytes are not the replies to these calls.
         """
         for reader in self._readers[len(self._results) :]:
             rest = data[self.length :]
@@ -294,19 +294,19 @@ class RepliesReader:
             try:
                 value = reader.value(rest)
             except ControllerError as exc:
-                # its traceback would refer to this reader: a reference cycle
+                # without the traceback: it refers to this reader, which makes a reference cycle
                 error = exc.with_traceback(None)
             self._results.append(ReadResult(value, error, self._clock()))
             self.length += reader.length
         return True
 
     def value(self, _data: bytes | bytearray) -> list[ReadResult]:
-        """What came of each of the calls, in their order."""
+        """The results of the calls, in their order."""
         return self._results
 
 
 def _text(value: Any) -> Any:
-    """Text that is not UTF-8, which thriftpy2 leaves as bytes, made readable at any depth."""
+    """Make text readable that is not UTF-8 (thriftpy2 returns it as bytes), at any depth."""
     if isinstance(value, bytes):
         return value.decode("utf-8", "backslashreplace")
     if isinstance(value, list):

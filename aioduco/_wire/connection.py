@@ -31,7 +31,7 @@ from aioduco.errors import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-#: time limit of calls through `Connection.rpc`, in seconds
+#: seconds within which a call through `Connection.rpc` must be answered
 _CALL_TIMEOUT: Final = 2.0
 
 
@@ -39,10 +39,10 @@ class ConnectionStatistics(NamedTuple):
     """Figures of one connection.
 
     Attributes:
-        calls: calls that were begun.
-        answered: calls whose answer came, application errors included.
-        bytes_sent: bytes handed to the system.
-        bytes_received: bytes of whole answers.
+        calls: number of calls that were started.
+        answered: number of calls that were answered, application errors included.
+        bytes_sent: number of bytes passed to the operating system.
+        bytes_received: number of bytes of complete answers.
     """
 
     calls: int
@@ -54,18 +54,18 @@ class ConnectionStatistics(NamedTuple):
 class Connection:
     """One TCP connection, owned by the thread that opened it or took it over (manual 1.5.1).
 
-    Guarantees: a value is returned only if it is the answer to this very call, by function and
-    sequence id. After any other end of a call the connection is POISONED: its socket is
-    closed, and no later call can meet a late answer. Only `abandon` and `send_ahead` may be called
-    from other threads, and from signal handlers.
+    Guarantees: a value is returned only if it is the answer to the present call, by function and
+    sequence id. If a call ends in any other way, the connection is POISONED: its socket is closed,
+    so that no later call can receive a late answer. Other threads and signal handlers may use only
+    `abandon`, `send_ahead`, `undelivered` and, while no call is under way, `close`.
 
     Args:
         host: name or address of the controller.
         port: its TCP port.
-        connect_timeout: most seconds that `open` takes, over all addresses of the host. Only the
-            resolution of a name takes as long as the system lets it.
-        keeps_overdue: whether a command whose answer is late, although all of it was delivered,
-            leaves the connection open for `late_answer`. It carries no other call either way.
+        connect_timeout: seconds within which `open` must connect, for all addresses of the host
+            together. The resolution of the name is not limited: its time depends on the system.
+        keeps_overdue: whether the connection stays open for `late_answer` if a command was
+            delivered completely, but its answer is late. It carries no other call in either case.
     """
 
     def __init__(
@@ -76,19 +76,19 @@ class Connection:
         self.connect_timeout = connect_timeout
         self._keeps_overdue = keeps_overdue
         self._life = Lifecycle()
-        # Reentrant: a signal handler may abandon the connection whose state its own thread is
-        # just changing. Guards the state and the closing of the socket, so that `abandon` never
-        # shuts a socket down whose number belongs to another file by then.
+        # Reentrant: a signal handler may abandon the connection while the interrupted code of the
+        # same thread changes its state. The lock protects the state and the closing of the socket:
+        # `abandon` must never shut down a descriptor that the system has reused for another file.
         self._guard = threading.RLock()
         self._stream: DeadlineSocket | None = None
-        #: the stream on which an answer is overdue that may still come
+        #: the stream on which a late answer may still arrive
         self._overdue: DeadlineSocket | None = None
         self._owner: int | None = None
-        # Begun anywhere: a stray or forged answer must not fit by chance, as one with a low
-        # number would on most connections.
-        # Of the system: the program's own random numbers stay as it has seeded them.
+        # A random first number: a stray or forged answer with a low number would fit on most
+        # connections. From the system's generator, so that the seeded generator of the program
+        # is not changed.
         self._sequence = int.from_bytes(os.urandom(4)) % codec.LAST_SEQUENCE
-        #: the answer to a call that was sent before its owner came to it
+        #: reader for the answer to a call that `send_ahead` has sent
         self._ahead: codec.ReplyReader | codec.RepliesReader | None = None
         self._calls = 0
         self._answered = 0
@@ -109,12 +109,12 @@ class Connection:
 
     @property
     def progress(self) -> Progress:
-        """How far the last call came."""
+        """Progress of the last call."""
         return self._life.progress
 
     @property
     def reason(self) -> str:
-        """Why the connection is not used any more; empty while it is."""
+        """Why the connection is no longer used; empty while it is in use."""
         return self._life.reason
 
     def statistics(self) -> ConnectionStatistics:
@@ -132,14 +132,14 @@ class Connection:
         if getattr(self, "_stream", None) is not None:
             unclosed = f"unclosed {self!r}"
             self.close()
-            # last: where warnings are errors, it raises
+            # last, since it raises if warnings are turned into errors
             warnings.warn(unclosed, ResourceWarning, source=self, stacklevel=2)
 
     def open(self, deadline: float | None = None) -> None:
         """Connect; the calling thread becomes the owner.
 
         Args:
-            deadline: time of `time.monotonic()` by which it must have happened, if that is
+            deadline: time of `time.monotonic()` by which the connection must be open, if that is
                 sooner than the connection's own limit.
 
         Raises:
@@ -157,7 +157,7 @@ class Connection:
         if not is_host(self.host):
             self._end("its host is no name and no address")
             raise ConnectError(self.host, self.port, f"the host must be {HOST_RULE}")
-        # the name is resolved anew each time: the address may have changed with the controller
+        # resolve the name each time: a replaced controller may have another address
         try:
             found = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)
         except (OSError, UnicodeError) as exc:
@@ -171,8 +171,8 @@ class Connection:
             try:
                 stream = DeadlineSocket(family, type_, protocol)
                 with self._guard:
-                    # an abandon that came before finds no stream to shut down, but is seen below;
-                    # one that comes later ends the handshake
+                    # An `abandon` before this line found no stream to shut down; the state below
+                    # shows it. A later `abandon` ends the handshake.
                     self._stream = stream
                     if self._life.state is not ConnectionState.NEW:
                         break
@@ -202,7 +202,7 @@ class Connection:
 
     @property
     def rpc(self) -> RpcClient:
-        """The functions of the wire, each within two seconds."""
+        """The functions of the wire, each with a time limit of two seconds."""
         return RpcClient(lambda name, args: self.call(name, args, _CALL_TIMEOUT))
 
     def call(self, name: str, args: tuple[Any, ...], timeout: float | None) -> Any:
@@ -211,25 +211,26 @@ class Connection:
         Args:
             name: the function.
             args: one value per parameter.
-            timeout: most seconds for the whole call, however slowly bytes come; None: no limit.
+            timeout: seconds within which the whole call must end, even if bytes arrive slowly;
+                None: no limit.
 
         Returns:
             The result; None for a function without one.
 
         Raises:
-            ParameterError: a value cannot be sent; nothing was, and the connection is usable.
-            ControllerError: the controller answered by an error; the connection is usable.
+            ParameterError: a value cannot be sent; nothing was sent, and the connection is usable.
+            ControllerError: the controller answered with an error; the connection is usable.
             ConnectionLost: nothing was sent, or a function that only reads was not answered.
             CallTimeout: a function that only reads was not answered in time.
-            ProtocolError: a function that only reads was answered by something else.
-            OutcomeUnknown: a command was sent and its answer did not come.
+            ProtocolError: the bytes that came for a function that only reads are not its answer.
+            OutcomeUnknown: a command was sent and not answered.
         """
         deadline = None if timeout is None else time.monotonic() + timeout
         function = idl.functions()[name]
         return self.exchange(function, codec.encode(function, args), deadline)
 
     def hand_over(self) -> None:
-        """The calling thread becomes the owner; no call may be under way, nor begun elsewhere."""
+        """Make the calling thread the owner; no call may be under way or start meanwhile."""
         self._owner = threading.get_ident()
 
     def exchange(
@@ -244,15 +245,15 @@ class Connection:
 
         Args:
             function: the function of the wire.
-            arguments: what `codec.encode` made of the arguments.
-            deadline: time of `time.monotonic()` by which the answer must be whole.
-            meanwhile: called once the call is sent: work to be done while the controller does
-                its own.
-            further: functions that only read, with their encoded arguments, that are sent right
-                behind it: the controller answers one after the other.
+            arguments: the encoded arguments, from `codec.encode`.
+            deadline: time of `time.monotonic()` by which the answer must be complete.
+            meanwhile: callback that is called after the call was sent, while the controller
+                works.
+            further: functions that only read, with their encoded arguments. They are sent right
+                after the call; the controller answers all in their order.
 
         Returns:
-            The result, as `call` does; with further ones a list of `codec.ReadResult`.
+            The result, as for `call`; with `further`, a list of `codec.ReadResult`.
         """
         if threading.get_ident() != self._owner:
             raise RuntimeError(f"{self!r} belongs to the thread that opened it")
@@ -280,11 +281,11 @@ class Connection:
             raise raised from exc
         with self._guard:
             if not self._life.complete():
-                # abandoned while the last bytes came: the caller already has an error
+                # abandoned while the last bytes arrived: the caller already has an error
                 raise self._failure(function, Ended())
         self._answered += reply.count
         if len(data) > reply.length:
-            # this answer is valid, but the bytes behind it belong to no call
+            # this answer is valid, but the bytes after it belong to no call
             self._end("bytes came behind an answer")
         if isinstance(value, ControllerError):
             raise value
@@ -297,14 +298,14 @@ class Connection:
         deadline: float | None,
         further: Sequence[tuple[idl.Function, bytes]] = (),
     ) -> bool:
-        """Send a call before its owner's thread gets to run, from any thread; never waits.
+        """Send a call before the owner's thread runs, from any thread; never waits.
 
         The caller must hold the claim to the next call. The owner's `exchange` of this call then
-        only waits for the answer. A connection that does not take the whole of it at once is
-        poisoned: the controller, which never has the rest, carries nothing of it out.
+        only waits for the answer. If the system does not accept the whole message at once, the
+        connection is poisoned: the controller never gets the rest, and does not execute the call.
 
         Returns:
-            Whether it was sent.
+            Whether the call was sent.
         """
         if deadline is not None and deadline <= time.monotonic():
             return False
@@ -312,7 +313,7 @@ class Connection:
             return False
         try:
             stream = self._stream
-            # What came unasked, or a closed connection, is for the owner to tell.
+            # The owner reports bytes that nobody requested, or a closed connection.
             if stream is None or not stream.silent or not self._life.begin():
                 return False
             reply, message = self._next(function, arguments, further)
@@ -332,7 +333,7 @@ class Connection:
         arguments: bytes,
         further: Sequence[tuple[idl.Function, bytes]],
     ) -> tuple[codec.ReplyReader | codec.RepliesReader, bytes]:
-        """The next calls: what reads their answers, and what is sent."""
+        """Return the reader of the next answers, and the message to send."""
         first = self._next_one(function, arguments)
         if not further:
             return first
@@ -350,7 +351,7 @@ class Connection:
 
     @staticmethod
     def _decode(reply: codec.ReplyReader | codec.RepliesReader, data: bytes | bytearray) -> Any:
-        """The value, or the controller's error: an answer too, after which the call is over."""
+        """Return the value or the controller's error; both are answers that end the call."""
         try:
             return reply.value(data)
         except ControllerError as exc:
@@ -372,14 +373,14 @@ class Connection:
         data: bytes | bytearray = stream.receive(deadline)
         self._life.answering()
         while not reply.whole(data):
-            # most answers come in one piece; the others are gathered without copies
+            # most answers arrive in one piece; the others are collected without copies
             data = bytearray(data) if isinstance(data, bytes) else data
             data += stream.receive(deadline)
         self._bytes_received += len(data)
         return data
 
     def _failure(self, function: idl.Function, exc: BaseException) -> BaseException:
-        """Poison the connection and choose the error for the caller: the one place for that."""
+        """Poison the connection and choose the error for the caller; only this method does so."""
         match exc:
             case DeadlinePassed() if self.progress is Progress.NOTHING_SENT:
                 reason = "the system did not take it in time"
@@ -396,7 +397,7 @@ class Connection:
             case _:
                 reason = f"it was interrupted ({type(exc).__name__})"
         self._end(reason, keep=isinstance(exc, DeadlinePassed) and self._may_be_late(function))
-        # an abandoned connection has its own reason, and the system's error only follows from it
+        # an abandoned connection already has a reason, which caused the error of the system
         reason = self.reason
         if not isinstance(exc, Exception):
             return exc
@@ -413,7 +414,7 @@ class Connection:
         return ProtocolError(f"{name}: {reason}; the connection was closed")
 
     def _may_be_late(self, function: idl.Function) -> bool:
-        """Whether a command was delivered to the last byte, so that its answer may still come."""
+        """Whether a command was delivered completely, so that its answer may still arrive."""
         return (
             self._keeps_overdue
             and self.progress is not Progress.NOTHING_SENT
@@ -443,7 +444,7 @@ class Connection:
                 stream.discard()
 
     def forked(self) -> None:
-        """This is a forked child: close its copy of the socket, which leaves the parent's open."""
+        """In a forked child: close the child's copy of the socket; the parent's stays open."""
         self._guard = threading.RLock()
         self._life.poison("it belongs to the process that forked this one")
         stream, self._stream = self._stream, None
@@ -451,7 +452,7 @@ class Connection:
             stream.close_copy()
 
     def close(self) -> None:
-        """Close the connection; on the owner's thread, or on any when no call is under way."""
+        """Close the connection; on the owner's thread, or on any while no call is under way."""
         with self._guard:
             idle = self._life.state is ConnectionState.IDLE
             self._life.close()
@@ -462,24 +463,25 @@ class Connection:
 
     @property
     def undelivered(self) -> int:
-        """How many bytes of calls the system still holds; from any thread.
+        """Number of sent bytes that the other side has not acknowledged; from any thread.
 
-        They are on their way, or the other side does not acknowledge them. 0 without a connection.
+        The operating system still holds them. 0 without a connection.
         """
         with self._guard:
             return 0 if self._stream is None else self._stream.undelivered
 
     def late_answer(self, deadline: float) -> bool:
-        """Wait for the answer to a command that came too late; only on the owner's thread.
+        """Wait for the late answer to a command; only on the owner's thread.
 
-        Only if the connection `keeps_overdue`, and every byte of the command was acknowledged: it
-        may be waiting to be read; only its answer shows that it was.
+        It waits only if the connection `keeps_overdue` and every byte of the command was
+        acknowledged. The controller may not have read the command yet; only the answer shows that
+        it has.
 
         Args:
             deadline: time of `time.monotonic()` until which to wait.
 
         Returns:
-            Whether it came; the connection is dropped then.
+            Whether the answer arrived; the connection is dropped then.
         """
         stream = self._overdue
         if stream is None:
@@ -496,12 +498,12 @@ class Connection:
 
     @property
     def overdue(self) -> bool:
-        """Whether there is an answer for which `late_answer` can wait."""
+        """Whether `late_answer` can wait for an answer."""
         return self._overdue is not None
 
 
 def _check_silent(stream: DeadlineSocket) -> None:
-    """Before anything is sent, find out whether the other side closed it or sent bytes."""
+    """Before sending, check that the other side has not closed the stream or sent bytes."""
     stray = b"" if stream.silent else stream.waiting_bytes()
     if stray:
         raise Malformed(f"bytes came that nobody asked for: {stray!r}")

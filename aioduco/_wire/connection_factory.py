@@ -1,4 +1,4 @@
-"""Makes the threads and connections of one lane."""
+"""Factory for the threads and connections of one lane."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 class ConnectionFactory:
     """Makes the workers of a lane and their connections, counts them and calls the trace hook.
 
-    Workers hold a reference to this and none to the lane, so that the garbage collector finds a
+    Workers refer to this factory and not to the lane, so that the garbage collector can find a
     lane that was not closed.
     """
 
@@ -32,7 +32,7 @@ class ConnectionFactory:
         self._workers = 0
 
     def worker(self) -> Worker:
-        """Make a worker; its thread begins with its first call."""
+        """Make a worker; its thread starts with its first call."""
         self._workers += 1
         return Worker(f"aioduco-{self.lane}-{self._workers}", self)
 
@@ -41,14 +41,14 @@ class ConnectionFactory:
         return Connection(self.host, self.port, connect_timeout=self.connect_timeout)
 
     def opened(self, connection: Connection, duration: float) -> None:
-        """A connection was opened, within so many seconds; on the worker's thread."""
+        """Record that a connection was opened, within `duration` [s]; on the worker's thread."""
         self.count += 1
         if self.trace is not None:
             peer = (connection.host, connection.port)
             emit(self.trace, ConnectionOpened(time.monotonic(), self.lane, peer, duration))
 
     def ended(self, connection: Connection) -> None:
-        """A connection is not used any more; on the worker's thread."""
+        """Record that a connection is no longer used; on the worker's thread."""
         if self.trace is not None:
             peer = (connection.host, connection.port)
             event = ConnectionEnded(time.monotonic(), self.lane, peer, connection.reason)

@@ -1,4 +1,4 @@
-"""A TCP socket whose every operation ends at a deadline."""
+"""A TCP socket with a deadline for every operation."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ from typing import Any, Final
 from aioduco._platform import CONNECTING, limits_sockets, readiness, unacknowledged
 from aioduco._wire.nonblocking import disconnect, is_silent, send_at_once
 
-#: A peer that vanished without a FIN is given up after about eight seconds, whether the
-#: connection idles (probes from the fifth second on) or bytes are on their way.
+#: If the peer disappears without a FIN, the connection ends after about eight seconds, both when
+#: it is idle (probes from the fifth second on) and when sent bytes are not acknowledged.
 _KEEP_ALIVE: Final = (("TCP_KEEPIDLE", 5), ("TCP_KEEPINTVL", 1), ("TCP_KEEPCNT", 3))
 _USER_TIMEOUT_MS: Final = 8000
 
-#: Closing discards what was not delivered, so that a process that is killed leaves nothing behind
-#: that its system would deliver later.
+#: Closing discards bytes that were not delivered. Otherwise the system would deliver them after the
+#: process was killed.
 _DISCARD: Final = struct.pack("ii", 1, 0)
 _DELIVER: Final = struct.pack("ii", 0, 0)
 
-#: seconds by which the system's own limit on a read or write may be longer than what is left
+#: seconds by which the system's limit on a read or write may exceed the remaining time
 _SLACK: Final = 0.02
 
-#: seconds between two moments at which the main thread can take a signal. One that comes just
-#: before a wait begins does not end the wait: its handler, which may be to stop the arm, would run
-#: only when the controller answers.
+#: seconds after which a wait of the main thread is interrupted to run signal handlers. A signal
+#: that arrives just before a wait begins does not end the wait. Its handler, which may stop the
+#: arm, would otherwise run only when the controller answers.
 WAKE_EVERY: Final = 0.2
 
 _CHUNK: Final = 16384
 
-#: seconds of a wait without a deadline, where Python keeps the time: it is begun anew then
+#: seconds of one wait without a deadline, where Python keeps the time; then the wait is repeated
 _LONG: Final = 3600.0
 
 
 class DeadlinePassed(Exception):
-    """The time for an operation is over."""
+    """The deadline of an operation has passed."""
 
 
 class Ended(Exception):
@@ -49,16 +49,17 @@ class Ended(Exception):
 class DeadlineSocket:
     """A blocking socket with absolute deadlines.
 
-    Deadlines are times of `time.monotonic()`; None is no limit. They are kept by the system's
-    limits on a socket (SO_RCVTIMEO, SO_SNDTIMEO), not by Python's: a read is then one blocking
-    system call that releases the interpreter's lock once instead of twice. A limit is set
-    anew only if what is left differs from it. Where the system has no such limits, the socket
-    never blocks, and Python's limits keep the time.
+    Deadlines are times of `time.monotonic()`; None is no limit. The system's limits on a socket
+    (SO_RCVTIMEO, SO_SNDTIMEO) enforce them, not Python's: a read is then one blocking system call
+    that releases the interpreter's lock once instead of twice. A limit is set again only if the
+    remaining time differs from it. Where the system has no such limits, the socket never blocks,
+    and Python's time-outs enforce the deadlines.
 
-    One thread at a time; `shutdown` and `undelivered` may be used from any.
+    One thread at a time; `shutdown`, `undelivered`, `silent` and `send_at_once` may be used from
+    any thread.
 
-    Guarantees: after `shutdown`, `discard`, or the end of the process, the system delivers nothing
-    more of what was sent. Only `close` is an ordinary end.
+    Guarantees: after `shutdown`, `discard`, or the end of the process, the system delivers no more
+    of the sent bytes. Only `close` ends the connection in the ordinary way.
     """
 
     __slots__ = ("_ahead", "_limit", "_readable", "_shut", "_socket")
@@ -66,20 +67,25 @@ class DeadlineSocket:
     def __init__(self, family: int, type_: int, protocol: int) -> None:
         self._socket = socket.socket(family, type_, protocol)
         self._readable = readiness(self._socket)
-        #: where Python keeps the time: the same socket, for sends that do not wait
+        #: where Python keeps the time: the same descriptor, for sends that do not wait
         self._ahead: socket.socket | None = None
         if not limits_sockets():
             self._ahead = socket.socket(family, type_, protocol, self._socket.fileno())
-        #: the system's limit in seconds; None: none, as on a new socket
+        #: the system's limit in seconds; None: no limit, as on a new socket
         self._limit: float | None = None
         self._shut = False
 
     def connect(self, address: Any, deadline: float) -> None:
-        """Connect; raises what the system says, TimeoutError at the deadline, Ended if shut down.
+        """Connect.
 
         Args:
-            address: as `socket.getaddrinfo` gives it.
-            deadline: when it must have happened.
+            address: address in the form that `socket.getaddrinfo` returns.
+            deadline: time by which the connection must be made.
+
+        Raises:
+            TimeoutError: the deadline has passed.
+            OSError: the system's error.
+            Ended: the socket was shut down.
         """
         sock = self._socket
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -90,20 +96,20 @@ class DeadlineSocket:
                 sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
         sock.setblocking(False)
         error = sock.connect_ex(address)
-        # A shutdown that came before the line above was of no effect on the socket, but is seen
-        # here; one that comes later ends the wait.
+        # A shutdown before the line above had no effect on the socket, but has set `_shut`. A later
+        # one ends the wait.
         if self._shut:
             raise Ended
         if error in CONNECTING:
             error = self._wait_connected(deadline)
         if error:
             raise OSError(error, os.strerror(error))
-        # Without it, bytes that are not acknowledged are repeated for some fifteen minutes. Not
-        # before: it would limit the handshake too.
+        # Without it, the system repeats bytes that are not acknowledged for some fifteen minutes.
+        # Set after the handshake, since it would limit that too.
         if hasattr(socket, "TCP_USER_TIMEOUT"):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, _USER_TIMEOUT_MS)
         if self._ahead is None:
-            # from here on the system keeps the time
+            # from here on the system enforces the deadlines
             sock.setblocking(True)
         else:
             self._ahead.setblocking(False)
@@ -116,7 +122,7 @@ class DeadlineSocket:
         return self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
 
     def waiting_bytes(self) -> bytes:
-        """Bytes that came and have not been read; they stay where they are.
+        """Return bytes that have arrived, without removing them from the system's buffer.
 
         Raises:
             Ended: the other side closed the connection.
@@ -130,7 +136,7 @@ class DeadlineSocket:
 
     @property
     def silent(self) -> bool:
-        """Whether nothing came that has not been read, not even the end; from any thread."""
+        """Whether there is nothing to read, not even the end of the stream; from any thread."""
         if self._ahead is None:
             return is_silent(self._socket.fileno())
         try:
@@ -142,24 +148,31 @@ class DeadlineSocket:
         return False
 
     def send(self, data: bytes | memoryview, deadline: float | None) -> int:
-        """Hand bytes to the system; how many it took, at least one.
+        """Pass bytes to the system.
+
+        Returns:
+            The number of bytes that the system accepted, at least one.
 
         Raises:
-            DeadlinePassed: it took none until then.
+            DeadlinePassed: the system accepted none before the deadline.
         """
         while True:
             self._limit_to(deadline)
             try:
                 return self._socket.send(data)
             except BlockingIOError:
-                # the system's limit, which may be a little before or after the deadline
+                # the system's limit, which may end a little before or after the deadline
                 continue
             except TimeoutError as exc:
                 if exc.errno is not None:
-                    raise  # the system gave the connection up; Python's own limit has no number
+                    raise  # the system ended the connection; Python's own time-out has no errno
 
     def send_at_once(self, data: bytes) -> int:
-        """As `nonblocking.send_at_once`: how many bytes the system took, negative for none."""
+        """Send without waiting, like `nonblocking.send_at_once`.
+
+        Returns:
+            The number of bytes that the system accepted; negative if it accepted none.
+        """
         if self._ahead is None:
             return send_at_once(self._socket.fileno(), data)
         try:
@@ -168,10 +181,10 @@ class DeadlineSocket:
             return -1
 
     def receive(self, deadline: float | None) -> bytes:
-        """The next bytes, at least one.
+        """Wait for the next bytes, at least one.
 
         Raises:
-            DeadlinePassed: none came until then.
+            DeadlinePassed: none arrived before the deadline.
             Ended: the other side closed the connection.
         """
         while True:
@@ -190,27 +203,27 @@ class DeadlineSocket:
 
     @property
     def undelivered(self) -> int:
-        """How many bytes the system still holds that the other side has not acknowledged."""
+        """Number of sent bytes that the other side has not acknowledged."""
         return unacknowledged(self._socket)
 
     def shutdown(self) -> None:
-        """End reads and writes that are under way, on any thread; discard what is undelivered."""
+        """End all current reads and writes, from any thread; discard undelivered bytes."""
         self._shut = True
         try:
             self._socket.shutdown(socket.SHUT_RDWR)
         except OSError:
-            # not connected yet, or broken already: there is nothing to wake
+            # not connected yet, or already broken: no thread waits
             return
-        # Some kernels refuse it while a thread waits on the socket; that thread then does it.
+        # Some kernels refuse this while a thread waits on the socket. That thread then disconnects.
         disconnect(self._socket.fileno())
 
     def discard(self) -> None:
-        """Give the socket back and forget what is undelivered; while no other thread uses it."""
+        """Close the socket and discard undelivered bytes; while no other thread uses it."""
         disconnect(self._socket.fileno())
         self.close_copy()
 
     def close_copy(self) -> None:
-        """Close a forked child's copy of the socket, and nothing else: the parent uses it on."""
+        """Close a forked child's copy of the socket only: the parent continues to use its own."""
         if self._ahead is not None:
             self._ahead.detach()
         self._socket.close()
@@ -232,12 +245,12 @@ class DeadlineSocket:
             slack = min(_SLACK, left / 8)
             if self._limit is not None and left <= self._limit <= left + slack:
                 return
-            # a little longer, so that it also fits the next call with the same time
+            # a little longer, so that it also fits the next call with the same time limit
             limit = left + slack / 2
         elif self._limit is None:
             return
         if self._ahead is not None:
-            # Never without a limit: that would make both blocking.
+            # Always with a limit: without one, both socket objects would block.
             self._socket.settimeout(_LONG if limit is None else limit)
             self._limit = limit
             return

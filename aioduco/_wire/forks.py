@@ -1,9 +1,9 @@
-"""What a forked child does with what is its parent's: it lets go of it, and disturbs nothing.
+"""Hooks by which a forked child releases its parent's resources without disturbing the parent.
 
-A fork copies what is in memory and shares what is in the system: a child that shuts a socket down,
-or takes a file out of an epoll, does it to its parent. Only closing is the child's own affair. So
-whatever could do more puts itself on the list here, and is told in the child, before anything else
-runs there.
+A fork copies the memory, but parent and child share the objects of the system. If the child shuts a
+socket down, or removes a file from an epoll, this also affects the parent. Only closing a
+descriptor does not. So each object that could do more than that registers itself here, and its
+`forked` is called in the child before any other code runs there.
 """
 
 from __future__ import annotations
@@ -16,25 +16,28 @@ __all__ = ["fork_hooks"]
 
 
 class Inherited(Protocol):
-    """What a fork copies, and what belongs to the parent all the same."""
+    """An object that a fork copies, but whose resources still belong to the parent."""
 
     def forked(self) -> None:
-        """Let go, in the child: no thread of the parent runs here, and its locks may be taken."""
+        """Release the resources, in the child.
+
+        The parent's threads do not run here, and a lock may be held by one of them.
+        """
         ...
 
 
 class _ForkHooks:
-    """All that a child of this process would inherit; it keeps none of it alive."""
+    """The objects that a child of this process would inherit; held by weak references."""
 
     def __init__(self) -> None:
         self._all: weakref.WeakSet[Inherited] = weakref.WeakSet()
         self._listens = False
 
     def add(self, one: Inherited) -> None:
-        """Have `one.forked` called in every child that is forked from now on."""
+        """Register an object: `one.forked` is called in every child that is forked from now on."""
         if not self._listens:
             self._listens = True
-            if hasattr(os, "register_at_fork"):  # where there are forks
+            if hasattr(os, "register_at_fork"):  # only on systems with forks
                 os.register_at_fork(after_in_child=self._forked)
         self._all.add(one)
 
@@ -44,8 +47,8 @@ class _ForkHooks:
             try:
                 one.forked()
             except Exception:
-                # The others are to be let go of all the same. Loaded here, since a stream's worker
-                # needs none of it.
+                # Continue with the other objects. The module is loaded here, since a stream's
+                # worker does not need it.
                 from aioduco.reporting import BackgroundLogger  # noqa: PLC0415
 
                 BackgroundLogger(__name__).exception("a forked child could not let go of %r", one)

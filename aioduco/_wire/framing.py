@@ -1,10 +1,10 @@
-"""Where an encoded struct ends, and whether it is one: read before thriftpy2 decodes it.
+"""Find the end of an encoded struct and check its types, before thriftpy2 decodes it.
 
-The wire has no frames: only a walk through its fields shows whether a message is whole. And
-thriftpy2 checks nothing that it reads. It allocates what a length claims, returns an empty list
-when the elements have another type than in the IDL, and leaves a field of another type out. So this
-module measures what a peer sends and checks its types first, byte by byte as it comes, without any
-I/O. Only a struct that is whole and fits is decoded.
+The wire has no frames: only a walk through the fields shows whether a message is complete. And
+thriftpy2 checks nothing that it reads. It allocates as many bytes as a length field says, returns
+an empty list if the elements have another type than in the IDL, and leaves out a field of another
+type. So this module first measures the received bytes and checks their types, byte by byte as they
+arrive, without any I/O. Only a struct that is complete and fits the IDL is decoded.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ MAX_REPLY: Final = 4 * 1024 * 1024
 
 _I32 = struct.Struct("!i").unpack_from
 
-#: bytes of a value of each type that has always as many
+#: number of bytes of a value, for each type of fixed width
 FIXED_WIDTHS: Final = {
     TType.BOOL: 1,
     TType.BYTE: 1,
@@ -38,23 +38,23 @@ _MAP: Final[int] = TType.MAP
 #: bytes before the content of a value that has no fixed width
 _HEAD: Final = {_STRING: 4, _LIST: 5, _SET: 5, _MAP: 6}
 
-#: what thriftpy2 keeps of a type beside its number: a struct's class, a container's elements
+#: details that thriftpy2 stores for a type: a struct's class, a container's element types
 Shape = Any
 _ANY: Final = None
 
 
 class Malformed(Exception):
-    """The bytes are no message, or none that fits the IDL: the stream cannot go on."""
+    """The bytes are not a message, or not one that fits the IDL: the stream is unusable."""
 
 
 class Bounds(NamedTuple):
     """The limits within which a message is accepted.
 
     Attributes:
-        size: most bytes, from the message's begin to its end.
-        elements: most elements of all its lists, sets and maps together: bounds what a short
-            message unpacks to.
-        depth: most structs and containers in one another.
+        size: maximum number of bytes of the message.
+        elements: maximum number of elements of all its lists, sets and maps together. It limits
+            the memory that a short message can need when decoded.
+        depth: maximum nesting of structs and containers.
     """
 
     size: int
@@ -62,12 +62,12 @@ class Bounds(NamedTuple):
     depth: int
 
 
-#: of replies, the deepest of which has four levels
+#: bounds of replies; the deepest reply has four levels
 REPLY: Final = Bounds(size=MAX_REPLY, elements=MAX_REPLY, depth=32)
 
 
 class _Struct:
-    """A struct whose fields are being read; `fields` is empty if the IDL does not have it."""
+    """A struct whose fields are being read; `fields` is empty if the IDL has no such struct."""
 
     __slots__ = ("fields",)
 
@@ -76,7 +76,7 @@ class _Struct:
 
 
 class _Items:
-    """Elements of a container still to come; a map's keys and values take turns."""
+    """The remaining elements of a container; in a map, keys and values alternate."""
 
     __slots__ = ("left", "shapes", "types")
 
@@ -87,11 +87,11 @@ class _Items:
 
 
 class StructScanner:
-    """Finds the end of one encoded struct in bytes that grow.
+    """Finds the end of one encoded struct in a growing buffer.
 
-    Invariants: each byte is looked at once, however the stream is cut. `position` may lie past
-    the end of the bytes, after a value that is announced but has not come; it never passes the
-    bounds, so no length that a peer claims causes a wait or an allocation.
+    Invariants: each byte is read once, no matter how the stream is split. `position` may lie past
+    the end of the buffer, after a value that is announced but has not arrived. It never passes the
+    bounds, so a wrong length from a peer never causes a wait or an allocation.
     """
 
     __slots__ = ("_depth", "_elements", "_open", "_size", "position")
@@ -103,8 +103,8 @@ class StructScanner:
 
         Args:
             fields: thriftpy2's spec of the struct: by field id a tuple of type, name, perhaps
-                the shape, and whether it is required; empty to take any struct.
-            start: where in the bytes the struct begins.
+                the shape, and whether it is required; empty to accept any struct.
+            start: index of the struct's first byte.
             bounds: the limits within which it is accepted.
         """
         self.position = start
@@ -112,10 +112,10 @@ class StructScanner:
         self._open: list[_Struct | _Items] = [_Struct(fields)]
 
     def whole(self, data: bytes | bytearray) -> bool:
-        """Go on through the bytes.
+        """Continue to read the bytes.
 
         Args:
-            data: the bytes from the message's begin to the newest.
+            data: all bytes of the message that have arrived.
 
         Returns:
             Whether the struct has ended; `position` is then the first byte after it.
@@ -138,7 +138,7 @@ class StructScanner:
         return True
 
     def _fields(self, inner: _Struct, data: bytes | bytearray, size: int) -> bool:
-        """Go past fields until one opens, the struct ends, or the bytes do."""
+        """Skip fields until a nested one opens, the struct ends, or the bytes end."""
         fields = inner.fields
         fixed = FIXED_WIDTHS
         at = self.position
@@ -157,7 +157,7 @@ class StructScanner:
                 at += 3 + fixed[kind]
                 continue
             shape = field[2] if field is not None and len(field) > 3 else _ANY
-            # lists of numbers, most of a status, are passed right here
+            # lists of numbers, the largest part of a status, are skipped right here
             if kind == _LIST and shape in fixed and at + 8 <= size and data[at + 3] == shape:
                 count = _I32(data, at + 4)[0]
                 if 0 <= count <= self._elements:
@@ -174,7 +174,7 @@ class StructScanner:
         return False
 
     def _items(self, inner: _Items, data: bytes | bytearray, size: int) -> bool:
-        """Go past elements until one opens, the container ends, or the bytes do."""
+        """Skip elements until a nested one opens, the container ends, or the bytes end."""
         types = inner.types
         at = self.position
         while inner.left:
@@ -204,10 +204,10 @@ class StructScanner:
     def _value(
         self, kind: int, shape: Shape, data: bytes | bytearray, at: int, size: int
     ) -> int | None:
-        """Go past one value that has no fixed width.
+        """Skip one value that has no fixed width.
 
         Returns:
-            Where it ends; -1 if it was opened instead; None if too few bytes have come to tell.
+            The index after its end; -1 if it was opened instead; None if more bytes are needed.
         """
         if at + _HEAD.get(kind, 0) > size:
             return None
@@ -225,7 +225,7 @@ class StructScanner:
         element = data[at]
         count = self._count(data, at + 1)
         inner, deeper = _parts(shape)
-        # the type that an empty list announces says nothing
+        # the element type of an empty list has no meaning
         if count and inner is not None and inner != element:
             raise Malformed(f"a list has elements of the type {element}, not {inner}")
         width = FIXED_WIDTHS.get(element)
@@ -266,12 +266,12 @@ class StructScanner:
 
 
 def _check_types(types: tuple[int, ...], count: int) -> None:
-    """See that there are such types; an empty container may name any."""
+    """Check that these types exist; an empty container may have any type number."""
     for kind in types:
         if count and kind not in FIXED_WIDTHS and kind not in _HEAD and kind != _STRUCT:
             raise Malformed(f"there is no type {kind}")
 
 
 def _parts(part: Any) -> tuple[int | None, Shape]:
-    """Type and shape of an element; None for the type that is not known."""
+    """Type and shape of an element; None for an unknown type."""
     return (part[0], part[1]) if isinstance(part, tuple) else (part, _ANY)

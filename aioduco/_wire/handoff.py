@@ -1,8 +1,8 @@
-"""How a call gets from a task to a thread and back. Of `_wire`, only this module imports asyncio.
+"""Passing a call from a task to a thread and back. Of `_wire`, only this module imports asyncio.
 
-A call is sent by its task, and handed by a `SimpleQueue` to the thread that owns the connection, as
-the manual asks (1.5.1). That thread is woken while the controller works, reads the answer, and
-brings it back by `call_soon_threadsafe`.
+The task sends the call, and passes it by a `SimpleQueue` to the thread that owns the connection, as
+the manual requires (1.5.1). That thread wakes up while the controller works, reads the answer, and
+returns it by `call_soon_threadsafe`.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ if TYPE_CHECKING:
     from aioduco._wire.idl import Function
     from aioduco._wire.worker import Worker
 
-#: seconds after its deadline at which a call is given up although its thread has not come back
+#: seconds after its deadline at which a call fails although its thread has not finished it
 GRACE: Final = 0.25
 
 
 class Call(ABC):
-    """One call on its way: what is sent, by when, and what came of it.
+    """One call under way: its function, arguments and deadline, and its result.
 
     Each attribute has one writer: the thread writes `value`, `error` and `handed_over`, then calls
-    `notify`; the waiting side writes `abandoned`. The side that hands it over writes `handed_over`
-    before the thread has it.
+    `notify`; the waiting side writes `abandoned`. The side that submits the call writes
+    `handed_over` before the thread has the call.
 
     Args:
         function: the function of the wire; None only opens the connection.
@@ -44,8 +44,8 @@ class Call(ABC):
         deadline: time of `time.monotonic()`, or None.
 
     Attributes:
-        further: functions that only read, with their encoded arguments, that are sent behind it;
-            its value is then a list of `codec.ReadResult`, its own first.
+        further: functions that only read, with their encoded arguments. They are sent after it;
+            its value is then a list of `codec.ReadResult`, its own result first.
     """
 
     __slots__ = (
@@ -68,37 +68,37 @@ class Call(ABC):
         self.value: Any = None
         self.error: BaseException | None = None
         self.abandoned = False
-        #: whether a connection was asked to send it
+        #: whether the call was passed to a connection to be sent
         self.handed_over = False
         self.worker: Worker | None = None
 
     @property
     def name(self) -> str:
-        """What is called, for messages."""
+        """Name of the function, for messages."""
         return self.function.name if self.function is not None else "open"
 
     @property
     def undelivered(self) -> int:
-        """How many of its bytes the system still holds; from any thread."""
+        """Number of sent bytes that the other side has not acknowledged; from any thread."""
         connection = None if self.worker is None else self.worker.connection
         return 0 if connection is None else connection.undelivered
 
     @abstractmethod
     def notify(self) -> None:
-        """Wake the waiting side; on the worker's thread."""
+        """Wake the waiting side; called on the worker's thread."""
 
 
 class OwnerLoop:
     """The event loop that owns a lane, or a robot with all its lanes: the first one that uses it.
 
-    On any other loop, under any other library and in a forked child, nothing is sent. That costs
-    a fifth of a microsecond: in Python 3.11 asyncio asks the system for the process id before it
-    returns the running loop. Comparing threads would be cheaper, but confuses a loop with another
-    one that runs inside of it, as in some notebooks.
+    On any other loop, under any other library and in a forked child, nothing is sent. The check
+    takes a fifth of a microsecond: in Python 3.11 asyncio asks the system for the process id before
+    it returns the running loop. Comparing threads would be faster, but could not distinguish a
+    loop from another one that runs inside it, as in some notebooks.
 
     Args:
-        owner: what belongs to the loop, for messages.
-        moves: whether it goes on to another loop by itself when its own has been closed.
+        owner: name of the object that belongs to the loop, for messages.
+        moves: whether the object moves to another loop by itself when its own has been closed.
     """
 
     __slots__ = ("__weakref__", "_loop", "_moves", "_owner", "forked_off")
@@ -115,7 +115,7 @@ class OwnerLoop:
         """Require that this loop runs here, in the process that opened it.
 
         Args:
-            what: what is to be done on it, for messages.
+            what: name of the operation, for messages.
 
         Returns:
             The loop.
@@ -136,7 +136,7 @@ class OwnerLoop:
         """Require that this is the owner's process; from any thread.
 
         Args:
-            what: what is to be done, for messages.
+            what: name of the operation, for messages.
 
         Raises:
             WrongProcess: this is a forked child.
@@ -150,10 +150,10 @@ class OwnerLoop:
         return self._loop is not None and self._loop.is_closed()
 
     def move(self, what: str) -> None:
-        """Go on to the loop that runs, since its own has been closed.
+        """Move to the running loop, since the own loop has been closed.
 
         Args:
-            what: what is to be done on it, for messages.
+            what: name of the operation, for messages.
 
         Raises:
             WrongLoop: the loop has not been closed, or asyncio runs none.
@@ -163,13 +163,13 @@ class OwnerLoop:
         self.require(what)
 
     def forked(self) -> None:
-        """This is a forked child: refuse, and take its copy of the loop apart from the parent's."""
+        """In a forked child: refuse all calls, and detach its copy of the loop."""
         self.forked_off = True
         if self._loop is not None and not self._loop.is_closed():
             _detach_copy(self._loop)
 
     def _adopt(self, loop: asyncio.AbstractEventLoop, what: str) -> None:
-        # no task runs where trio is a guest of this loop: nothing could be awaited
+        # where trio runs as a guest of this loop, there is no asyncio task: nothing can be awaited
         if self.forked_off or asyncio.current_task() is None:
             raise self._refusal(what)
         if self._loop is not None and not (self._moves and self._loop.is_closed()):
@@ -201,10 +201,10 @@ class OwnerLoop:
 def _detach_copy(loop: asyncio.AbstractEventLoop) -> None:
     """In a forked child: detach its copy of the loop from the parent's.
 
-    Parent and child share one epoll. A child that tears its copy down, as `sys.exit` in it does,
-    takes the pipe that wakes the loop out of that epoll. From then on no thread can wake the
-    parent's loop any more. So the child gets an epoll of its own, and a pipe of its own, and its
-    signals no longer wake the parent's loop.
+    Parent and child share one epoll. If the child closes its copy of the loop, for example by
+    `sys.exit`, this removes the pipe that wakes the loop from that epoll. Then no thread can wake
+    the parent's loop any more. So the child gets its own epoll and its own pipe, and its signals no
+    longer wake the parent's loop.
     """
     with contextlib.suppress(ValueError):
         signal.set_wakeup_fd(-1)
@@ -214,17 +214,17 @@ def _detach_copy(loop: asyncio.AbstractEventLoop) -> None:
     elif (selector := getattr(ours, "_selector", None)) is not None and hasattr(selector, "fileno"):
         number = selector.fileno()
     else:
-        return  # nothing of it is in the system
+        return  # the loop has no object of the system
     if hasattr(select, "epoll"):
         with select.epoll() as own:
             os.dup2(own.fileno(), number, inheritable=False)
-    # A kqueue is not inherited: there only the copy must not touch its number again.
+    # A kqueue is not inherited: there, the copy must only not use its descriptor again.
     if hasattr(select, "epoll") and hasattr(ours, "_make_self_pipe"):
         ours._close_self_pipe()
         ours._make_self_pipe()
         return
-    # libuv shares memory with the system too, by which its copy would disturb the parent's even so:
-    # this copy never runs again
+    # libuv also shares memory with the system. The child's copy would still disturb the parent's
+    # loop by that, so this copy never runs again.
     for task in asyncio.all_tasks(loop):
         asyncio.tasks._unregister_task(task)
     ours.run_forever = ours.close = _nothing
@@ -232,33 +232,34 @@ def _detach_copy(loop: asyncio.AbstractEventLoop) -> None:
 
 
 def _nothing() -> None:
-    """What a copy of a loop does that never runs again."""
+    """Do nothing: replaces the methods of a copy of a loop that never runs again."""
 
 
 def _discard(work: Any) -> None:
-    """As `_nothing`, for a loop that is given something to run."""
+    """Like `_nothing`, for a method that gets a coroutine: close it."""
     if asyncio.iscoroutine(work):
         work.close()
 
 
 class _Answer(asyncio.Future[Any]):
-    """What a task waits for, and by which it goes on in the same turn of the loop.
+    """A future that resumes its waiting task in the same iteration of the loop.
 
-    An asyncio future that is set has its task go on in the next turn, after a look at all sockets
-    and timers: a fifth of a call. A callback of the loop that sets this one has it go on at once.
+    If an asyncio future is set, its task resumes in the next iteration, after the loop has checked
+    all sockets and timers: that takes a fifth of the time of a call. A callback of the loop that
+    sets this future resumes the task at once.
     """
 
     def resume(self, set_it: Callable[[], None]) -> None:
-        """Set it, and have the task go on; in a callback of the loop, where no other task runs.
+        """Set the future and resume the task; in a callback of the loop, where no other task runs.
 
-        If an interrupt ends this half-way, the loop has the task go on: when this is set once more,
-        or cancelled, if it was not set yet.
+        If an interrupt ends this half-way, the loop resumes the task later. If the future was not
+        set yet, this happens when it is set again or cancelled.
         """
         if self.done():
-            # the loop has the task go on: it was cancelled, or did not wait yet
+            # the loop resumes the task: it was cancelled, or did not wait yet
             return
-        # Asked of the future, where a task that began to wait is known at once: Python code that
-        # noted it could be interrupted before it did, and the task would never go on.
+        # Read from the future, which registers a waiting task at once. Python code that recorded
+        # the task could be interrupted before it did so, and the task would never resume.
         waiting = self._callbacks
         if not waiting or len(waiting) > 1:
             set_it()
@@ -270,7 +271,8 @@ class _Answer(asyncio.Future[Any]):
             set_it()
             context.run(fn, self)
         except BaseException:
-            # The task's own, once it has gone on; it waits for something else then, or has ended.
+            # The task may have raised it after it resumed. It then has ended, or waits for
+            # something else.
             if getattr(task, "_fut_waiter", None) is self:
                 self.remove_done_callback(fn)
                 self.add_done_callback(fn, context=context)
@@ -281,8 +283,8 @@ class AwaitedCall(Call):
     """A call that a task of the event loop awaits.
 
     Args:
-        owner_loop: where to find the loop.
-        finished: called on the loop when the thread is done with the call.
+        owner_loop: owner of the loop on which the task runs.
+        finished: callback on the loop, called when the thread has finished the call.
     """
 
     __slots__ = ("_answer", "_finished", "loop", "overdue")
@@ -299,27 +301,27 @@ class AwaitedCall(Call):
         self.loop = owner_loop.require(self.name)
         self._answer = _Answer(loop=self.loop)
         self._finished = finished
-        #: whether its deadline has been seen to pass once
+        #: whether its deadline has passed and `Deadlines` has reported it once
         self.overdue = False
 
     @property
     def refused(self) -> bool:
-        """Whether no task waits for it any more; such a call is not handed to a thread."""
+        """Whether no task waits for it any more; such a call is not passed to a thread."""
         return self._answer.done()
 
     @property
     def due(self) -> float:
-        """When to look whether the call is over: at its deadline, then `GRACE` later."""
+        """Time of the next check whether the call is over: its deadline, then `GRACE` later."""
         if self.deadline is None:
             return math.inf
         return self.deadline + GRACE if self.overdue else self.deadline
 
     def __await__(self) -> Generator[Any, None, Any]:
-        """Wait for the value; raises what the call raised."""
+        """Wait for the value; raises the error of the call."""
         return self._answer.__await__()
 
     def notify(self) -> None:
-        """Have `finished` called on the loop."""
+        """Schedule `finished` on the loop."""
         try:
             self.loop.call_soon_threadsafe(self._finished, self)
         except RuntimeError:
@@ -327,10 +329,10 @@ class AwaitedCall(Call):
             return
 
     def settle(self) -> None:
-        """Give the waiting task what the thread left, and resume it; in a callback of the loop."""
+        """Give the waiting task the result, and resume it; in a callback of the loop."""
         if not self.loop.is_closed():
             self._answer.resume(self._set)
-        # not kept: its traceback refers to this call: a reference cycle
+        # not kept: its traceback refers to this call, which makes a reference cycle
         self.error = None
 
     def _set(self) -> None:
@@ -340,13 +342,13 @@ class AwaitedCall(Call):
             self._answer.set_result(self.value)
 
     def fail(self, error: BaseException) -> None:
-        """Have the waiting task raise this, on the loop's next turn; on the loop."""
-        # a task of a loop that was closed meanwhile waits no more
+        """Raise an error in the waiting task, in the loop's next iteration; on the loop."""
+        # if the loop was closed meanwhile, its task no longer waits
         if not self._answer.done() and not self.loop.is_closed():
             self._answer.set_exception(error)
 
     def over(self) -> None:
-        """The task waits no more."""
+        """Release the error: the task no longer waits."""
         self.error = None
 
 
@@ -355,14 +357,14 @@ def _due(call: AwaitedCall) -> float:
 
 
 class Deadlines:
-    """Sees that no task waits past its deadline, even if a thread hangs.
+    """Ensures that no task waits past its deadline, even if a thread hangs.
 
-    One timer for all calls of a lane: set for the earliest deadline, and set anew when it
-    expires. A timer per call would cost as much as a tenth of a call.
+    One timer serves all calls of a lane: it is set for the earliest deadline, and set again when it
+    expires. A timer for each call would take a tenth of the time of a call.
 
     Args:
-        expired: called on the loop with a call whose deadline has passed and False, and once
-            more with True if the call is still there `GRACE` later.
+        expired: callback on the loop. It gets a call whose deadline has passed and False. If the
+            call is not over `GRACE` later, it gets the call and True.
     """
 
     def __init__(self, expired: Callable[[AwaitedCall, bool], None]) -> None:
@@ -382,11 +384,11 @@ class Deadlines:
             self._set(call.loop, call.deadline)
 
     def discard(self, call: AwaitedCall) -> None:
-        """Watch the call no more. The timer is left as it is: the next call will use it."""
+        """Stop watching a call. The timer stays as it is: the next call will use it."""
         self.calls.discard(call)
 
     def stop(self) -> None:
-        """Watch nothing any more."""
+        """Stop watching all calls."""
         self.calls.clear()
         if self._timer is not None:
             self._timer.cancel()
@@ -415,7 +417,7 @@ class Deadlines:
 
 
 class BlockingCall(Call):
-    """A call that a thread, or a signal handler, waits for without an event loop."""
+    """A call for which a thread or a signal handler waits, without an event loop."""
 
     __slots__ = ("_done", "_released")
 
@@ -431,10 +433,13 @@ class BlockingCall(Call):
         self._released = released
 
     def wait(self, patience: float | None = None) -> bool:
-        """Wait for the thread; whether it is done with the call.
+        """Wait for the thread.
 
         Args:
-            patience: most seconds to wait; None: until a little after the deadline.
+            patience: maximum time to wait [s]; None: until `GRACE` after the deadline.
+
+        Returns:
+            Whether the thread has finished the call.
         """
         if patience is None and self.deadline is not None:
             patience = self.deadline + GRACE - time.monotonic()
@@ -445,34 +450,34 @@ class BlockingCall(Call):
         return True
 
     def outcome(self) -> Any:
-        """The value, once the thread is done; raises what the call raised."""
+        """Return the value after the thread has finished; raises the error of the call."""
         error, self.error = self.error, None
         if error is not None:
             raise error
         return self.value
 
     def notify(self) -> None:
-        """Wake the thread that waits."""
+        """Wake the waiting thread."""
         self._done.put(None)
         self._released()
 
 
 def loop_callback(callback: Callable[[], None]) -> Callable[[], None]:
-    """A function that has the callback called on the running event loop, from any thread."""
+    """Return a function for any thread that schedules the callback on the running event loop."""
     loop = asyncio.get_running_loop()
 
     def call() -> None:
         try:
             loop.call_soon_threadsafe(callback)
         except RuntimeError:
-            # the loop is closed: nothing waits for this any more
+            # the loop is closed: no task waits for this any more
             return
 
     return call
 
 
 class ThreadEnd:
-    """Tells a task of the running event loop that a thread is about to end."""
+    """Notifies a task of the running event loop that a thread is about to end."""
 
     def __init__(self) -> None:
         self._reported = asyncio.Event()

@@ -1,4 +1,4 @@
-"""What can be the name or the address of a host at all."""
+"""Check whether a text can be the name or the address of a host."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ HOST_RULE: Final = (
 
 
 def is_host(host: str) -> bool:
-    """Whether it can be a name or an address. The system reads some others, but only in part."""
+    """Whether it can be a name or an address. The system reads only a part of some other texts."""
     if not host or not host.isprintable() or " " in host:
         return False
     try:

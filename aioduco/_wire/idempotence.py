@@ -1,4 +1,4 @@
-"""What may be done with a call whose answer did not come: by function of the wire."""
+"""Whether a call may be repeated if its answer does not arrive, by function of the wire."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import Final
 
 
 class CallKind(enum.Enum):
-    """What a second call of a function would do.
+    """Effect of a second call of a function.
 
-    READ: nothing that the first did not; it may be sent again.
-    COMMAND: something more: a second motion, or bytes that are taken from a buffer twice. It
-    is never sent again by itself.
-    STOP: it acts, but a second one ends no more than the first. It may be sent again.
+    READ: no additional effect; the call may be sent again.
+    COMMAND: an additional effect: a second motion, or more bytes taken from a buffer. The call is
+    never repeated automatically.
+    STOP: the call acts, but a second one has no additional effect. It may be sent again.
     """
 
     READ = "read"
@@ -21,11 +21,11 @@ class CallKind(enum.Enum):
 
     @property
     def repeatable(self) -> bool:
-        """Whether a call may be sent a second time when its answer was lost."""
+        """Whether a call may be sent a second time if its answer was lost."""
         return self is not CallKind.COMMAND
 
 
-#: `abort` is not here: it also drops what others have queued since
+#: `abort` is not here: it also discards motions that others have queued since
 _STOPS: Final = frozenset({"stop"})
 
 #: functions that only read although their names do not begin with `get_` or `cal_`
@@ -43,17 +43,17 @@ _READS: Final = frozenset(
         "read_float_reg",
         "read_word_reg",
         "robotmoving",
-        # sets nothing but the time until the watchdog acts, to the same value each time
+        # it only sets the time until the watchdog acts, to the same value each time
         "rpc_heartbeat",
     }
 )
 
 
 def call_kind(name: str) -> CallKind:
-    """The kind of a function of the wire; COMMAND unless it is known to be harmless.
+    """Return the kind of a function of the wire; COMMAND unless it is known to be harmless.
 
-    The functions that read RS-485 and CAN take the bytes out of the controller's buffer, and
-    `fc_wait_*` measure from the moment of the call: they are commands.
+    The functions that read RS-485 and CAN remove the bytes from the controller's buffer, and
+    `fc_wait_*` measure from the moment of the call. So they are commands.
     """
     if name in _STOPS:
         return CallKind.STOP

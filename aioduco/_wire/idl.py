@@ -1,7 +1,7 @@
 """The loaded IDL: the only link between the typed structs of `rpc` and Thrift.
 
-It is read here, and not by thriftpy2's parser: making that parser's tables takes 12 MB and most of
-the time that a program, or a stream's worker, needs to start.
+This module parses it, and not thriftpy2: the tables of that parser take 12 MB, and most of the time
+that a program, or a stream's worker, needs to start.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _ZERO: dict[int, Any] = {
     TType.LIST: list,
     TType.MAP: dict,
 }
-#: results whose fields older controllers number otherwise: the struct's fields, counted from 1
+#: results whose fields have other numbers on older controllers: the fields in order, from 1
 _OLDER = {
     "getRobotIOStatus": (
         "analogCurrentOutputs",
@@ -47,7 +47,7 @@ _OLDER = {
 _Spec = dict[int, tuple[Any, ...]]
 _WHOLE = {TType.BYTE, TType.I16, TType.I32, TType.I64}
 
-#: what the file may contain: comments, structs, the service, their fields and functions
+#: patterns of all that the file may contain: comments, structs, the service, fields, functions
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _STRUCT = re.compile(r"\bstruct (\w+) \{(.*?)\}", re.DOTALL)
 _SERVICE = re.compile(rf"\bservice {SERVICE} \{{(.*?)\}}", re.DOTALL)
@@ -66,21 +66,22 @@ _TYPES: dict[str, int] = {
 
 
 class Function:
-    """One function of the wire: its name, and how its arguments and result are laid out.
+    """One function of the wire: its name, and the layout of its arguments and result.
 
     Attributes:
         name: the name on the wire.
         args: class of the argument struct; an instance takes the fields as attributes.
         result: class of the result struct; the value is its attribute `success`.
-        older: the same with the fields as older controllers number them; None if they do not.
+        older: class of the result struct with the field numbers of older controllers; None if
+            these are the same.
         parameters: names of the parameters, in the order of their field ids.
-        checks: for each parameter the check whether a value fits its type.
+        checks: for each parameter, the function that checks whether a value fits its type.
         whole: positions of the parameters that are whole numbers.
         void: whether the function returns nothing.
         number: whether the function returns a whole number.
-        head: the name as it stands in a message: its length and its text.
-        texts: whether the result has strings in it, at any depth.
-        layouts: those of the replies that came.
+        head: the name in the encoding of a message: its length and its text.
+        texts: whether the result contains strings, at any depth.
+        layouts: layouts of replies that were received.
     """
 
     __slots__ = (
@@ -115,23 +116,23 @@ class Function:
         self.head: bytes = struct.pack("!i", len(name)) + name.encode()
         self.texts: bool = _has_text(self.result.thrift_spec)
         self.layouts: Layouts = Layouts(self.result.thrift_spec)
-        #: one factory per parameter for the value that a field left out stands for
+        #: for each parameter, a factory for the value that a missing field has
         self.zeros: tuple[Any, ...] = tuple(
             entry[2] if entry[0] == TType.STRUCT else _ZERO[entry[0]] for entry in entries
         )
 
 
 class Functions(Mapping[str, Function]):
-    """The functions of the wire by name, each laid out when it is first asked for.
+    """The functions of the wire by name; each `Function` is made when it is first used.
 
-    A stream's worker calls ten of them. Any thread may ask, and all get the same one.
+    A stream's worker calls ten of them. Any thread may use the mapping; all get the same objects.
     """
 
     __slots__ = ("_lines", "_made")
 
     def __init__(self, service: str) -> None:
         self._made: dict[str, Function] = {}
-        #: by name what the function returns and what it takes, as they stand in the IDL
+        #: by name, the return type and the parameters, as written in the IDL
         self._lines = {
             name: (returned, arguments) for returned, name, arguments in _FUNCTION.findall(service)
         }
@@ -155,7 +156,7 @@ class Functions(Mapping[str, Function]):
 
 
 def path() -> Path:
-    """Where the IDL lies: beside this module in a wheel, in `idl/` in a checkout."""
+    """Return the path of the IDL: beside this module in a wheel, in `idl/` in a checkout."""
     packaged = Path(__file__).with_name("robot.thrift")
     if packaged.exists():
         return packaged
@@ -166,7 +167,7 @@ def path() -> Path:
 def functions() -> Functions:
     """Load the IDL, once, and return every function of the wire by name.
 
-    What is read and written are the typed dataclasses of `rpc`, without a copy in between.
+    Structs are read into and written from the typed dataclasses of `rpc`, without a copy.
     """
     text = _COMMENT.sub("", path().read_text("utf-8"))
     for name, fields in _STRUCT.findall(text):
@@ -176,7 +177,7 @@ def functions() -> Functions:
 
 
 def _payload(name: str, spec: _Spec) -> Any:
-    """A class for the arguments or the result of a function, as thriftpy2 makes them."""
+    """Make a class for the arguments or the result of a function, like those of thriftpy2."""
     made = type(name, (TPayload,), {"__module__": __name__})
     return gen_init(made, spec, [(entry[1], None) for entry in spec.values()])
 
@@ -190,13 +191,13 @@ def _fields(text: str) -> _Spec:
 
 
 def _entry(kind: str, name: str) -> tuple[Any, ...]:
-    """What thriftpy2 keeps of a field: its type, its name, perhaps its shape, never required."""
+    """thriftpy2's tuple for a field: its type, its name, perhaps its shape, never required."""
     number, *shape = _type(kind)
     return (number, name, *shape, False)
 
 
 def _type(text: str) -> tuple[Any, ...]:
-    """The number of a type; behind it a container's elements, or a struct's class."""
+    """The number of a type, followed by a container's element type or a struct's class."""
     if text in _TYPES:
         return (_TYPES[text],)
     container = _CONTAINER.fullmatch(text)
@@ -213,10 +214,10 @@ def _part(text: str) -> Any:
 
 
 def _older(result: Any, names: tuple[str, ...]) -> Any:
-    """A result class for the fields of a struct in another order.
+    """Make a result class for the fields of a struct in another order.
 
-    What is read into it is an instance of the present struct, too: fields that did not come have
-    their zero values.
+    The struct that is read is also an instance of the present struct; fields that were not sent
+    have their zero values.
     """
     kind, name, struct, required = result.thrift_spec[0]
     entries = {entry[1]: entry for entry in struct.thrift_spec.values()}

@@ -1,4 +1,4 @@
-"""A lane: connections on threads of their own, awaited from the event loop."""
+"""A lane: connections on their own threads, awaited from the event loop."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ if TYPE_CHECKING:
 
     from aioduco.trace import Trace
 
-#: seconds that `aclose` waits for threads; each comes back at once unless it hangs in the system
+#: seconds that `aclose` waits for threads; each ends at once unless it hangs in the system
 _CLOSE_LIMIT: Final = 1.0
 
-#: threads per connection that may be on their way out at one time; they could hang in the system
+#: maximum number of dismissed threads per connection that have not ended, since they may hang
 _LEAVING_LIMIT: Final = 4
 
 
 class _Default(enum.Enum):
-    """The lane's own time limit, where None already means no limit."""
+    """Default of a time limit, for parameters where None already means no limit."""
 
     LIMIT = "the lane's limit"
 
@@ -58,15 +58,15 @@ class LaneStatistics(NamedTuple):
     """Figures of one lane.
 
     Attributes:
-        calls: calls that were begun.
-        failed: calls that raised, application errors of the controller not counted.
-        waiting: calls that wait for a connection now.
-        busy: calls that are with a thread now.
-        workers: threads, each with at most one connection.
-        opened: connections that were opened.
-        abandoned: calls that were cancelled, or given up, while they were under way.
-        stuck: threads that lost their call more than a second ago and have not ended: they hang
-            in the operating system, for instance in the resolution of a name.
+        calls: number of calls that were started.
+        failed: number of calls that raised `ConnectionLost`, `ConnectError` or a subclass of them.
+        waiting: number of calls that now wait for a connection.
+        busy: number of calls that a thread now carries out.
+        workers: number of threads, each with at most one connection.
+        opened: number of connections that were opened.
+        abandoned: number of calls that were cancelled or abandoned while they were under way.
+        stuck: number of threads whose call was abandoned more than a second ago and that have not
+            ended: they hang in the operating system, for instance in the resolution of a name.
     """
 
     calls: int
@@ -79,33 +79,34 @@ class LaneStatistics(NamedTuple):
     stuck: int
 
 
-#: awaits the answer of a call that was begun, once; raises the errors of `WireLane.call`
+#: function that returns the coroutine that awaits the answer to a started call; to be called once;
+#: the coroutine raises the errors of `WireLane.call`
 BegunCall: TypeAlias = "Callable[[], Coroutine[Any, Any, Any]]"
 
 
 class WireLane:
     """Connections to the controller for one purpose, never shared with another.
 
-    A call that is cancelled, or times out, loses its connection: the socket is closed at once,
-    and the next call opens a new one. So an answer can only reach the call that it answers.
-    No await outlives its deadline by more than half a second, even if its thread hangs.
+    A call that is cancelled, or times out, closes its connection at once, and the next call opens a
+    new one. So an answer can only reach its own call. No await lasts more than half a second beyond
+    its deadline, even if its thread hangs.
 
     Args:
-        name: what the lane is for; it names the threads.
+        name: purpose of the lane; the names of its threads contain it.
         host: name or address of the controller.
         port: its TCP port.
-        size: most connections. With one, calls wait for each other, in order.
-        connect_timeout: most seconds that opening a connection takes.
-        call_timeout: most seconds that a call takes if nothing else is said, the wait for a
-            connection included.
-        trace: a hook that sees each call and each connection.
-        owner_loop: the event loop to which it belongs, if it shares that with others; else the one
-            that it is opened on, or, when that has been closed, the next that uses it.
+        size: maximum number of connections. With one, calls wait for each other, in order.
+        connect_timeout: seconds within which a connection must be opened.
+        call_timeout: default time limit of a call [s], which includes the wait for a connection.
+        trace: hook that gets an event for each call and each connection.
+        owner_loop: owner loop that the lane shares with other lanes. By default the lane has its
+            own: the loop on which it is opened, or, after that was closed, the next loop that
+            uses the lane.
 
     Attributes:
-        version: version of the controller's software, for errors; empty as long as it is not known.
-        observers: called with each call that is over, on its thread: the package's own, which
-            neither raise nor wait, as a program's hook may.
+        version: version of the controller's software, for errors; empty while it is unknown.
+        observers: callbacks of this package, called with each finished call, on the thread that
+            made it. They must neither raise nor wait; a program's hook may do both.
     """
 
     def __init__(
@@ -172,7 +173,7 @@ class WireLane:
             for worker in self._pool.workers:
                 worker.abandon(None, "the lane was forgotten")
                 worker.dismiss()
-            # last: where warnings are errors, it raises
+            # last, since it raises if warnings are turned into errors
             warnings.warn(unclosed, ResourceWarning, source=self, stacklevel=2)
 
     async def open(self) -> None:
@@ -212,11 +213,11 @@ class WireLane:
             for end in ends:
                 await end.wait()
         for worker, end in zip(workers, ends, strict=True):
-            # a thread that reported its end is past its last wait, so this takes no time
+            # a thread that reported its end waits for nothing any more, so this returns at once
             if end.reported:
                 worker.join(_CLOSE_LIMIT)
         for call in self._deadlines.calls:
-            # its thread hangs, and will find the connection given up when it comes back
+            # its thread hangs; when it continues, it finds that the connection was abandoned
             call.fail(hung(call.name, AbandonOutcome.UNKNOWN))
         self._deadlines.stop()
 
@@ -224,7 +225,7 @@ class WireLane:
         """The functions of the wire with another time limit.
 
         Args:
-            timeout: most seconds for a call; None: no limit, for functions that block.
+            timeout: time limit of a call [s]; None: no limit, for functions that block.
         """
         return AsyncRpc(lambda name, args: self.call(name, args, timeout))
 
@@ -240,25 +241,25 @@ class WireLane:
         Args:
             name: the function.
             args: one value per parameter.
-            timeout: most seconds for the whole call; None: no limit. By default the lane's.
-            begun: is given the call before it is handed to a thread, to see how far it comes.
+            timeout: time limit of the whole call [s]; None: no limit. By default the lane's limit.
+            begun: callback that gets the call before a thread does, to observe its progress.
 
         Returns:
             The result; None for a function without one.
 
         Raises:
             ParameterError: a value cannot be sent.
-            ControllerError: the controller answered by an error.
+            ControllerError: the controller answered with an error.
             ConnectError: no connection could be made; nothing was sent.
-            NotSent: the time was over before anything was sent.
+            NotSent: the deadline passed before anything was sent.
             ConnectionLost: nothing was sent, or a function that only reads was not answered.
-            OutcomeUnknown: a command was sent and its answer did not come.
+            OutcomeUnknown: a command was sent and not answered.
             WrongLoop: the lane belongs to another event loop; nothing was sent.
             WrongProcess: the lane belongs to the process that forked this one; nothing was sent.
         """
         function = self._functions[name]
-        # encoded before anything else: a value that cannot be sent costs no connection, and one
-        # that the caller changes meanwhile is sent as it was
+        # Encode first. A value that cannot be sent then costs no connection, and a value that the
+        # caller changes later is sent unchanged.
         encoded = codec.encode(function, args)
         if self._state is not LaneState.OPEN:
             raise ConnectionLost(f"{name} was not sent, since {self!r} is not open")
@@ -266,8 +267,8 @@ class WireLane:
         begin = time.monotonic()
         deadline = None if seconds is None else begin + seconds
         call = AwaitedCall(self.owner_loop, function, encoded, deadline, self._finished)
-        # a task whose scope is cancelled already sends nothing: from here to the thread there is
-        # no other point at which it would notice
+        # A task whose scope is already cancelled must send nothing. From here to the thread there
+        # is no other checkpoint that would detect this.
         if current_effective_deadline() == -math.inf:
             await checkpoint_if_cancelled()
         self._calls += 1
@@ -278,17 +279,17 @@ class WireLane:
         return await self._reported(name, args, begin, self._carry_out(call))
 
     def begin(self, name: str, args: tuple[Any, ...], timeout: float) -> BegunCall:
-        """Send a call before anything else of the event loop gets to run.
+        """Send a call before any other code of the event loop runs.
 
-        It is sent when this returns, if a connection is free.
+        If a connection is free, the call has been sent when this returns.
 
         Args:
             name: the function.
             args: one value per parameter.
-            timeout: most seconds for the whole call.
+            timeout: time limit of the whole call [s].
 
         Returns:
-            The call, whose answer must be awaited.
+            The started call, whose answer must be awaited.
 
         Raises:
             ParameterError: a value cannot be sent.
@@ -325,20 +326,21 @@ class WireLane:
         return value
 
     async def ask(self, *names: str) -> list[codec.ReadResult]:
-        """Ask functions that only read and take nothing, all at once on one connection.
+        """Call functions that only read and have no parameters, in one batch on one connection.
 
-        They are sent in one piece; the controller reads and answers them in their order, as it
-        does the calls of any client. They are one way to the thread and back, and have the lane's
-        time limit together. If the connection is lost, all are asked again on another one.
+        The calls are sent in one piece; the controller reads and answers them in their order, as
+        it does the calls of any client. They need only one hand-over to the thread and back, and
+        share the lane's time limit. If a connection that was already in use is lost before that
+        time, all are sent once more on a new one.
 
         Args:
-            names: the functions, two at least.
+            names: the functions, at least two.
 
         Returns:
-            Their answers, of which any may be the controller's error.
+            Their answers; any of them may be the controller's error.
 
         Raises:
-            The errors of `call`, but for `ControllerError` and `OutcomeUnknown`.
+            The errors of `call`, except `ControllerError` and `OutcomeUnknown`.
         """
         questions = [
             (self._functions[name], codec.encode(self._functions[name], ())) for name in names
@@ -373,7 +375,7 @@ class WireLane:
         begin: float,
         end: float | None = None,
     ) -> None:
-        """Tell the hook and the observers that a call is over; from any thread."""
+        """Notify the hook and the observers of a finished call; from any thread."""
         if self._trace is None and not self.observers:
             return
         if end is None:
@@ -384,7 +386,7 @@ class WireLane:
         tell(self.observers, event)
 
     def _hand_over(self, call: AwaitedCall) -> None:
-        """Have a connection send it now, or as soon as one is free."""
+        """Send a call on a free connection, or queue it until one is free."""
         self._deadlines.add(call)
         worker = self._pool.take(call)
         if worker is not None:
@@ -410,25 +412,25 @@ class WireLane:
             call.over()
 
     def _give_up(self, call: AwaitedCall) -> None:
-        """The task that waited was cancelled or interrupted: nothing of the call stays behind."""
+        """Remove every trace of a call whose waiting task was cancelled or interrupted."""
         self._withdraw(call)
         if call.worker is not None:
             self._drop(call.worker, call, "the call was cancelled")
 
     def _withdraw(self, call: AwaitedCall) -> None:
-        """Take back a call that no thread has, wherever an interrupt left it."""
+        """Withdraw a call that no thread has, also if an interrupt left it half submitted."""
         self._pool.forget(call)
         for worker in self._pool.workers:
             worker.recover(call)
 
     def _drop(self, worker: Worker, call: AwaitedCall, reason: str) -> AbandonOutcome:
-        """Abandon a call that is under way, and the thread with it."""
+        """Abandon a call that is under way, and dismiss its thread."""
         dropped = worker.abandon(call, reason)
         if dropped is AbandonOutcome.OVER:
             return dropped
         self._abandoned += 1
-        # The next call gets a new thread at once, and need not wait for this one to notice. But
-        # if many hang, or there are no more threads to be had, this one is kept: calls wait for
+        # The next call gets a new thread at once, and need not wait until this one has noticed. But
+        # if many threads hang, or the system has no more threads, this one is kept: calls wait for
         # it, or fail at their deadlines.
         self._leaving = [leaving for leaving in self._leaving if leaving.alive]
         if len(self._leaving) < _LEAVING_LIMIT * self._pool.size and self._replace(worker):
@@ -438,7 +440,7 @@ class WireLane:
         return dropped
 
     def _replace(self, worker: Worker) -> bool:
-        """Put another thread in the place of one; whether there is one."""
+        """Replace a worker by a new one; return whether that was possible."""
         if worker not in self._pool.workers:
             return False
         other = self._connections.worker()
@@ -465,13 +467,13 @@ class WireLane:
             self._submit(worker, call)
 
     def _finished(self, call: AwaitedCall) -> None:
-        """A thread is done with a call: its worker is free already, so it goes on first."""
+        """Handle a finished call. Its worker is already free, so it first gets the next call."""
         if self._pool.waiting:
             self._dispatch()
         call.settle()
 
     def _expired(self, call: AwaitedCall, again: bool) -> None:
-        """The time of a call is over: it waits for a connection, or its thread is late with it."""
+        """Fail a call whose deadline has passed: no connection was free, or its thread is late."""
         worker = call.worker
         if worker is None:
             self._withdraw(call)
@@ -479,29 +481,29 @@ class WireLane:
         elif again and not call.refused:
             dropped = self._drop(worker, call, "its thread hangs")
             if dropped is AbandonOutcome.OVER:
-                # the loop was too busy for its notice, or was interrupted while it took it
+                # the loop was too busy to handle its notification, or was interrupted meanwhile
                 call.settle()
             else:
                 call.fail(hung(call.name, dropped))
 
     def call_from_thread(self, name: str, args: tuple[Any, ...], timeout: float | None) -> Any:
-        """Call a function of the wire and block until its answer is there.
+        """Call a function of the wire and block until its answer has arrived.
 
-        It may be called from any thread, and from a signal handler in the middle of anything,
-        since it waits for no lock and needs no event loop. It never waits behind another call:
-        if every connection is taken, it opens one of its own for this call. A `stop` that is
-        not answered within 0.1 s is sent on a connection of its own as well.
+        Any thread may call it, and a signal handler at any point of the program, since it waits for
+        no lock and needs no event loop. It never waits behind another call: if every connection is
+        in use, it opens another one for this call. If a `stop` is not answered within 0.1 s, it is
+        also sent on another connection.
 
         Args:
             name: the function.
             args: one value per parameter.
-            timeout: most seconds for the whole call; None: no limit.
+            timeout: time limit of the whole call [s]; None: no limit.
 
         Returns:
             The result; None for a function without one.
 
         Raises:
-            The errors of `call`; but it is for any thread, and any event loop.
+            The errors of `call`, except `WrongLoop`: any thread may use it, under any event loop.
         """
         function = self._functions[name]
         encoded = codec.encode(function, args)

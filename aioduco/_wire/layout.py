@@ -1,9 +1,9 @@
-"""Replies of a layout that was met before, and so need not be measured or read field by field.
+"""Known layouts of replies, which need not be measured or read field by field.
 
-Most replies to a function differ in their values alone: the bytes between these, which are types,
-field ids, counts and lengths, are always the same. They are kept from a reply that `framing` has
-measured. A reply that is as long, and has the same bytes in the same places, would be measured with
-the same outcome. Where all its values are numbers, one format of `struct` reads them at once.
+Most replies to a function differ only in their values. The bytes between the values (types, field
+ids, counts and lengths) are always the same. `Layouts` stores them from a reply that `framing` has
+measured. A reply of the same length, with the same bytes in the same places, has the same layout.
+If all its values are numbers, one format of `struct` reads them at once.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 
 __all__ = ["Layout", "Layouts"]
 
-#: the longest reply whose layout is kept; a status has 1 kB
+#: maximum length of a reply whose layout is stored; a status has 1 kB
 _LONGEST: Final = 4096
 
-#: most layouts of one function: those of lists and texts of any length are not worth keeping
+#: maximum number of layouts per function: lists and texts of varying length are not worth storing
 _MOST: Final = 4
 
 _I32 = struct.Struct("!i").unpack_from
 
-#: how `struct` reads a value of the wire's types
+#: format of `struct` for each of the wire's types
 _FORMATS: Final = {
     TType.BOOL: "?",
     TType.BYTE: "b",
@@ -40,13 +40,13 @@ _FORMATS: Final = {
 
 
 class Layout(NamedTuple):
-    """How the result structs of some replies are laid out.
+    """Layout of the result structs of some replies.
 
     Attributes:
-        mask: which bits are no value's.
-        heads: how these are.
-        read: reads the value of such a reply, given all its bytes and where the struct begins; None
-            where it holds anything but numbers, or not every field.
+        mask: integer whose bits are 1 where the bytes of the struct belong to no value.
+        heads: the content of these bits.
+        read: function that reads the value of such a reply from all its bytes and the index where
+            the struct begins; None if the struct contains anything but numbers, or not every field.
     """
 
     mask: int
@@ -58,7 +58,7 @@ class Layouts:
     """The layouts of the replies to one function, by length.
 
     Args:
-        spec: thriftpy2's of the result struct.
+        spec: thriftpy2's spec of the result struct.
     """
 
     __slots__ = ("_kept", "_spec")
@@ -68,16 +68,16 @@ class Layouts:
         self._kept: dict[int, Layout] = {}
 
     def find(self, struct: bytes | bytearray) -> Layout | None:
-        """The layout, if this is the struct of a whole reply that is laid out as one was before."""
+        """Return the layout, if this is the struct of a whole reply of a stored layout."""
         kept = self._kept.get(len(struct))
         if kept is None or int.from_bytes(struct, "big") & kept.mask != kept.heads:
             return None
         return kept
 
     def find_first(self, structs: bytes | bytearray) -> tuple[Layout, int] | None:
-        """The layout and the length of the first of some structs, if one was laid out so before.
+        """Return layout and length of the first of several structs, if its layout is stored.
 
-        The bytes that are no value's say where a struct ends, so that only one length can fit.
+        The bytes that belong to no value determine where a struct ends, so only one length can fit.
         """
         for size in self._kept:
             if size <= len(structs) and (layout := self.find(structs[:size])) is not None:
@@ -85,7 +85,7 @@ class Layouts:
         return None
 
     def keep(self, struct: bytes | bytearray) -> None:
-        """Keep the layout of a struct that was measured: it is whole, and fits."""
+        """Store the layout of a struct that was measured: it is complete and fits the IDL."""
         size = len(struct)
         if size > _LONGEST or size in self._kept or len(self._kept) >= _MOST:
             return
@@ -99,7 +99,7 @@ class Layouts:
 def _reader(
     spec: Mapping[int, Any], data: bytes | bytearray
 ) -> Callable[[bytes | bytearray, int], Any] | None:
-    """What reads the value out of results that are laid out as this one."""
+    """Make the function that reads the value of results with the layout of this one."""
     if list(spec) != [0] or data[:3] != bytes((spec[0][0], 0, 0)):
         return None
     kind: int = spec[0][0]
@@ -121,14 +121,14 @@ def _reader(
     return lambda reply, start: build(unpack(reply, start))
 
 
-#: which of the numbers that were read a value is, or which ones a list is of
+#: index of a value among the numbers that were read, or the slice of a list
 _Where = int | slice
 
 
 def _fields(
     spec: Mapping[int, Any], data: bytes | bytearray, formats: list[str]
 ) -> list[_Where] | None:
-    """Where the fields of a struct are; None if it cannot be read so, or they are not all there."""
+    """Places of a struct's fields; None if `struct` cannot read them, or some are missing."""
     places: list[_Where] = []
     at, count = 3, 0
     for number, (kind, *_) in spec.items():
@@ -146,7 +146,7 @@ def _fields(
 def _place(
     kind: int, data: bytes | bytearray, at: int, formats: list[str], count: int
 ) -> tuple[_Where, int, int] | None:
-    """Where a value is, behind so many numbers; its end, and how many numbers came by then."""
+    """Place of a value after `count` numbers, index of its end, number of numbers up to there."""
     if kind in _FORMATS:
         formats.append(_FORMATS[kind])
         return count, at + FIXED_WIDTHS[kind], count + 1
@@ -163,7 +163,10 @@ def _one(numbers: tuple[Any, ...]) -> Any:
 
 
 def _builder(shape: Any, places: list[_Where]) -> Callable[[tuple[Any, ...]], Any]:
-    """What makes a struct of its numbers; its fields are the parameters of its class."""
+    """Make the function that builds a struct from its numbers.
+
+    The fields of the struct are the parameters of its class.
+    """
 
     def build(numbers: tuple[Any, ...]) -> Any:
         return shape(
@@ -177,14 +180,14 @@ def _builder(shape: Any, places: list[_Where]) -> Callable[[tuple[Any, ...]], An
 
 
 def _clear_values(data: bytes | bytearray, at: int, mask: bytearray) -> int:
-    """Clear the values of a struct in the mask; where the struct ends."""
+    """Clear the values of a struct in the mask; return where the struct ends."""
     while (kind := data[at]) != TType.STOP:
         at = _clear_value(kind, data, at + 3, mask)
     return at + 1
 
 
 def _clear_value(kind: int, data: bytes | bytearray, at: int, mask: bytearray) -> int:
-    """Clear a value in the mask, but not its counts, lengths and types; where it ends."""
+    """Clear a value in the mask, but not its counts, lengths and types; return where it ends."""
     width = FIXED_WIDTHS.get(kind)
     if width is not None:
         return _clear(mask, at, width)

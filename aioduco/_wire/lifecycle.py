@@ -1,4 +1,4 @@
-"""The states of a connection, without socket, thread or clock."""
+"""State machine of a connection, without socket, thread or clock."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ class ConnectionState(enum.Enum):
     NEW: not open yet.
     IDLE: open, no call under way.
     ACTIVE: a call is under way.
-    POISONED: a call ended without its answer, so the next bytes could be an answer to
-    anything: never used again.
+    POISONED: a call ended without its answer, so the next bytes could belong to any call: the
+    connection is never used again.
     CLOSED: closed by its owner.
     """
 
@@ -24,7 +24,7 @@ class ConnectionState(enum.Enum):
 
 
 class Progress(enum.IntEnum):
-    """How far the last call came. It decides what may be done when the call fails."""
+    """Progress of the last call. It decides whether a failed call may be repeated."""
 
     NOTHING_SENT = 0
     SENT = 1
@@ -34,8 +34,8 @@ class Progress(enum.IntEnum):
 class Lifecycle:
     """State machine of one connection.
 
-    Invariants: from POISONED only CLOSED follows, and from CLOSED nothing. A call that was
-    under way when the connection was poisoned cannot complete. The first reason stays.
+    Invariants: only CLOSED follows POISONED, and no state follows CLOSED. A call that was under
+    way when the connection was poisoned cannot complete. Only the first reason is kept.
     """
 
     __slots__ = ("progress", "reason", "state")
@@ -47,30 +47,30 @@ class Lifecycle:
         self.reason = ""
 
     def opened(self) -> bool:
-        """The socket is connected; whether the connection may be used."""
+        """Record that the socket is connected; return whether the connection may be used."""
         return self._move(ConnectionState.NEW, ConnectionState.IDLE)
 
     def begin(self) -> bool:
-        """A call begins; whether it may."""
+        """Start a call; return whether that is allowed."""
         if not self._move(ConnectionState.IDLE, ConnectionState.ACTIVE):
             return False
         self.progress = Progress.NOTHING_SENT
         return True
 
     def sent(self) -> None:
-        """The first bytes of the call have been handed to the system."""
+        """Record that the first bytes of the call were passed to the operating system."""
         self.progress = Progress.SENT
 
     def answering(self) -> None:
-        """The first bytes of the answer have come."""
+        """Record that the first bytes of the answer have arrived."""
         self.progress = Progress.ANSWERING
 
     def complete(self) -> bool:
-        """The answer is there and checked; whether it may be given to the caller."""
+        """Record that the answer is complete and valid; return whether the caller may get it."""
         return self._move(ConnectionState.ACTIVE, ConnectionState.IDLE)
 
     def poison(self, reason: str) -> bool:
-        """Never use the connection again; whether that is new."""
+        """Mark the connection as unusable; return whether the state changed."""
         if self.state in (ConnectionState.POISONED, ConnectionState.CLOSED):
             return False
         self.state = ConnectionState.POISONED
@@ -78,7 +78,7 @@ class Lifecycle:
         return True
 
     def close(self) -> bool:
-        """The owner is done with the connection; whether that is new."""
+        """Record that the owner closed the connection; return whether the state changed."""
         if self.state is ConnectionState.CLOSED:
             return False
         self.state = ConnectionState.CLOSED

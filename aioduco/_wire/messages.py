@@ -1,8 +1,8 @@
-"""Messages of the wire, and where they begin and end: strict TBinaryProtocol, without a schema.
+"""Split a stream into messages of the wire: strict TBinaryProtocol, without a schema.
 
-What stands at the other end of a client, a server or a proxy, takes whole messages out of a
-stream here. Of a body it needs only the length, which follows from the types in the body. No I/O
-is done.
+The peer of a client, that is a server or a proxy, extracts whole messages from a stream by this
+module. It needs only the length of a body, which follows from the types in the body. No I/O is
+done.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 _VERSION: Final = 0x80010000
 _VERSION_MASK: Final = 0xFFFF0000
 
-#: longest name of a function that is taken for one; the longest on the wire has 33 bytes
+#: maximum length of a function's name [bytes]; the longest on the wire has 33
 _NAME_LIMIT: Final = 128
 
-#: types in the body of an application error
+#: type numbers in the body of an application error
 _STRING: Final = 11
 _I32: Final = 8
 
@@ -46,7 +46,7 @@ class Message:
 
     Attributes:
         kind: call, reply, exception or one-way call.
-        name: the function on the wire.
+        name: name of the function on the wire.
         seqid: the sequence id that the caller chose.
         body: the encoded struct of arguments or of the result, its stop byte included.
     """
@@ -57,19 +57,19 @@ class Message:
     body: bytes
 
     def encode(self) -> bytes:
-        """The bytes of the message, as they stand on the wire."""
+        """Return the bytes of the message on the wire."""
         name = self.name.encode()
         head = struct.pack("!II", _VERSION | self.kind, len(name))
         return head + name + struct.pack("!i", self.seqid) + self.body
 
 
 def application_error(call: Message, code: int, text: str) -> Message:
-    """The answer by which a server says that it could not carry a call out.
+    """Make the answer of a server that could not execute a call.
 
     Args:
         call: the call that is answered.
         code: type of the application error; 1 is an unknown method, 6 an internal error.
-        text: what went wrong.
+        text: description of the error.
 
     Returns:
         The message of kind EXCEPTION.
@@ -82,14 +82,14 @@ def application_error(call: Message, code: int, text: str) -> Message:
 
 
 class Inbox:
-    """Collects received bytes and takes whole messages out of them.
+    """Buffer that collects received bytes and returns whole messages.
 
-    Each byte is looked at once, however the stream is cut. What passes is safe for thriftpy2's
-    decoder. After a `Malformed` it is of no more use: nothing in the stream says where the next
-    message would begin.
+    Each byte is read once, no matter how the stream is split. The returned messages are safe for
+    thriftpy2's decoder. After a `Malformed` the inbox must not be used any more: the stream does
+    not show where the next message begins.
 
     Args:
-        kinds: the kinds of messages that are taken.
+        kinds: the kinds of messages that are accepted.
         bounds: the limits within which a message is accepted.
     """
 
@@ -107,7 +107,7 @@ class Inbox:
 
     @property
     def pending(self) -> bytes:
-        """The bytes that were fed and are in no message yet."""
+        """The received bytes that are not part of a returned message."""
         return bytes(self._data)
 
     def feed(self, data: bytes) -> None:
@@ -115,10 +115,10 @@ class Inbox:
         self._data += data
 
     def take(self) -> Message | None:
-        """The next whole message, or None when more bytes are needed.
+        """Remove and return the next whole message; None if more bytes are needed.
 
         Raises:
-            Malformed: the bytes are no message, or one beyond the bounds.
+            Malformed: the bytes are not a message, or exceed the bounds.
         """
         if self._head is None:
             self._head = self._header()

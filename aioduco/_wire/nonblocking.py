@@ -1,9 +1,9 @@
-"""Sends that keep the interpreter's lock, and so are made before any other thread runs.
+"""Sends that keep the interpreter's lock, so that they happen before any other thread runs.
 
-`socket.send` releases the lock for the length of the system call. That wakes the thread that waits
-for it, such as a program's busy event loop, and the system may run that thread before the send: on
-one core, for milliseconds. A stop must not wait for that. A send that cannot block may keep the
-lock: it is made when the next thread runs.
+`socket.send` releases the lock during the system call. That wakes a thread that waits for the lock,
+such as a program's busy event loop. The system may run that thread before the send: on one core,
+for milliseconds. A stop must not wait for that. A send that cannot block may keep the lock: it is
+complete when the next thread runs.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _send: Callable[[int, bytes, int, int], int] | None = None
 _receive: Callable[[int, ctypes.Array[ctypes.c_char], int, int], int] | None = None
 _connect: Callable[[int, bytes, int], int] | None = None
 if limits_sockets():
-    #: a `PyDLL` keeps the lock during its calls, where a `CDLL` releases it
+    #: a `PyDLL` keeps the lock during its calls; a `CDLL` releases it
     _system: Final = ctypes.PyDLL(None)
     _system.send.argtypes = [ctypes.c_int, ctypes.c_char_p, ctypes.c_size_t, ctypes.c_int]
     _system.send.restype = ctypes.c_ssize_t
@@ -37,58 +37,58 @@ if limits_sockets():
 
 
 def send_at_once(descriptor: int, data: bytes) -> int:
-    """Send what a socket takes at this moment; from any thread or signal handler.
+    """Send as many bytes as the system accepts at once; from any thread or signal handler.
 
     Args:
-        descriptor: the socket's; it must not be closed meanwhile.
+        descriptor: file descriptor of the socket; it must not be closed meanwhile.
         data: the bytes.
 
     Returns:
-        How many bytes the system took; negative if it took none, whatever the reason, and where
-        the system has no sends that do not wait.
+        The number of bytes that the system accepted; negative if it accepted none for any reason,
+        or if it has no sends that do not wait.
     """
     if _send is None:
         return -1
     return int(_send(descriptor, data, len(data), _FLAGS))
 
 
-#: where the byte comes that nobody reads
+#: buffer for the peeked byte, which is never used
 _peeked: Final = ctypes.create_string_buffer(1)
 
 _PEEK: Final = getattr(socket, "MSG_DONTWAIT", 0) | socket.MSG_PEEK
 
 
 def is_silent(descriptor: int) -> bool:
-    """Whether nothing came on a socket that has not been read, not even its end.
+    """Whether a socket has nothing to read, not even the end of the stream.
 
     Args:
-        descriptor: the socket's; it must not be closed meanwhile.
+        descriptor: file descriptor of the socket; it must not be closed meanwhile.
 
     Returns:
-        False where the system has no reads that do not wait: it is not known.
+        False also where the system has no reads that do not wait: the state is unknown there.
     """
     if _receive is None:
         return False
     return bool(_receive(descriptor, _peeked, 1, _PEEK) < 0)
 
 
-#: the address of the family AF_UNSPEC: connecting to it dissolves a connection
+#: an address of the family AF_UNSPEC: `connect` with it dissolves a connection
 _UNSPECIFIED: Final = bytes(16)
 
 
 def disconnect(descriptor: int) -> bool:
-    """Dissolve a TCP connection: the system forgets every byte that it has not delivered.
+    """Dissolve a TCP connection: the system discards every byte that it has not delivered.
 
-    Closing a socket does not do that: the system goes on delivering for as long as
-    TCP_USER_TIMEOUT lets it, and a child that was forked keeps the connection alive however its
-    parent closes it. Wakes a thread that waits on the socket.
+    Closing a socket does not do that: the system continues to deliver until TCP_USER_TIMEOUT ends,
+    and a forked child keeps the connection alive even if its parent closes its socket. A thread
+    that waits on the socket wakes up.
 
     Args:
-        descriptor: the socket's; it must not be closed meanwhile.
+        descriptor: file descriptor of the socket; it must not be closed meanwhile.
 
     Returns:
-        Whether the system did it. Windows does not: there only closing the socket, with nothing
-        left to linger for, discards what was not delivered.
+        Whether the system did it. Windows cannot: there, undelivered bytes are discarded only by
+        closing the socket with a linger time of zero.
     """
     if _connect is None:
         return False

@@ -1,4 +1,4 @@
-"""Words for errors that come from this computer and not from the controller."""
+"""Texts for errors that this computer causes, and not the controller."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _WORDS: Final = {
 
 
 def resource_error(error: BaseException | None) -> str:
-    """What this computer refused, if the error comes from that; else "".
+    """Describe the resource that this computer refused; "" if the error has another cause.
 
     Args:
         error: the error; its causes are searched too.
@@ -28,7 +28,7 @@ def resource_error(error: BaseException | None) -> str:
     while error is not None:
         if isinstance(error, OSError) and error.errno in _WORDS:
             return _WORDS[error.errno]
-        # Python gives no number for it, only this text.
+        # Python sets no errno here, only this text.
         if isinstance(error, RuntimeError) and "start new thread" in str(error):
             return "this process can start no more threads"
         error = error.__cause__

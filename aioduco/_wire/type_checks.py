@@ -1,10 +1,10 @@
-"""Whether a value fits its type on the wire, found out before it is encoded.
+"""Check whether a value fits its type on the wire, before it is encoded.
 
-thriftpy2 makes something of nearly everything: it cuts 1.7 down to 1, sends 300 as a byte of 44,
-"False" as true, a NaN as it is, and leaves out what is None or has no such attribute, which the
-controller reads as zero. The sections check their arguments by ranges of their own; this is the
-second line, for whatever calls the wire. What passes arrives as the number that it is: an int
-does for a double and a 0 or 1 for a bool, a bool does for nothing but a bool.
+thriftpy2 encodes nearly every value: it truncates 1.7 to 1, sends 300 as a byte of 44, "False" as
+true, a NaN unchanged, and leaves out fields that are None or missing, which the controller reads as
+zero. The sections check their arguments by their own ranges. This second check applies to every
+call of the wire. A value that passes arrives unchanged: an int is accepted as a double, 0 and 1 as
+a bool, and a bool only as a bool.
 """
 
 from __future__ import annotations
@@ -18,17 +18,18 @@ from typing import Any, Final, TypeAlias
 
 from thriftpy2.thrift import TType
 
-#: returns if the value fits, else raises `TypeMismatch`
+#: function that returns if the value fits, and else raises `TypeMismatch`
 Check: TypeAlias = Callable[[Any], None]
 
 
 class TypeMismatch(Exception):
-    """A value does not fit.
+    """A value does not fit its type.
 
     Attributes:
-        path: where in the argument it is, as Python writes it; empty for the argument itself.
+        path: place of the value in the argument, in Python's notation; empty for the argument
+            itself.
         value: the value.
-        expected: what would fit.
+        expected: description of values that fit.
     """
 
     def __init__(self, value: object, expected: str) -> None:
@@ -38,16 +39,16 @@ class TypeMismatch(Exception):
         super().__init__(value, expected)
 
 
-#: by type of the wire: its bits, its lowest and its highest value
+#: number of bits of each whole-number type of the wire
 _BITS: Final = {TType.BYTE: 8, TType.I16: 16, TType.I32: 32, TType.I64: 64}
 
 
 def check_of(kind: int, shape: Any = None) -> Check:
-    """The check of one type.
+    """Return the check of one type.
 
     Args:
         kind: thriftpy2's number of the type.
-        shape: what thriftpy2 keeps beside it: a struct's class, a container's elements.
+        shape: thriftpy2's details of the type: a struct's class, a container's element type.
     """
     if kind in _BITS:
         return _whole(_BITS[kind])
@@ -83,7 +84,7 @@ def _double(value: Any) -> None:
         return
     try:
         fits = not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
-    except OverflowError:  # a whole number beyond all doubles
+    except OverflowError:  # a whole number too large for a double
         fits = False
     if not fits:
         raise TypeMismatch(value, "a finite number: double on the wire")
@@ -101,7 +102,7 @@ def _flag(value: Any) -> None:
 
 
 def _is_numpy(value: object, name: str) -> bool:
-    """Whether it is of this type of numpy, which is not loaded for that: a worker goes without."""
+    """Whether a value is of this numpy type. numpy is not loaded for it: a worker needs none."""
     numpy = sys.modules.get("numpy")
     return numpy is not None and isinstance(value, getattr(numpy, name))
 
@@ -136,7 +137,7 @@ _any_doubles: Final = _list(_double)
 
 
 def _doubles(value: Any) -> None:
-    if type(value) is list:  # the short way of most arguments
+    if type(value) is list:  # fast path for most arguments
         for item in value:
             if type(item) is not float or not math.isfinite(item):
                 break
@@ -150,7 +151,7 @@ def _struct(kind: Any) -> Check:
     names: tuple[str, ...] = tuple(entry[1] for entry in entries)
     checks = tuple(check_of(*type_of(entry)) for entry in entries)
     values_of = operator.attrgetter(*names)
-    # what holds no lists is compared at once: most fields are left as they are
+    # a struct without lists is compared as a whole: most fields have their default values
     flat = all(entry[0] not in (TType.LIST, TType.STRUCT) for entry in entries)
     zeros = values_of(kind()) if flat else None
 
@@ -172,5 +173,5 @@ def _struct(kind: Any) -> Check:
 
 
 def type_of(entry: tuple[Any, ...]) -> tuple[int, Any]:
-    """Type and shape of a field, from thriftpy2's spec of it."""
+    """Return type and shape of a field, from thriftpy2's spec of it."""
     return entry[0], entry[2] if len(entry) > 3 else None

@@ -1,19 +1,20 @@
-"""What to do about a motion that was sent and not answered: without socket, thread or clock.
+"""Procedure for a motion that was sent and not answered: without socket, thread or clock.
 
 Such a motion may reach the controller at any later time: its bytes may wait in this system, in a
-switch, in a proxy, or in the controller, which may have taken them and not read them yet. The arm
-would then begin to move unexpectedly. So its sender stops the arm, and goes on watching
-it until one of these is certain:
+switch, in a proxy, or in the controller, which may have received them and not read them yet. The
+arm would then start to move unexpectedly. So the sender stops the arm, and watches it until one of
+these is certain:
 
-- The answer came. The controller has the motion, and a stop that was sent after the answer ends it.
-- Nothing of it is left in this system, and a path that delivered a stop since then delivered
-  nothing else for as long as the stop took.
+- The answer has arrived. The controller has the motion, and a stop that was sent after the answer
+  ends it.
+- None of its bytes are left in this system. A stop was delivered since then, and after it the path
+  delivered nothing else for as long as the stop took.
 
-Why that long: what held back the stop for some time may hold back an older packet for as long
-again, on another queue of the same path. It is bounded on both sides: the fast paths of a local
-network are covered by `SHORTEST`, and after `LONGEST` a packet that is still on its way is beyond
-what a network does. A proxy can hold bytes longer than that, and a controller can read them later;
-both acknowledge them, so that their answer is waited for, up to a limit.
+The reason for this time: a delay that held back the stop may hold back an older packet for as long
+again, in another queue of the same path. The time has two bounds: `SHORTEST` covers the fast paths
+of a local network, and no network delays a packet for more than `LONGEST`. A proxy can hold bytes
+longer than that, and a controller can read them later. Both acknowledge the bytes, so the sender
+waits for the answer, up to a limit.
 """
 
 from __future__ import annotations
@@ -23,18 +24,18 @@ from typing import Final
 
 __all__ = ["LONGEST", "SHORTEST", "NextStep", "UnansweredMotion"]
 
-#: seconds for which the arm is watched at least, after a stop that was accepted at once
+#: minimum time for which the arm must be watched after a stop was accepted [s]
 SHORTEST: Final = 0.3
-#: seconds for which it is watched at most
+#: maximum time for which the arm must be watched after a stop was accepted [s]
 LONGEST: Final = 5.0
-#: looks in a row that show a standing arm
+#: number of consecutive polls that must show a standing arm
 _STANDING: Final = 2
-#: seconds after which an arm that still moves is stopped once more
+#: seconds after which an arm that still moves is stopped again
 _STOP_AGAIN: Final = 0.5
 
 
 class NextStep(enum.Enum):
-    """What to do next."""
+    """The next action of the sender."""
 
     STOP = "send a stop"
     LOOK = "ask whether the arm moves"
@@ -44,14 +45,14 @@ class NextStep(enum.Enum):
 
 
 class UnansweredMotion:
-    """Decides what to do until an unanswered motion cannot move the arm any more.
+    """Decides on the next action until an unanswered motion cannot move the arm any more.
 
     Times are seconds of one monotonic clock.
 
     Args:
-        now: the time.
-        answer_by: until when to wait for the answer.
-        until: when to give up.
+        now: the present time.
+        answer_by: time until which to wait for the answer.
+        until: time at which to give up.
     """
 
     __slots__ = (
@@ -68,14 +69,14 @@ class UnansweredMotion:
     def __init__(self, now: float, answer_by: float, until: float) -> None:
         self._answer_by = answer_by
         self._until = until
-        #: a stop must be sent at this time or later to count
+        #: only a stop that was sent at this time or later counts
         self._need = now
         self._answered = False
-        #: since when nothing of it is in this system
+        #: time since which none of its bytes are left in this system
         self._dissolved: float | None = None
-        #: when the last stop was accepted
+        #: time at which the last stop was accepted
         self._stopped: float | None = None
-        #: since when the arm has been looked at after that stop
+        #: time since which the arm has been watched after that stop
         self._since = now
         self._standing = 0
 
@@ -84,30 +85,30 @@ class UnansweredMotion:
         return f"<UnansweredMotion {state}, seen standing {self._standing} times>"
 
     def answered(self, now: float) -> None:
-        """Its answer has come: the controller has it, and stops that were sent before are void."""
+        """Record the answer: the controller has the motion, so earlier stops no longer count."""
         if not self._answered:
             self._answered = True
             self._again(now)
 
     def dissolved(self, now: float) -> None:
-        """Its connection is gone, with whatever this system had not delivered."""
+        """Record that the connection was dissolved, with all bytes not delivered by this system."""
         if self._dissolved is None and not self._answered:
             self._dissolved = now
             self._again(now)
 
     def stopped(self, sent: float, now: float) -> None:
-        """A stop was accepted.
+        """Record that a stop was accepted.
 
         Args:
-            sent: when it was sent.
-            now: the time.
+            sent: time at which it was sent.
+            now: the present time.
         """
         if sent >= self._need:
             self._stopped = self._since = now
             self._standing = 0
 
     def seen(self, now: float, *, moving: bool) -> None:
-        """The controller answered whether the arm moves."""
+        """Record the controller's answer whether the arm moves."""
         if not moving:
             self._standing += 1
         elif self._standing >= _STANDING or now - self._since > _STOP_AGAIN:
@@ -116,11 +117,11 @@ class UnansweredMotion:
             self._standing = 0
 
     def unheard(self, now: float) -> None:
-        """The controller did not answer whether the arm moves: another stop does no harm."""
+        """Record that the controller did not answer: send another stop, which does no harm."""
         self._again(now)
 
     def step(self, now: float) -> NextStep:
-        """What to do now."""
+        """Return the next action."""
         if self._certain(now):
             return NextStep.DONE
         if now >= self._until:

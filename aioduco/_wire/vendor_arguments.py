@@ -1,9 +1,9 @@
-"""What the vendor's programs pass, as the values of the wire that it stands for.
+"""Convert the arguments of the vendor's programs to values of the wire.
 
-The vendor's client takes whatever Thrift's Python library can write. So programs pass None and ''
-for "the present one", objects of their own copy of the vendor's structs, bytes above 127, 1 for
-True. Each of these has one meaning here; what has none is left as it is, and refused where the
-arguments are encoded.
+The vendor's client accepts every value that Thrift's Python library can write. So programs pass
+None and '' for "the present one", objects of their own copy of the vendor's structs, bytes above
+127, and 1 for True. Each of these has one meaning here. A value without a meaning stays unchanged,
+and is refused when the arguments are encoded.
 """
 
 from __future__ import annotations
@@ -25,21 +25,21 @@ __all__ = ["wire_arguments"]
 
 _Convert: TypeAlias = Callable[[Any], Any]
 
-#: by type of the wire the bits of its whole numbers
+#: number of bits of each whole-number type of the wire
 _BITS: Final = {TType.BYTE: 8, TType.I16: 16, TType.I32: 32, TType.I64: 64}
-#: what stands for the present one if nothing is given, and the outputs of a weave: none
+#: parameters that may be empty: for most it means the present one, for a weave's outputs none
 _MAY_BE_NOTHING: Final = frozenset({"q_near", "qnear", "tool", "wobj", "ref_pos", "op_list"})
-#: position of `path_dwell`, in whose place older versions of the class have `op_list`
+#: position of `path_dwell`; older versions of the class have `op_list` in its place
 _PATH_DWELL: Final = 8
 
 
 def wire_arguments(name: str, args: tuple[Any, ...], op: Op) -> tuple[Any, ...]:
-    """The arguments of a call as the wire has them.
+    """Convert the arguments of a call to values of the wire.
 
     Args:
         name: the function of the wire.
-        args: what the program gave, in the order of the wire.
-        op: what is sent for outputs that were not given.
+        args: the program's arguments, in the order of the wire.
+        op: value that is sent if the program gave no outputs.
     """
     if name == "combine_motion_config" and isinstance(args[_PATH_DWELL], (list, tuple)):
         args = (*args[:_PATH_DWELL], False, args[_PATH_DWELL])
@@ -53,7 +53,7 @@ def wire_arguments(name: str, args: tuple[Any, ...], op: Op) -> tuple[Any, ...]:
 
 @functools.cache
 def _conversions(name: str) -> tuple[_Convert, ...]:
-    """For each parameter of a function what makes a value of the wire of its argument."""
+    """For each parameter of a function, the conversion of its argument to a value of the wire."""
     entries = idl.functions()[name].args.thrift_spec.values()
     return tuple(
         _or_nothing(*type_of(entry))
@@ -79,7 +79,7 @@ def _conversion(kind: int, shape: Any) -> _Convert:
 
 
 def _or_nothing(kind: int, shape: Any) -> _Convert:
-    """The conversion of a parameter for which None, '' and an empty list stand for nothing."""
+    """Return the conversion of a parameter for which None, '' and an empty list mean nothing."""
     convert = _conversion(kind, shape)
     nothing: Callable[[], Any] = str if kind == TType.STRING else list
 
@@ -95,12 +95,12 @@ def _same(value: Any) -> Any:
 
 
 def _whole(value: Any) -> Any:
-    """True and False are the 1 and 0 that they are to the vendor's class."""
+    """Convert True and False to 1 and 0, as the vendor's class does."""
     return int(value) if isinstance(value, bool) else value
 
 
 def _signed(bits: int, value: Any) -> Any:
-    """Bytes and words: those without a sign as the ones with a sign that have the same bits."""
+    """Convert unsigned bytes or words to the signed ones with the same bits."""
     if isinstance(value, str) or not isinstance(value, Iterable):
         return value
     half, full = 1 << (bits - 1), 1 << bits
@@ -121,9 +121,9 @@ def _list(convert: _Convert, value: Any) -> Any:
 
 
 def _struct(kind: Any, value: Any) -> Any:
-    """A struct of this package; of another that has its fields, such as the vendor's, a copy.
+    """Copy a foreign struct with the same fields, such as the vendor's, into one of this package.
 
-    The vendor's have None for what was not set.
+    Fields that were not set are None in the vendor's structs.
     """
     entries = kind.thrift_spec.values()
     if isinstance(value, kind) or not any(hasattr(value, entry[1]) for entry in entries):

@@ -1,4 +1,4 @@
-"""A thread that owns a connection and carries calls out, one after another."""
+"""A thread that owns a connection and executes calls, one after another."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from aioduco._wire.idl import Function
 
 
-#: seconds that a thread may take to notice that its call was abandoned
+#: seconds within which a thread must notice that its call was abandoned
 _LEAVING_TIME: Final = 1.0
 
 
 class AbandonOutcome(enum.Enum):
-    """What became of a call that was abandoned."""
+    """Outcome of a call that was abandoned."""
 
     OVER = "it was over before"
     UNSENT = "nothing of it was sent, or will be"
@@ -42,27 +42,27 @@ class AbandonOutcome(enum.Enum):
 
 
 class Worker:
-    """A thread with a connection of its own.
+    """A thread with its own connection.
 
-    Guarantees: one call at a time, given by the holder of the claim. The connection is opened,
-    used and closed on this thread; a call that is abandoned never sends anything afterwards.
-    The thread is a daemon, since a program that forgets to close a lane, or whose name server
-    hangs, must still come to its end; `dismiss` tells the lane when it ends.
+    Guarantees: one call at a time, submitted by the holder of the claim. The connection is opened,
+    used and closed on this thread. An abandoned call never sends anything afterwards. The thread is
+    a daemon, since a program that does not close a lane, or whose name server hangs, must still be
+    able to end. A callback of `dismiss` reports the end of the thread.
 
     Args:
         name: name of the thread.
-        source: where its connections come from.
+        source: factory of its connections.
     """
 
     def __init__(self, name: str, source: ConnectionFactory) -> None:
         self.name = name
         self._source = source
         self._inbox: SimpleQueue[Call | Callable[[], None]] = SimpleQueue()
-        # Who has the worker, under None. Only ever tried, never waited for, so that a signal
-        # handler can claim a worker in the middle of the loop's own code. It is known whose claim
-        # it is: an interrupt can come between any two steps, and what was claimed is given back.
+        # The holder of the claim, under the key None. A claim is only tried, never waited for, so
+        # that a signal handler can claim a worker in the middle of the loop's own code. The holder
+        # is stored, since an interrupt can come between any two steps: the claim is then released.
         self._claims: dict[None, object] = {}
-        # Held for moments, so that a call cannot end, and the next one begin, while it is being
+        # Held only briefly, so that a call cannot end, and the next one start, while it is being
         # abandoned. Reentrant for the signal handler.
         self._lock = threading.RLock()
         self._current: Call | None = None
@@ -70,14 +70,14 @@ class Worker:
         self._is_open = False
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._left = False
-        #: set when the lane is done with this worker
+        #: whether the lane no longer uses this worker
         self.retired = False
         self._retired_at = math.inf
         fork_hooks.add(self)
 
     @property
     def connection(self) -> Connection | None:
-        """The connection that is used now, if any."""
+        """The present connection, if any."""
         return self._connection
 
     @property
@@ -91,7 +91,7 @@ class Worker:
 
     @property
     def stuck(self) -> bool:
-        """Whether the thread should have ended a while ago, and still runs."""
+        """Whether the thread still runs long after it was dismissed."""
         return self.alive and time.monotonic() > self._retired_at + _LEAVING_TIME
 
     @property
@@ -104,11 +104,11 @@ class Worker:
         return f"<Worker {self.name} {state}, {self._connection!r}>"
 
     def forked(self) -> None:
-        """This is a forked child, without the thread, which may have held the lock."""
+        """In a forked child: replace the lock, which the parent's thread may have held."""
         self._lock = threading.RLock()
 
     def start(self) -> None:
-        """Start the thread, unless it runs.
+        """Start the thread, if it was not started before.
 
         Raises:
             RuntimeError: the system has no more threads.
@@ -117,29 +117,30 @@ class Worker:
             self._thread.start()
 
     def claim(self, call: object) -> bool:
-        """Take the worker for one call, if it is free or that call's already; never waits."""
+        """Claim the worker for a call, if it is free or already claimed for it; never waits."""
         return not self.retired and self._claims.setdefault(None, call) is call
 
     def submit(self, call: Call) -> None:
-        """Hand a call to the thread; the claim must be held, and is released by the thread."""
+        """Pass a call to the thread. The caller must hold the claim; the thread releases it."""
         if not self._started:
             self._thread.start()
         call.worker = self
         self._current = call
         connection = self._connection
         if connection is not None and call.function is not None:
-            # The thread may have to wait for the interpreter's lock; the bytes need not.
-            call.handed_over = True  # before: an abandon in the middle of it must see it
+            # The thread may have to wait for the interpreter's lock; so send the bytes here.
+            call.handed_over = True  # set first: a concurrent `abandon` must see it
             call.handed_over = connection.send_ahead(
                 call.function, call.arguments, call.deadline, call.further
             )
         self._inbox.put(call)
 
     def recover(self, call: Call) -> None:
-        """Finish a claim and a `submit` that an interrupt may have left half done.
+        """Complete or undo a claim and a `submit` that an interrupt may have left half done.
 
-        What had not begun is undone, and what had begun is finished. Harmless where nothing was
-        left: a call that comes twice has no claim the second time, and the thread passes over it.
+        A submit that had not started is undone, and one that had started is completed. Otherwise it
+        has no effect: a call that is queued twice has no claim the second time, so the thread skips
+        it.
         """
         with self._lock:
             if self._claims.get(None) is not call:
@@ -150,31 +151,31 @@ class Worker:
                 self._claims.clear()
 
     def abandon(self, call: Call | None, reason: str) -> AbandonOutcome:
-        """Have the thread drop a call, from any thread; at once if it waits for bytes.
+        """Make the thread drop a call, from any thread; at once if it waits for bytes.
 
         Args:
-            call: the call, or None for whichever is under way. A call that is not under way any
-                more is left alone, and so is the one after it.
-            reason: why.
+            call: the call, or None for the present one. If the call is no longer under way, nothing
+                happens, also not to the next call.
+            reason: reason, for messages.
         """
         with self._lock:
             current = self._current
             if current is None or (call is not None and current is not call):
                 return AbandonOutcome.OVER
             current.abandoned = True
-            # The thread publishes a connection before it looks at `abandoned`, and marks the call
-            # as handed over before it uses the connection; here it is the other way round.
-            # Whichever comes second sees the other, so a call without the mark is never sent.
+            # The thread sets `_connection` before it reads `abandoned`, and sets `handed_over`
+            # before it uses the connection. Here the order is reversed, so the later side always
+            # sees the earlier one's write: a call without `handed_over` is never sent.
             if self._connection is not None:
                 self._connection.abandon(reason)
             return AbandonOutcome.UNKNOWN if current.handed_over else AbandonOutcome.UNSENT
 
     def dismiss(self, on_end: Callable[[], None] = lambda: None) -> None:
-        """Have the thread close its connection and end, as soon as it is free.
+        """Make the thread close its connection and end, as soon as it is free.
 
         Args:
-            on_end: called on the thread when it is about to end; at once if it never began, or
-                has ended before.
+            on_end: callback, called on the thread when it is about to end; called at once if the
+                thread was never started, or has already ended.
         """
         self.retired = True
         self._retired_at = time.monotonic()
@@ -185,7 +186,7 @@ class Worker:
         on_end()
 
     def join(self, timeout: float) -> bool:
-        """Wait for the thread's end; whether it ended."""
+        """Wait for the thread's end, at most `timeout` [s]; return whether it ended."""
         if self._started:
             self._thread.join(timeout)
         return not self._thread.is_alive()
@@ -208,7 +209,7 @@ class Worker:
             del item
 
     def _let_go(self, call: Call) -> None:
-        # free before the waiter is woken, so that it can have this worker again at once
+        # free the worker before the waiter wakes up, so that it can claim this worker again at once
         with self._lock:
             self._current = None
             self._claims.clear()
@@ -217,8 +218,8 @@ class Worker:
     def _leave(self, on_end: Callable[[], None]) -> None:
         self._close()
         callbacks = [on_end]
-        # Taken for good, so that no more calls can come. If another thread holds the claim, its
-        # call is on the way, and gets an answer too.
+        # Keep the claim forever, so that no more calls can be submitted. If another thread holds
+        # the claim, it will submit its call, which then fails here.
         while self._claims.setdefault(None, self) is not self:
             self._decline(self._inbox.get(), callbacks)
         with self._lock:
@@ -245,7 +246,7 @@ class Worker:
 
     def _carry_out(self, call: Call) -> Any:
         connection = self._connection
-        # one that was given up after the call had been sent on it knows what is to be told
+        # a connection that was abandoned after the call was sent on it determines the right error
         used = connection is not None and (connection.usable or call.handed_over)
         if not used:
             connection = self._open(call)
@@ -255,8 +256,8 @@ class Worker:
         try:
             return self._exchange(connection, call)
         except ConnectionLost as first:
-            # A connection that was used before may have died since. The call may have another
-            # one if nothing of it was sent, or if a second time does no more than the first.
+            # A connection that was used before may have broken since. The call may use another
+            # connection if nothing of it was sent, or if a second call has no additional effect.
             in_time = call.deadline is None or time.monotonic() < call.deadline
             again = bool(call.further) or may_send_again(call.function, connection.progress)
             if not (used and again and in_time and not call.abandoned):
@@ -265,13 +266,13 @@ class Worker:
                 return self._exchange(self._open(call), call)
             except (ConnectError, ConnectionLost) as second:
                 if isinstance(first, OutcomeUnknown) and not isinstance(second, OutcomeUnknown):
-                    # a stop that was sent once, and not a second time
+                    # a stop that was sent the first time, but not the second time
                     raise first from second
                 raise
 
     def _exchange(self, connection: Connection, call: Call) -> Any:
         assert call.function is not None
-        # a call that was abandoned before has a poisoned connection, which sends nothing
+        # if the call was abandoned earlier, its connection is poisoned and sends nothing
         call.handed_over = True
         try:
             return connection.exchange(
@@ -305,21 +306,21 @@ class Worker:
 
 
 def may_send_again(function: Function, progress: Progress) -> bool:
-    """Whether a call that came this far on a broken connection may be sent on another one."""
+    """Whether a call with this progress on a broken connection may be sent on another one."""
     if progress is Progress.NOTHING_SENT:
         return True
     if progress is Progress.SENT:
         return call_kind(function.name).repeatable
-    # an answer that broke off was an answer, but a stop is to be sure
+    # an incomplete answer shows that the call was received; only a stop is repeated to be sure
     return call_kind(function.name) is CallKind.STOP
 
 
 def hung(name: str, dropped: AbandonOutcome) -> ConnectionLost:
-    """The error for the caller of a call whose thread does not come back.
+    """Return the error for the caller of a call whose thread hangs.
 
     Args:
         name: the function that was called.
-        dropped: what became of the call.
+        dropped: outcome of the abandoned call.
     """
     if dropped is AbandonOutcome.UNSENT:
         return NotSent(f"{name} was not sent: no connection could be made in time")

@@ -1,4 +1,4 @@
-"""Which call gets which connection: decided at once, without I/O, threads or clock."""
+"""Assignment of connections to calls, without waiting, I/O, threads or clock."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ if TYPE_CHECKING:
 
 
 class Claimable(Protocol):
-    """Something that one call at a time can have."""
+    """An object that one call at a time can claim."""
 
     def claim(self, call: object) -> bool:
-        """Take it for a call if it is free, or that call's already; never waits."""
+        """Claim it for a call, if it is free or already claimed for that call; never waits."""
         ...
 
 
 class Refusable(Protocol):
-    """A call that may not be wanted any more when its turn comes."""
+    """A call that may no longer be needed when a worker is free."""
 
     @property
     def refused(self) -> bool:
@@ -31,15 +31,15 @@ C = TypeVar("C", bound=Refusable)
 
 
 class WorkerPool(Generic[W, C]):
-    """Hands claimed workers to waiting calls, in the order in which the calls came.
+    """Assigns claimed workers to waiting calls, in the order of the calls.
 
     Guarantees: no more than `size` workers; no worker for a call that is refused; no call waits
-    while a worker is free, once `assign` has been called. Workers are tried in the order in
-    which they were made, so a light load keeps to few connections.
+    while a worker is free, once `assign` has been called. Workers are tried in the order in which
+    they were made, so a light load uses few connections.
 
     Args:
-        size: most workers.
-        make: makes a worker; called when all others are taken.
+        size: maximum number of workers.
+        make: function that makes a worker; called when all others are in use.
     """
 
     def __init__(self, size: int, make: Callable[[], W]) -> None:
@@ -50,18 +50,18 @@ class WorkerPool(Generic[W, C]):
 
     @property
     def waiting(self) -> int:
-        """Calls that wait for a worker."""
+        """Number of calls that wait for a worker."""
         return len(self._waiting)
 
     def take(self, call: C) -> W | None:
-        """A free worker for a new call, claimed now; None if the call has to wait."""
+        """Claim a free worker for a new call; queue the call and return None if there is none."""
         worker = None if self._waiting else self._free(call)
         if worker is None:
             self._waiting.append(call)
         return worker
 
     def forget(self, call: C) -> bool:
-        """Take a call out of the queue; whether it was still in it."""
+        """Remove a call from the queue; return whether it was still there."""
         try:
             self._waiting.remove(call)
         except ValueError:
@@ -69,7 +69,7 @@ class WorkerPool(Generic[W, C]):
         return True
 
     def assign(self) -> Iterator[tuple[W, C]]:
-        """Every pair of a free worker, claimed now, and the call that it is for."""
+        """Claim free workers for waiting calls; yield each worker with its call."""
         while self._waiting:
             if self._waiting[0].refused:
                 self._waiting.popleft()
@@ -80,14 +80,14 @@ class WorkerPool(Generic[W, C]):
             yield worker, self._waiting.popleft()
 
     def discard(self, worker: W) -> bool:
-        """Forget a worker, so that a new one can take its place; whether it was here."""
+        """Remove a worker, so that a new one can replace it; return whether it was in the pool."""
         if worker not in self.workers:
             return False
         self.workers.remove(worker)
         return True
 
     def drain(self) -> list[C]:
-        """Empty the queue; the calls that were in it."""
+        """Empty the queue; return the calls that were in it."""
         left = list(self._waiting)
         self._waiting.clear()
         return left

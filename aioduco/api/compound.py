@@ -28,7 +28,8 @@ class Compound(Section):
         await robot.motion.movel(end_of_seam, v=0.01, a=0.1)
         await robot.compound.disable_combine_motion()
 
-    It can be switched on and off only while the arm stands, and stays on after the program.
+    The weave can be switched on and off only while the arm stands. It stays on after the program
+    has ended.
     """
 
     __slots__ = ()
@@ -47,29 +48,29 @@ class Compound(Section):
         path_dwell: bool = False,
         op_list: Sequence[Op] = (),
     ) -> None:
-        """Set the weave (复合运动设置); it has effect from the next `enable_combine_motion` on.
+        """Set the weave (复合运动设置); it takes effect at the next `enable_combine_motion`.
 
         Args:
-            type: its shape: a `WeaveShape`, 1 triangle, 2 sine, 3 circle, 4 trapezoid, 5 figure
-                of eight.
-            ref_plane: its plane: a `WeavePlane`, 0 to 2 XY, XZ, YZ of the tool, 3 to 5 of the
-                work object.
+            type: shape of the weave, a `WeaveShape`: 1 triangle, 2 sine, 3 circle, 4 trapezoid,
+                5 figure of eight.
+            ref_plane: plane of the weave, a `WeavePlane`: 0 to 2 XY, XZ, YZ of the tool, 3 to 5
+                of the work object.
             fq: frequency, above 0 [Hz].
             amp: amplitude, from 0 [m].
             el_offset: offset in elevation [m]; reserved.
             az_offset: offset in azimuth [m]; reserved.
-            up_height: how far the middle is raised [m]; reserved.
-            time: how long it dwells on the left and on the right, from 0 [s]. Shape (2,).
-            path_dwell: whether the path waits while it dwells.
-            op_list: outputs set on the way. The manual calls the list two-dimensional; the wire
-                has a plain one.
+            up_height: rise of the middle [m]; reserved.
+            time: dwell times on the left and on the right, from 0 [s]. Shape (2,).
+            path_dwell: whether the motion along the path pauses during a dwell.
+            op_list: outputs set on the way. The manual calls the list two-dimensional; on the
+                wire it has one dimension.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not set.
 
-        Manual section 1.3.13. It prints no unit for `time`; manual 4.3 prints milliseconds, in
-        which it is sent.
+        Manual section 1.3.13. It prints no unit for `time`. Manual 4.3 prints milliseconds, so
+        the times are sent in milliseconds.
         """
         answer = await self._rpc.combine_motion_config(
             ranges.WEAVE_TYPE("type", type),

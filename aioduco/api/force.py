@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Force"]
 
-#: seconds in which the controller must have done what takes no time
+#: seconds within which the controller must have carried out a function that takes no time
 _LIMIT = 10.0
 
 
@@ -33,12 +33,12 @@ class Force(Section):
         await robot.force.fc_stop()
 
     It needs a force sensor that is mounted, connected and set up: with a wrong setup the arm
-    moves in an unforeseen way. Force acts only while a motion runs, such as `fc_move`; a stop
-    ends the motion, and the arm stands. Force control itself stays on until `fc_stop`: the next
-    motion gives way, too. Leaving the robot ends it, once the arm stands; a program that is killed
-    leaves it on.
+    moves in an unforeseen way. Force control acts only while a motion runs, such as `fc_move`; a
+    stop ends the motion, and the arm stands. Force control itself stays on until `fc_stop`: the
+    next motion gives way, too. Leaving the robot's block ends it once the arm stands; if the
+    program is killed, it stays on.
 
-    Vectors are along x, y, z, then about them. Shape (6,).
+    Vectors have the components along x, y, z, then those about x, y, z. Shape (6,).
     """
 
     __slots__ = ()
@@ -53,7 +53,7 @@ class Force(Section):
         """
         modes = self._supervisor.stop_coordinator.modes.standing
         was_on = "fc_stop" in modes
-        modes.add("fc_stop")  # before it is sent: its answer may be lost
+        modes.add("fc_stop")  # before the call is sent, since its answer may be lost
         try:
             await self._settle(lambda rpc: rpc.fc_start(), _LIMIT)
         except (TaskError, Refused, ControllerError, RobotStateError) as exc:
@@ -65,7 +65,7 @@ class Force(Section):
         """End force control (退出机器人末端力控).
 
         All motions must have ended, or the arm moves in an unforeseen way and stops with an
-        alarm. So this is refused while it moves; see to it that no other program moves it.
+        alarm. So this is refused while the arm moves. Make sure that no other program moves it.
 
         Raises:
             RobotStateError: the arm moves; nothing was sent.
@@ -91,20 +91,20 @@ class Force(Section):
     ) -> None:
         """Set how motions give way (配置机器人末端力控参数).
 
-        The arm gives way at the difference of the force from `ref_ft`, divided by `damp`, at
-        most at `max_vel`.
+        The speed at which the arm gives way is the difference between the force and `ref_ft`,
+        divided by `damp`, and at most `max_vel`.
 
         Args:
-            direction: for each direction whether it gives way. Shape (6,).
-            ref_ft: force that is kept up, -1000 to 1000 [N, N·m]. Shape (6,).
+            direction: whether the arm gives way in each direction. Shape (6,).
+            ref_ft: force that the arm maintains, -1000 to 1000 [N, N·m]. Shape (6,).
             damp: damping, above 0 in directions that give way [N/(m/s), N·m/(rad/s)]; 1000 to
                 2000 and 57 are usual. Shape (6,).
             max_vel: largest speed, -5 to 5 [m/s, rad/s]; 0.03 to 0.15 m/s are usual. Shape (6,).
-            dead_band: difference of the force below which nothing gives way, -1000 to 1000
+            dead_band: force difference below which the arm does not give way, -1000 to 1000
                 [N, N·m]. The manual calls it number_list. Shape (6,).
             tool: name of the tool about whose tip the arm gives way; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            frame: whose directions they are: a `ForceFrame`, 0 the tool's, 1 the work object's.
+            frame: frame of the directions, a `ForceFrame`: 0 the tool's, 1 the work object's.
                 The manual calls it type.
 
         Raises:
@@ -127,7 +127,7 @@ class Force(Section):
     def fc_move(self) -> MotionCommand:
         """Move by force control alone (仅基于末端力控产生的补偿运动).
 
-        Without a condition (`fc_wait_logic`) that comes true it does not end by itself.
+        It ends by itself only if a condition (`fc_wait_logic`) comes to hold.
         Cancelling its await stops the arm.
 
         Returns:
@@ -147,20 +147,20 @@ class Force(Section):
         frame: ForceFrame | int = 0,
         force_property: GuardedForce | int = 0,
     ) -> None:
-        """Watch the force in force control (力安全监控): an emergency stop if it is exceeded.
+        """Monitor the force in force control (力安全监控): too large a force is an emergency stop.
 
         Args:
-            direction: for each direction whether it is watched. Shape (6,).
-            ref_ft: largest force, from 0, of either sign [N, N·m]. Shape (6,).
+            direction: whether the force is monitored in each direction. Shape (6,).
+            ref_ft: largest allowed force in both senses, from 0 [N, N·m]. Shape (6,).
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            frame: whose directions they are: a `ForceFrame`, 0 the tool's, 1 the work object's.
+            frame: frame of the directions, a `ForceFrame`: 0 the tool's, 1 the work object's.
                 The manual calls it type.
             force_property: a `GuardedForce`: 0 load and external force, 1 external force alone.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it is not watched.
+            TaskError: the force is not monitored.
 
         Manual section 1.3.10.
         """
@@ -173,21 +173,21 @@ class Force(Section):
         )
 
     async def fc_guard_deact(self) -> None:
-        """Watch the force no more (禁用力安全监控).
+        """End the monitoring of the force (禁用力安全监控).
 
         Raises:
-            TaskError: it is watched on.
+            TaskError: the force is still monitored.
 
         Manual section 1.3.10.
         """
         await self._settle(lambda rpc: rpc.fc_guard_deact(), _LIMIT)
 
     async def fc_force_set_value(self, direction: FlagsLike, ref_ft: VectorLike) -> None:
-        """Set what the force sensor reads at present (力传感器读数设置为指定值), to tare it.
+        """Set the force sensor's present reading (力传感器读数设置为指定值), to tare it.
 
         Args:
-            direction: for each direction of the sensor whether it is set. Shape (6,).
-            ref_ft: what it reads then [N, N·m]. Shape (6,).
+            direction: whether the reading is set in each direction of the sensor. Shape (6,).
+            ref_ft: the new reading [N, N·m]. Shape (6,).
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -209,19 +209,18 @@ class Force(Section):
     ) -> None:
         """Set the condition on position (位置判断条件) under which motions end in force control.
 
-        It returns at once. When the conditions hold, as `fc_wait_logic` combines them, the
-        running motion ends, and those that follow are skipped until `fc_stop` or the next
-        `fc_wait_logic`.
+        It returns at once. When the conditions, combined as `fc_wait_logic` says, hold, the
+        running motion ends. Later motions are skipped until `fc_stop` or the next `fc_wait_logic`.
 
         Args:
             middle: middle of the range [m, rad]. Shape (6,).
-            range: how far the value may be from it [m, rad]; noise must fit in. 0 takes the axis
-                out of the condition. The manual leaves open whether the range is to each side,
-                or over all. Shape (6,).
+            range: width of the range [m, rad], larger than the noise; 0 takes the axis out of the
+                condition. The manual does not say whether it is the half width, to each side of
+                `middle`, or the full width. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
-            duration: how long it must hold, from 0 [s].
-            timeout: how long after the last `fc_wait_logic` the controller gives up, from 0 [s].
+            duration: time for which the condition must hold, from 0 [s].
+            timeout: time after the last `fc_wait_logic` when the controller gives up, from 0 [s].
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -249,19 +248,18 @@ class Force(Section):
     ) -> None:
         """Set the condition on speed (速度判断条件) under which motions end in force control.
 
-        It returns at once. When the conditions hold, as `fc_wait_logic` combines them, the
-        running motion ends, and those that follow are skipped until `fc_stop` or the next
-        `fc_wait_logic`.
+        It returns at once. When the conditions, combined as `fc_wait_logic` says, hold, the
+        running motion ends. Later motions are skipped until `fc_stop` or the next `fc_wait_logic`.
 
         Args:
             middle: middle of the range, -5 to 5 and -2π to 2π [m/s, rad/s]. Shape (6,).
-            range: how far the value may be from it [m/s, rad/s]; noise must fit in. 0 takes the
-                axis out of the condition. The manual leaves open whether the range is to each side,
-                or over all. Shape (6,).
+            range: width of the range [m/s, rad/s], larger than the noise; 0 takes the axis out of
+                the condition. The manual does not say whether it is the half width, to each side
+                of `middle`, or the full width. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
-            duration: how long it must hold, from 0 [s].
-            timeout: how long after the last `fc_wait_logic` the controller gives up, from 0 [s].
+            duration: time for which the condition must hold, from 0 [s].
+            timeout: time after the last `fc_wait_logic` when the controller gives up, from 0 [s].
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -289,19 +287,18 @@ class Force(Section):
     ) -> None:
         """Set the condition on force (力判断条件) under which motions end in force control.
 
-        It returns at once. When the conditions hold, as `fc_wait_logic` combines them, the
-        running motion ends, and those that follow are skipped until `fc_stop` or the next
-        `fc_wait_logic`.
+        It returns at once. When the conditions, combined as `fc_wait_logic` says, hold, the
+        running motion ends. Later motions are skipped until `fc_stop` or the next `fc_wait_logic`.
 
         Args:
             middle: middle of the range, -1000 to 1000 [N, N·m]. Shape (6,).
-            range: how far the value may be from it [N, N·m]; noise must fit in. 0 takes the axis
-                out of the condition. The manual leaves open whether the range is to each side,
-                or over all. Shape (6,).
+            range: width of the range [N, N·m], larger than the noise; 0 takes the axis out of the
+                condition. The manual does not say whether it is the half width, to each side of
+                `middle`, or the full width. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
-            duration: how long it must hold, from 0 [s].
-            timeout: how long after the last `fc_wait_logic` the controller gives up, from 0 [s].
+            duration: time for which the condition must hold, from 0 [s].
+            timeout: time after the last `fc_wait_logic` when the controller gives up, from 0 [s].
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -319,13 +316,14 @@ class Force(Section):
         )
 
     async def fc_wait_logic(self, logic: WholesLike | tuple[ForceLogic, ...]) -> None:
-        """Combine the conditions, and have them begin anew (条件判断间的逻辑关系).
+        """Combine the conditions, and restart them (条件判断间的逻辑关系).
 
         Args:
-            logic: for position, speed and force a `ForceLogic`: 0 off, 1 and, 2 or. Shape (3,).
+            logic: a `ForceLogic` each for position, speed and force: 0 off, 1 and, 2 or.
+                Shape (3,).
 
         Raises:
-            ParameterError: it is something else; nothing was sent.
+            ParameterError: `logic` is something else; nothing was sent.
             TaskError: it was not set.
 
         Manual section 1.3.10.
@@ -334,10 +332,10 @@ class Force(Section):
         await self._settle(lambda rpc: rpc.fc_wait_logic(logic_), _LIMIT)
 
     async def fc_get_ft(self) -> Vector:
-        """Read the force sensor (末端传感器的原始反馈读数), tared, in its frame [N, N·m].
+        """Read the force sensor (末端传感器的原始反馈读数), tared, in its own frame [N, N·m].
 
-        A read-only array of shape (6,). It is tared as the arm is enabled or disabled, and by
-        `fc_force_set_value`. Manual section 1.3.10.
+        A read-only array of shape (6,). The sensor is tared when the arm is enabled or disabled,
+        and by `fc_force_set_value`. Manual section 1.3.10.
         """
         return vector(await self._rpc.fc_get_ft())
 

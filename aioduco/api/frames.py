@@ -24,8 +24,8 @@ class Frames(Section):
         await robot.frames.set_load_data(Load(1.5))      # what the gripper holds from now on
 
     Motions take the names of a tool and a work object, or use those that were set last. The
-    weights decide how the arm holds itself in hand guiding, and when it takes a force for a
-    collision: set what is there.
+    controller uses the masses to hold the arm up in hand guiding and to detect collisions: set the
+    real ones.
     """
 
     __slots__ = ()
@@ -63,7 +63,7 @@ class Frames(Section):
         done("set_tool_data", answer)
 
     async def set_load_data(self, load: Load | VectorLike) -> None:
-        """Set what the tool holds (设置抓取负载), also while a program runs.
+        """Set the load that the tool holds (设置抓取负载); this works while a program runs, too.
 
         Args:
             load: its mass, 0 to 35, and its centre in the tool's frame [kg, m]. A `Load`, or
@@ -94,10 +94,10 @@ class Frames(Section):
         settled("set_wobj", await self._rpc.set_wobj(name_, wobj_))
 
     async def set_wobj_offset(self, wobj: PoseLike, active: bool) -> None:
-        """Shift the work object of all motions that follow (工件坐标系偏移量), or end that.
+        """Shift the work object of all later motions (工件坐标系偏移量), or end the shift.
 
-        The offset is multiplied to the work object's pose from the right: it is along the work
-        object's own axes. It stays until it is ended, also for other programs.
+        The work object's pose is multiplied by the offset from the right, so the offset is along
+        the work object's own axes. It holds until it is ended, also for other programs.
 
         Args:
             wobj: the offset [m, rad].

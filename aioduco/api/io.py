@@ -86,7 +86,7 @@ class IO(Section):
     async def get_config_digital_in(self, num: Whole) -> bool:
         """Read a configurable input of the cabinet, a whole number from 1.
 
-        Not in the manual, which does not say how many there are.
+        Not in the manual: the number of these inputs is not known.
         """
         return await self._rpc.get_config_digital_in(ranges.CONFIG_IO("num", num))
 
@@ -100,15 +100,15 @@ class IO(Section):
     ) -> None:
         """Set whether a general output of the cabinet gives a level or pulses (IO 输出信号类型).
 
-        It has effect from the next `set_standard_digital_out` on, which also starts and ends the
-        pulses. All outputs that pulse have one frequency and duty cycle.
+        It takes effect at the next `set_standard_digital_out`, which also starts and ends the
+        pulses. All pulsing outputs have the same frequency and duty cycle.
 
         Args:
             num: number of the output, 1 to 16.
             type: an `OutputMode`: 0 a level, 1 pulses.
             freq: frequency of the pulses, 1 to 100 [Hz].
-            duty_cycle: percent of the time for which a pulse is high, 1 to 100; pulses last 1 ms
-                at least, so at 100 Hz it is 10 at least.
+            duty_cycle: share of the time for which a pulse is high, 1 to 100 [%]. A pulse lasts at
+                least 1 ms, so at 100 Hz the duty cycle is at least 10.
 
         Raises:
             ParameterError: an argument is out of range, or pulses would be too short; nothing
@@ -123,11 +123,11 @@ class IO(Section):
         done("set_digital_output_mode", answer)
 
     async def get_standard_analog_voltage_in(self, num: Whole) -> float:
-        """Read a voltage at the cabinet (模拟电压输入), 1 to 4 [V]. Manual section 1.3.7."""
+        """Read voltage input 1 to 4 of the cabinet (模拟电压输入) [V]. Manual section 1.3.7."""
         return await self._rpc.get_standard_analog_voltage_in(ranges.ANALOG_IO("num", num))
 
     async def set_standard_analog_voltage_out(self, num: Whole, value: Real) -> None:
-        """Put out a voltage at the cabinet (模拟电压输出).
+        """Set a voltage output of the cabinet (模拟电压输出).
 
         Args:
             num: number of the channel, 1 to 4.
@@ -144,15 +144,15 @@ class IO(Section):
         done("set_standard_analog_voltage_out", answer)
 
     async def get_tool_analog_voltage_in(self, num: Whole) -> float:
-        """Read a voltage at the tool (末端模拟电压输入), 1 or 2 [V]. Manual section 1.3.7."""
+        """Read voltage input 1 or 2 of the tool (末端模拟电压输入) [V]. Manual section 1.3.7."""
         return await self._rpc.get_tool_analog_voltage_in(ranges.TOOL_ANALOG_IO("num", num))
 
     async def get_standard_analog_current_in(self, num: Whole) -> float:
-        """Read a current at the cabinet (模拟电流输入), 1 to 4 [mA]. Manual section 1.3.7."""
+        """Read current input 1 to 4 of the cabinet (模拟电流输入) [mA]. Manual section 1.3.7."""
         return await self._rpc.get_standard_analog_current_in(ranges.ANALOG_IO("num", num))
 
     async def set_standard_analog_current_out(self, num: Whole, value: Real) -> None:
-        """Put out a current at the cabinet (模拟电流输出).
+        """Set a current output of the cabinet (模拟电流输出).
 
         Args:
             num: number of the channel, 1 to 4.
@@ -169,9 +169,9 @@ class IO(Section):
         done("set_standard_analog_current_out", answer)
 
     async def set_analog_output_mode(self, num: Whole, mode: Whole) -> None:
-        """Set what an analog output of the cabinet puts out.
+        """Set the mode of an analog output of the cabinet.
 
-        Not in the manual: what the numbers of the modes mean is not known.
+        Not in the manual: the meaning of the modes' numbers is not known.
 
         Args:
             num: number of the channel, 1 to 4.

@@ -23,18 +23,18 @@ if TYPE_CHECKING:
 
 __all__ = ["Kinematics", "Reachability"]
 
-#: how far joints may lead from the pose that they were computed for [m, rad]: much more than
-#: rounding, much less than an arm that was left where it is
+#: largest accepted distance between a pose and the pose of the joints computed for it [m, rad]:
+#: much more than rounding, much less than if the controller returned the joints unchanged
 _POSITION, _ROTATION = 1e-4, 1e-3
 
 
 @dataclass(frozen=True, slots=True)
 class Reachability:
-    """What `reach_check` found (ReachabilityParam, manual 1.3.7).
+    """Result of `reach_check` (ReachabilityParam, manual 1.3.7).
 
     Attributes:
         reachable: whether all poses can be reached.
-        joints: joints for each pose, in their order, if so.
+        joints: joints for each pose, in the order of the poses; empty if not all can be reached.
     """
 
     reachable: bool
@@ -47,8 +47,8 @@ class Reachability:
 class Kinematics(Section):
     """Kinematics, as the controller computes it (manual 1.3.7).
 
-    It knows the arm's calibration. `aioduco.kinematics` computes on this computer, without a
-    controller, for the arm as designed.
+    The controller uses the arm's calibration. `aioduco.kinematics` computes on this computer,
+    without a controller, for the arm as designed.
     """
 
     __slots__ = ()
@@ -60,7 +60,7 @@ class Kinematics(Section):
         tool: PoseLike | None = None,
         wobj: PoseLike | None = None,
     ) -> Pose:
-        """Compute the pose that joints lead to (正运动学).
+        """Compute the tool's pose at joint angles (正运动学).
 
         Args:
             joints: joint angles, -2π to 2π [rad]. Shape (6,).
@@ -88,11 +88,11 @@ class Kinematics(Section):
         tool: PoseLike | None = None,
         wobj: PoseLike | None = None,
     ) -> Joints:
-        """Compute joints that lead to a pose (逆运动学).
+        """Compute joint angles for a pose (逆运动学).
 
-        Controllers answer a pose out of reach with `q_near` itself. So the answer is led back
-        through `cal_fkine` and compared with the pose: one that leads elsewhere is an error. Do
-        not set another tool or work object meanwhile if you leave them out here.
+        For a pose out of reach, controllers return `q_near` itself. So this function puts the
+        answer through `cal_fkine` and compares the result with the pose: another pose is an error.
+        If you leave out `tool` or `wobj`, do not set another one during the call.
 
         Args:
             pose: pose of the tool in the work object [m, rad].
@@ -106,7 +106,7 @@ class Kinematics(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            Unreachable: the controller found no joints that lead to the pose.
+            Unreachable: the controller found no joints for the pose.
 
         Manual section 1.3.7.
         """
@@ -136,9 +136,9 @@ class Kinematics(Section):
         ref_pos: JointsLike,
         check_points: Iterable[PoseLike],
     ) -> Reachability:
-        """Tell whether an arm that is mounted somewhere reaches poses (可达性).
+        """Check whether an arm with a given pose of its base can reach poses (可达性).
 
-        Manual 4.3 has `tool` before `wobj`: on such a controller exchange them.
+        Manual 4.3 has `tool` before `wobj`: exchange them on such a controller.
 
         Args:
             base: pose of the arm's base in the world [m, rad].
@@ -149,12 +149,12 @@ class Kinematics(Section):
             check_points: poses of the tool in the work object [m, rad], at least one.
 
         Returns:
-            Whether all can be reached, and the joints for each if so.
+            Whether all poses can be reached, and if so the joints for each.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            ControllerError: the controller says that all can be reached, but not with which
-                joints, as one of manual 4.3 does.
+            ControllerError: the controller says that all can be reached, but does not send the
+                joints, as a controller of manual 4.3 does.
 
         Manual section 1.3.7.
         """
@@ -195,7 +195,7 @@ class Kinematics(Section):
 
 
 def _table(wire: Sequence[Sequence[float]]) -> Vector:
-    """A row of four numbers for each joint; read-only."""
+    """Make a read-only array with a row of four numbers for each joint."""
     table = np.array([vector(row, 4) for row in wire]).reshape(-1, 4)
     table.flags.writeable = False
     return table

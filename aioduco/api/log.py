@@ -29,7 +29,7 @@ class Log(Section):
     async def log_error(self, message: str) -> None:
         """Show a message on the pendant, and pause all tasks (产生弹窗, 并暂停当前所有任务).
 
-        Motions of this program pause as well; `Robot.resume` lets them go on.
+        Motions of this program pause as well; `Robot.resume` resumes them.
 
         Args:
             message: its text.

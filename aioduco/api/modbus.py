@@ -17,14 +17,14 @@ __all__ = ["Modbus"]
 class Modbus(Section):
     """Signals that the controller exchanges over Modbus (Modbus, manual 1.3.9).
 
-    A signal is a register or a coil of a device; it has a name in the controller, which reads it
-    again and again. For Modbus over the tool's RS-485 see `robot.bus`.
+    A signal is a register or a coil of a device. It has a name in the controller, which polls it.
+    For Modbus over the tool's RS-485 see `robot.bus`.
     """
 
     __slots__ = ()
 
     async def modbus_read(self, signal_name: str) -> int:
-        """Read a signal (读取 modbus 节点), as the controller last had it from the device.
+        """Read the last value of a signal that the controller polled (读取 modbus 节点).
 
         Args:
             signal_name: its name.
@@ -43,7 +43,7 @@ class Modbus(Section):
         value = await self._told(
             "modbus_read", name_, lambda: self._rpc.modbus_read(name_), lambda value: value == -1
         )
-        if value == -1:  # no register and no coil has it
+        if value == -1:  # no register and no coil has this value
             raise Refused("modbus_read", value, "there is no such signal, or its device is away")
         return value
 
@@ -69,12 +69,12 @@ class Modbus(Section):
 
         Args:
             signal_name: its name.
-            frequency: 1 to 100, 10 unless it is set [Hz].
+            frequency: polls per second, 1 to 100 [Hz]; the controller's default is 10.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
             Refused: the controller lists an error: there is no such signal. The wire has no answer
-                to this function, so nothing else can tell.
+                to this function, so the error list is the only sign of a failure.
 
         Manual section 1.3.9.
         """
@@ -89,21 +89,21 @@ class Modbus(Section):
     async def modbus_write_multiple_regs(
         self, slave_num: Whole, name: str, word_list: WholesLike
     ) -> None:
-        """Write registers that follow each other (多寄存器写操作).
+        """Write consecutive registers (多寄存器写操作).
 
-        The name of a signal says which device is written to and from which address on; the unit at
-        it is `slave_num`, and they are registers whatever the signal is: the manual's examples
-        write registers and coils of two units by one name. It does not say more.
+        The name of a signal selects the device and the first address; `slave_num` selects the unit
+        at that device. Registers are written whatever the signal is: the manual's examples write
+        registers and coils of two units by one name. The manual does not say more.
 
         Args:
             slave_num: number of the unit, 0 to 255.
             name: name of a signal at the first register's address.
-            word_list: what is written, each 0 to 65535, or -32768 to -1 for the upper half; at
-                least one.
+            word_list: values to write, at least one, each 0 to 65535, or -32768 to -1 for the
+                upper half.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: they were not written.
+            TaskError: the registers were not written.
 
         Manual section 1.3.9.
         """
@@ -115,18 +115,18 @@ class Modbus(Section):
     async def modbus_write_multiple_coils(
         self, slave_num: Whole, name: str, byte_list: WholesLike
     ) -> None:
-        """Write coils that follow each other (多线圈写操作).
+        """Write consecutive coils (多线圈写操作).
 
-        What is written where is as for `modbus_write_multiple_regs`.
+        Device, unit and first address are selected as in `modbus_write_multiple_regs`.
 
         Args:
             slave_num: number of the unit, 0 to 255.
             name: name of a signal at the first coil's address.
-            byte_list: what is written, each 0 or 1; at least one.
+            byte_list: values to write, at least one, each 0 or 1.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: they were not written.
+            TaskError: the coils were not written.
 
         Manual section 1.3.9.
         """
@@ -145,16 +145,16 @@ class Modbus(Section):
         signal_type: Whole,
         signal_name: str,
     ) -> None:
-        """Have the controller exchange one more signal.
+        """Add a signal to those that the controller exchanges.
 
-        Not in the manual: what the numbers of the types mean is not known.
+        Not in the manual: the meaning of the types' numbers is not known.
 
         Args:
             ip: address of the device.
             slave_number: number of the device, 0 to 255.
             signal_address: address of the register or coil, 0 to 65535.
             signal_type: number of the type.
-            signal_name: name for it.
+            signal_name: name for the signal.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -170,7 +170,7 @@ class Modbus(Section):
         settled("modbus_add_signal", answer)
 
     async def modbus_delete_signal(self, signal_name: str) -> None:
-        """Have the controller exchange a signal no more.
+        """Remove a signal from those that the controller exchanges.
 
         Not in the manual.
 

@@ -10,8 +10,8 @@ __all__ = ["Optimization"]
 class Optimization(Section):
     """How motions are optimized (运动优化函数, manual 1.3.11).
 
-    What is switched here holds for all programs, and after the end of this one. Singularities
-    are only avoided while vibrations are not damped, which they are from the start on.
+    These settings apply to all programs, and remain after the end of this one. The controller
+    avoids singularities only while vibration control is off; it is on after the controller's start.
     """
 
     __slots__ = ()
@@ -19,8 +19,8 @@ class Optimization(Section):
     async def enable_speed_optimization(self) -> None:
         """Let the arm move as fast as its safety limits allow (开启速度优化).
 
-        In automatic mode the speeds given to motions then have no effect any more: the arm moves
-        faster than they say. It optimizes accelerations as well.
+        In automatic mode the speeds given to motions then have no effect: the arm moves faster.
+        This optimizes accelerations as well.
 
         Raises:
             TaskError: it was not switched.
@@ -30,7 +30,7 @@ class Optimization(Section):
         done("enable_speed_optimization", await self._rpc.enable_speed_optimization())
 
     async def disable_speed_optimization(self) -> None:
-        """Let the arm move at the speeds that motions are given (退出速度优化).
+        """Let the arm move at the speeds given to motions (退出速度优化).
 
         Raises:
             TaskError: it was not switched.
@@ -50,7 +50,7 @@ class Optimization(Section):
         done("enable_acc_optimization", await self._rpc.enable_acc_optimization())
 
     async def disable_acc_optimization(self) -> None:
-        """Let the arm accelerate as motions are told to (退出加速度优化).
+        """Let the arm accelerate at the values given to motions (退出加速度优化).
 
         Raises:
             TaskError: it was not switched.
@@ -62,8 +62,8 @@ class Optimization(Section):
     async def enable_singularity_control(self) -> None:
         """Let Cartesian motions go around singularities (开启奇异点规避).
 
-        Near one the arm changes over to a joint motion, and leaves the path a little. It has no
-        effect while vibrations are damped.
+        Near a singularity the arm changes over to a joint motion, and leaves the path a little.
+        This has no effect while vibration control is on.
 
         Raises:
             TaskError: it was not switched.
@@ -83,9 +83,9 @@ class Optimization(Section):
         done("disable_singularity_control", await self._rpc.disable_singularity_control())
 
     async def enable_vibration_control(self) -> None:
-        """Damp vibrations as motions start and end, as from the start (开启振动控制).
+        """Damp vibrations as motions start and end (开启振动控制), the controller's default.
 
-        Each motion takes 200 to 400 ms longer by it.
+        It makes each motion 200 to 400 ms longer.
 
         Raises:
             TaskError: it was not switched.
@@ -95,9 +95,9 @@ class Optimization(Section):
         done("enable_vibration_control", await self._rpc.enable_vibration_control())
 
     async def disable_vibration_control(self) -> None:
-        """Damp no vibrations as motions start and end (退出振动控制).
+        """Do not damp vibrations as motions start and end (退出振动控制).
 
-        It stays so after the program.
+        This setting remains after the end of the program.
 
         Raises:
             TaskError: it was not switched.

@@ -1,4 +1,4 @@
-"""Lists that are given: points of a spline, of the track pool, of the realtime queue."""
+"""Checks of lists of points: of a spline, of the track pool, of the realtime queue."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ T = TypeVar("T")
 
 
 def listed(name: str, values: Iterable[T], expected: str) -> list[T]:
-    """The elements of whatever ordered thing was given.
+    """Return the elements of an ordered iterable as a list.
 
     Raises:
-        ParameterError: it is nothing of that kind.
+        ParameterError: `values` is not iterable, or is a text, bytes, a mapping or a set.
     """
     if isinstance(values, (str, bytes, bytearray, Mapping, Set)):
         raise ParameterError(name, values, expected)
@@ -36,16 +36,16 @@ def listed(name: str, values: Iterable[T], expected: str) -> list[T]:
 def points_with_outputs(
     name: str, points: Iterable[PointOp], count: Integer, *kinds: type[Joints] | type[Pose]
 ) -> list[PointOp]:
-    """Check points that carry outputs.
+    """Check points that have outputs.
 
     Args:
         name: the parameter's name, for errors.
         points: the points.
-        count: how many there may be.
-        kinds: what the points may be; all must be of one kind.
+        count: allowed number of points.
+        kinds: allowed types of the positions; all points must have the same one.
 
     Raises:
-        ParameterError: something in it is no such point, or their number is out of range.
+        ParameterError: an element is not such a point, or their number is out of range.
     """
     expected = f"{count.low} to {count.high} points, each a PointOp"
     given = listed(name, points, expected)

@@ -17,7 +17,7 @@ __all__ = ["Program"]
 class Program(Section):
     """Programs and files of the controller (脚本控制, manual 1.3.4).
 
-    A program moves the arm as it is written to: treat starting one like a motion.
+    A program may move the arm: take the same care as for a motion when you start one.
     """
 
     __slots__ = ()
@@ -27,8 +27,8 @@ class Program(Section):
 
             await robot.program.run_program("palletize")
 
-        Cancelling its await stops the arm and all tasks. `Robot.pause` and `Robot.resume` act
-        on it.
+        Cancelling its await stops the arm and all tasks. `Robot.pause` and `Robot.resume`
+        act on it.
 
         Args:
             name: name of the program.
@@ -49,16 +49,16 @@ class Program(Section):
         return await self._rpc.get_current_project()
 
     async def get_files_list(self, path: str) -> dict[str, FileKind]:
-        """Read which files and folders there are under a path of the controller (文件列表).
+        """Read the files and folders under a path of the controller (文件列表).
 
             path = await robot.program.get_current_project()
             files = await robot.program.get_files_list(path + "program")
 
         Args:
-            path: path on the controller; that of the project ends with a separator.
+            path: path on the controller; the project's path ends with a separator.
 
         Returns:
-            Name and kind of each.
+            The kind of each file and folder, by its name.
 
         Raises:
             ParameterError: the path is no text; nothing was sent.

@@ -26,15 +26,14 @@ _ENDING = "end_realtime_mode"
 class Realtime(Section, RealtimeStreams):
     """Realtime control (实时控制, manual 1.3.15): the arm follows a queue, point by point.
 
-    `stream` keeps the queue filled, at its rate, from a process of its own; that is what
-    programs use. The functions of the wire are there as well:
+    Programs normally use `stream`: it keeps the queue filled, at its rate, from a process of its
+    own. The functions of the wire are available as well.
 
-    The order that the manual asks for: empty the queue, put in the first points, the very first
-    where the arm is, start the mode, and put in more before the queue runs dry. The controller
-    takes a point each cycle, so that a program that calls function by function cannot keep up
-    for long.
+    The manual requires this order: empty the queue, put in the first points, the very first at the
+    arm's position, start the mode, and put in more points before the queue is empty. The controller
+    takes a point each cycle, so a program that calls function by function cannot keep up for long.
 
-    As long as the mode is on, leaving the robot stops the arm and ends the mode; so does a stop.
+    While the mode is on, leaving the robot's block stops the arm and ends the mode; so does a stop.
     """
 
     def __init__(self, supervisor: Supervisor, endpoint: StreamEndpoint) -> None:
@@ -48,17 +47,17 @@ class Realtime(Section, RealtimeStreams):
         filter_bandwidth: float = 100.0,
         com_lost_time: float = 0.02,
     ) -> None:
-        """Have the arm follow the queue (开启实时控制模式).
+        """Make the arm follow the queue (开启实时控制模式).
 
         Cancelling this stops the arm, and ends the mode.
 
         Args:
-            mode: what the points of the queue are: a `RealtimeMode`, 0 joint positions, 1 joint
+            mode: kind of the queue's points, a `RealtimeMode`: 0 joint positions, 1 joint
                 velocities, 2 joint torques, 3 poses, 4 velocities of the tool.
             filter_bandwidth: bandwidth of the filter over the points, above 0 [Hz]. The wire
                 spells it fileter_bandwidth.
-            com_lost_time: how long the queue may be empty before the controller stops the arm,
-                above 0 [s].
+            com_lost_time: time for which the queue may be empty before the controller stops the
+                arm, above 0 [s].
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -76,8 +75,8 @@ class Realtime(Section, RealtimeStreams):
     async def end_realtime_mode(self) -> None:
         """End realtime control (结束实时控制模式), and wait until the arm stands.
 
-        If this program's cannot be ended so, or if this is cancelled, the arm is stopped as by
-        `Robot.stop`.
+        If this program's realtime control cannot be ended in this way, or if this is cancelled,
+        the arm is stopped as by `Robot.stop`.
 
         Raises:
             TaskError: the controller did not end it.
@@ -94,13 +93,13 @@ class Realtime(Section, RealtimeStreams):
         """Put points into the queue (实时数据入队).
 
         Args:
-            points: made by the class methods of `RealtimePoint`, all for one mode; those for
-                another mode than the one that is on have no effect.
+            points: points made by the class methods of `RealtimePoint`, all for one mode; points
+                for another mode than the one that is on have no effect.
 
         Raises:
-            ParameterError: something in it is no such point, or of another mode than the first;
-                nothing was sent.
-            TaskError: they were not put in.
+            ParameterError: `points` is empty, or an element is not such a point, or is of another
+                mode than the first; nothing was sent.
+            TaskError: the points were not put in.
 
         Manual section 1.3.15.
         """

@@ -34,7 +34,7 @@ class Registers(Section):
 
     def __init__(self, supervisor: Supervisor) -> None:
         super().__init__(supervisor)
-        #: functions and names of variables that are known to be there
+        #: functions with the names of the variables that they have read, which thus exist
         self._read: set[tuple[str, str]] = set()
 
     async def write_bool_reg(self, num: Whole, value: bool) -> None:
@@ -42,7 +42,7 @@ class Registers(Section):
 
         Args:
             num: number of the register, 1 to 64.
-            value: what is written, true or false.
+            value: value to write, true or false.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -62,7 +62,7 @@ class Registers(Section):
 
         Args:
             num: number of the register, 1 to 32.
-            value: what is written, 16 bits: -32768 to 65535.
+            value: value to write, 16 bits: -32768 to 65535.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -82,7 +82,7 @@ class Registers(Section):
 
         Args:
             num: number of the register, 1 to 32.
-            value: what is written, a finite number.
+            value: value to write, a finite number.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -110,7 +110,7 @@ class Registers(Section):
 
         Args:
             name: its name; "domain.variable" within a domain.
-            value: what it is set to: true or false.
+            value: new value, true or false.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -144,7 +144,7 @@ class Registers(Section):
 
         Args:
             name: its name; "domain.variable" within a domain.
-            value: what it is set to: a finite number.
+            value: new value, a finite number.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -178,7 +178,7 @@ class Registers(Section):
 
         Args:
             name: its name; "domain.variable" within a domain.
-            value: what it is set to: text.
+            value: new value, a text.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -212,7 +212,7 @@ class Registers(Section):
 
         Args:
             name: its name; "domain.variable" within a domain.
-            value: what it is set to: finite numbers.
+            value: new value, finite numbers.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -261,7 +261,7 @@ class Registers(Section):
         return tuple(vector(row, len(row)) for row in values)
 
     async def _value(self, function: str, name: str, ask: Callable[[], Awaitable[T]]) -> T:
-        """Read a variable; once it is known to be there, by one call, whatever it is."""
+        """Read a variable; by a single call if it was read before, so that it is known to exist."""
         if (function, name) in self._read:
             return await ask()
         value = await self._told(function, name, ask, lambda value: not value)

@@ -1,4 +1,4 @@
-"""What the sections of the manual have in common, so that a function takes a few lines.
+"""The base of the manual's sections, with which a function takes a few lines.
 
 A function that reads or sets something checks its arguments by `ranges` and awaits the wire:
 
@@ -45,7 +45,7 @@ __all__ = ["Section", "accepted", "added", "done", "settled", "succeeded"]
 T = TypeVar("T")
 Call: TypeAlias = Callable[[AsyncRpc], Coroutine[Any, Any, int]]
 
-#: how long an arm may swing after the end of its motion, and how often it is asked [s]
+#: time for which an arm may swing after the end of its motion, and interval of the polls [s]
 _SETTLING: Final = 0.5
 _ASK_AGAIN: Final = 0.02
 
@@ -67,7 +67,7 @@ class Section(ManualNames):
         return f"<{type(self).__name__} of {where}, {self._supervisor.state}>"
 
     def _within(self, timeout: float) -> AsyncRpc:
-        """The functions of the wire with another deadline [s]."""
+        """The functions of the wire with another time-out [s]."""
         return self._supervisor.calls.within(ranges.TIMEOUT("timeout", timeout))
 
     def _motion(
@@ -79,14 +79,14 @@ class Section(ManualNames):
         eta: JointEta | None = None,
         aim: Aim | None = None,
     ) -> MotionCommand:
-        """A motion as a value.
+        """Make a motion as a value.
 
         Args:
             call: makes the call of the wire, with block false.
             r: blend radius [m].
-            superseded: whether the next motion may take over from it before its end.
-            eta: where it leads, if that is known in joint angles.
-            aim: turns it as it is sent.
+            superseded: whether the next motion may replace it before its end.
+            eta: target of the motion, if it is known in joint angles.
+            aim: converts the motion into the wire's frame when it is sent.
         """
         name, args = noted(call)
         command = Command(name, args, blends=superseded or r > 0.0, eta=eta)
@@ -102,15 +102,15 @@ class Section(ManualNames):
         until_told: bool = False,
         aim: Aim | None = None,
     ) -> HeldMotion:
-        """A motion that goes on until something ends it, as a value.
+        """Make a motion that runs until something ends it, as a value.
 
         Args:
             call: makes the call of the wire, with block false.
             ending: the function of the wire that ends it.
             time: seconds after which it ends; None if it does not.
-            timed_here: whether this program sees to that.
-            until_told: whether it goes on even if the arm stands.
-            aim: turns it as it is sent.
+            timed_here: whether this program, not the controller, ends it after `time`.
+            until_told: whether it continues while the arm stands, until a command ends it.
+            aim: converts the motion into the wire's frame when it is sent.
         """
         name, args = noted(call)
         continuous = ContinuousMotion(
@@ -120,7 +120,7 @@ class Section(ManualNames):
         return HeldMotion(self._supervisor.dispatcher, command, aim)
 
     async def _end(self, ending: str, step: Callable[[], Awaitable[None]] | None = None) -> None:
-        """End what goes on.
+        """End a motion or a mode that runs until a command ends it.
 
         Args:
             ending: the function of the wire that ends it.
@@ -130,7 +130,7 @@ class Section(ManualNames):
         await self._supervisor.stop_coordinator.end(ending, step)
 
     async def _conduct(self, call: Call) -> None:
-        """Carry out a motion whose function has no `block`, and see its end.
+        """Carry out a motion whose function has no `block`, and wait for its end.
 
         Args:
             call: makes the call of the wire.
@@ -141,7 +141,7 @@ class Section(ManualNames):
         command = Command(name, args)
         answer = await supervisor.dispatcher.conduct(command, supervisor.calls, None)
         if answer > max(TaskState):
-            # No end state of a task: its id, then. It is followed as if it had been asked for.
+            # Not an end state, so it is the id of a task. The task is followed like any other.
             await supervisor.dispatcher.adopt(command, answer)
         else:
             done(name, answer)
@@ -152,13 +152,13 @@ class Section(ManualNames):
         Args:
             call: makes the call of the wire.
             ending: the function of the wire that ends the mode.
-            args: its arguments.
+            args: arguments of `ending`.
         """
         name, call_args = noted(call)
         supervisor = self._supervisor
         supervisor.check_open(name)
         modes = supervisor.stop_coordinator.modes
-        was_on = modes.enter(ending, args)  # before it is sent: from now on a stop ends it, too
+        was_on = modes.enter(ending, args)  # before the call is sent: from now on a stop ends it
         try:
             command = Command(name, call_args)
             timeout = supervisor.settings.call_timeout
@@ -169,11 +169,11 @@ class Section(ManualNames):
             raise
 
     async def _perform(self, call: Call, timeout: float) -> None:
-        """Carry out a function that becomes a task and moves nothing, and see its end.
+        """Carry out a function that becomes a task and moves nothing, and wait for its end.
 
         Args:
             call: makes the call of the wire, with block false.
-            timeout: seconds in which it must end.
+            timeout: seconds within which it must end.
         """
         limit = ranges.TIMEOUT("timeout", timeout)
         name, args = noted(call)
@@ -185,7 +185,7 @@ class Section(ManualNames):
 
         Args:
             call: makes the call of the wire.
-            timeout: seconds in which the task must end.
+            timeout: seconds within which the task must end.
         """
         name, args = noted(call)
         supervisor = self._supervisor
@@ -204,19 +204,19 @@ class Section(ManualNames):
         ask: Callable[[], Awaitable[T]],
         nothing: Callable[[T], bool],
     ) -> T:
-        """Read something that the wire answers by a nought if it cannot be read.
+        """Read a value that the wire answers with zero or nothing if it cannot be read.
 
-        A nought may be true as well. So it is asked for once more: if that puts something on the
-        controller's error list, this is why.
+        Zero or nothing may also be the true value. So the value is read once more: if that adds an
+        entry to the controller's error list, the read has failed, and the entry says why.
 
         Args:
             function: the function of the wire.
-            name: what is read by it.
-            ask: reads it.
-            nothing: whether an answer is such a nought.
+            name: name of the value.
+            ask: reads the value.
+            nothing: whether an answer may stand for a failure.
 
         Raises:
-            Refused: it could not be read.
+            Refused: the value could not be read.
         """
         answer = await ask()
         if not nothing(answer):
@@ -230,15 +230,15 @@ class Section(ManualNames):
         return answer
 
     async def _must_stand(self, function: str) -> None:
-        """See that nothing moves the arm, for what makes it jump if something does.
+        """Check that the arm stands, before a function that would make a moving arm jump.
 
-        It swings a little after the end of a motion, so that there is some time for that.
+        The arm swings a little after the end of a motion, so the check allows some time for that.
 
         Args:
             function: the function of the wire that is to be called.
 
         Raises:
-            RobotStateError: something moves it.
+            RobotStateError: the arm moves.
         """
         self._supervisor.check_open(function)
         ticker = every(_ASK_AGAIN)
@@ -255,7 +255,7 @@ class Section(ManualNames):
 
 
 def noted(call: Call) -> tuple[str, tuple[Any, ...]]:
-    """Name and arguments of a call, without making it."""
+    """Return name and arguments of a call, without making it."""
     calls: list[tuple[str, tuple[Any, ...]]] = []
 
     def note(name: str, args: tuple[Any, ...]) -> Any:
@@ -267,13 +267,16 @@ def noted(call: Call) -> tuple[str, tuple[Any, ...]]:
 
 
 def added(before: Sequence[str], after: Sequence[str], function: str, name: str) -> Sequence[str]:
-    """What came onto the controller's error list, of which it forgets the oldest entries.
+    """Return the new entries of the controller's error list, which drops its oldest entries.
+
+    A list full of equal entries does not change with one more of them. Then an entry counts as new
+    if it contains `name` and does not begin with the name of another function of the wire.
 
     Args:
-        before: the list as it was.
-        after: the list as it is.
-        function: that was called between them, in case the list is full of one text.
-        name: what the call was about, in that case.
+        before: the list before the call.
+        after: the list after the call.
+        function: the function that was called.
+        name: name of the value that the call was about.
     """
     new = added_entries(before, after)
     if new or len(after) < 2 or set(after) != {after[0]} or name not in after[0]:
@@ -291,7 +294,7 @@ def done(function: str, answer: int) -> None:
 
     Raises:
         TaskError: the task did not succeed: one of the subclasses.
-        Refused: the answer is no end state of a task.
+        Refused: the answer is not an end state of a task.
     """
     state = TaskState(answer)
     if state is TaskState.FINISHED:
@@ -312,7 +315,7 @@ def accepted(function: str, answer: int) -> int:
         answer: what it returned.
 
     Raises:
-        Refused: it is no id.
+        Refused: the answer is not an id.
     """
     if answer < 0:
         raise Refused(function, answer, "it does not take these arguments in its present state")
@@ -320,9 +323,9 @@ def accepted(function: str, answer: int) -> int:
 
 
 def settled(function: str, answer: int) -> None:
-    """Check the answer of a function of which the manual says that it returns nothing.
+    """Check the answer of a function that returns nothing according to the manual.
 
-    The wire returns a number all the same. A negative one is a failure, and so is the end
+    The wire nevertheless returns a number. A negative number is a failure, and so is the end
     state of a task that failed; any other number means only that the call was accepted.
 
     Args:
@@ -330,8 +333,9 @@ def settled(function: str, answer: int) -> None:
         answer: what it returned.
 
     Raises:
-        TaskError: it is the end state of a task that did not succeed: one of the subclasses.
-        Refused: it is negative.
+        TaskError: the answer is the end state of a task that did not succeed: one of the
+            subclasses.
+        Refused: the answer is negative.
     """
     if answer < 0 or TaskState(answer).ended:
         done(function, answer)
@@ -345,7 +349,7 @@ def succeeded(function: str, answer: int) -> None:
         answer: what it returned.
 
     Raises:
-        Refused: it is not 0.
+        Refused: the answer is not 0.
     """
     if answer != 0:
         raise Refused(function, answer, "it does not take these arguments in its present state")

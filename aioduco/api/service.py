@@ -21,10 +21,10 @@ class Service(Section):
     """Functions of the factory and of service technicians. None of them is in the manual.
 
     Warning:
-        What they set decides how joints are driven, and where the controller takes the arm to
-        be. A wrong value can make the arm move in an unforeseen way, or damage it, and may stay
-        after a restart. What the numbers mean is not published: use them only with the vendor's
-        instructions for this arm, and keep out of its reach.
+        They change how the joints are driven, and the position that the controller computes for
+        the arm. A wrong value can make the arm move in an unforeseen way, or damage it, and may
+        persist after a restart. The meaning of the numbers is not published: use them only with the
+        vendor's instructions for this arm, and keep out of its reach.
     """
 
     __slots__ = ()
@@ -57,7 +57,7 @@ class Service(Section):
         done("set_servo_config", answer)
 
     async def apply_servo_config(self, axis_num: Whole) -> None:
-        """Have an axis' servo drive use its parameters.
+        """Make an axis' servo drive use its parameters.
 
         Not in the manual.
 
@@ -301,7 +301,7 @@ class Service(Section):
     async def change_recipe(self) -> None:
         """Change the recipe.
 
-        Not in the manual: what a recipe is, and which one follows, is not known.
+        Not in the manual: it is not known what a recipe is, or which one follows.
 
         Warning:
             A wrong value can damage the arm, or make it move in an unforeseen way.

@@ -12,23 +12,23 @@ if TYPE_CHECKING:
 
 __all__ = ["Settings"]
 
-#: seconds in which the controller must have switched to its simulation and back
+#: seconds within which the controller must have switched to its simulation or back
 _LIMIT = 10.0
 
 
 class Settings(Section):
     """Speeds, collision detection, simulation, pendant (manual 1.3.7).
 
-    What is set here holds for all programs, and after the end of this one.
+    These settings apply to all programs, and remain after the end of this one.
     """
 
     __slots__ = ()
 
     async def speed(self, val: Real) -> None:
-        """Set the global speed (全局速度百分比), which all motions are scaled by.
+        """Set the global speed (全局速度百分比), which scales all motions.
 
         Args:
-            val: percent, 1 to 100; fractions count.
+            val: percent, 1 to 100; fractions are allowed.
 
         Raises:
             ParameterError: it is out of range; nothing was sent.
@@ -41,14 +41,14 @@ class Settings(Section):
     async def get_global_speed(self) -> int:
         """Read the global speed (全局速度的百分比), in percent.
 
-        The wire has whole numbers here: of a speed with a fraction the fraction is missing.
+        The wire has whole numbers here: the fraction of a speed is lost.
 
         Manual section 1.3.7.
         """
         return await self._rpc.get_global_speed()
 
     async def set_teach_speed(self, v: Whole) -> None:
-        """Set the speed of jogs (示教速度的百分比), which the speed of each jog is a share of.
+        """Set the speed of jogs (示教速度的百分比), which scales the speed of each jog.
 
         Args:
             v: percent, a whole number from 1 to 100.
@@ -66,10 +66,10 @@ class Settings(Section):
         return await self._rpc.get_teach_speed()
 
     async def collision_detect(self, level: Whole) -> None:
-        """Set how readily the arm takes a force for a collision (碰撞检测等级).
+        """Set the level of the collision detection (碰撞检测等级).
 
         Args:
-            level: 0 for no detection at all, else 1 to 5.
+            level: 0 for no detection, or 1 to 5.
 
         Raises:
             ParameterError: it is out of range; nothing was sent.
@@ -83,7 +83,7 @@ class Settings(Section):
     async def collision_detection_reset(self) -> None:
         """Clear the alarm of a collision (重置碰撞检测警告).
 
-        `Robot.recover` does it as part of leading the arm out of its stop.
+        `Robot.recover` includes this step.
 
         Raises:
             TaskError: it was not cleared.
@@ -96,12 +96,12 @@ class Settings(Section):
     async def simulation(self, sim: bool) -> None:
         """Switch between the controller's own simulation and the real arm (仿真或者真机模式).
 
-        In the simulation motions run and the states that are read move, for a dry run, while the
-        real arm stands. The simulated arm begins where the real one stands. Back at the real arm,
-        read where it is before the next motion: it has not moved.
+        The simulation is for dry runs: motions run and the states that are read change, while the
+        real arm stands. The simulated arm starts at the position of the real one. After switching
+        back, read the real arm's position before the next motion: it has not moved.
 
         The arm must be completely at rest, or it moves in an unforeseen way and stops with an
-        alarm. So this is refused while it moves; see to it that no other program moves it.
+        alarm. So this is refused while the arm moves. Make sure that no other program moves it.
 
         Args:
             sim: true for the simulation, false for the real arm.
@@ -109,7 +109,7 @@ class Settings(Section):
         Raises:
             ParameterError: it is neither; nothing was sent.
             RobotStateError: the arm moves; nothing was sent.
-            TaskError: it was not switched; the text has the controller's reason.
+            TaskError: it was not switched; the message contains the controller's reason.
 
         Manual section 1.3.7.
         """

@@ -18,10 +18,10 @@ __all__ = ["State"]
 
 
 class State(Section):
-    """What the arm does, and how the controller is (manual 1.3.7, 1.3.8).
+    """State of the arm and of the controller (manual 1.3.7, 1.3.8).
 
     Every function only reads. Vectors are read-only arrays of shape (6,). Right after its start a
-    controller has no values yet: `StaleState` says so.
+    controller has no values yet: then the functions raise `StaleState`.
     """
 
     __slots__ = ()
@@ -49,7 +49,7 @@ class State(Section):
         return await self._rpc.robotmoving()
 
     async def get_last_error(self) -> tuple[str, ...]:
-        """Read the controller's latest errors (错误列表), as it words them.
+        """Read the controller's latest errors (错误列表), in its own words.
 
         Manual section 1.3.8.
         """
@@ -58,7 +58,8 @@ class State(Section):
     async def get_noneblock_taskstate(self, task_id: int) -> TaskState:
         """Read the state of a task by its id (任务状态).
 
-        A motion's task follows its own state; this is for tasks of other programs.
+        This package follows the state of its own tasks; this function is for tasks of other
+        programs.
 
         Manual section 1.3.8, which prints its name as get_noblock_taskstate.
         """

@@ -16,8 +16,9 @@ __all__ = ["System"]
 class System(Section):
     """Power, brakes and the operation mode (系统控制, manual 1.3.2).
 
-    Each function has ended when it returns. Cancelling its await cancels the waiting, not what
-    the controller does. `Robot.bring_up` does what is needed before a motion, in the right order.
+    Each function returns when the controller has finished. Cancelling its await cancels the
+    waiting, not the controller's action. `Robot.bring_up` calls the functions that are needed
+    before a motion, in the right order.
     """
 
     __slots__ = ()
@@ -26,7 +27,7 @@ class System(Section):
         """Power the arm up (机器人上电).
 
         Args:
-            timeout: seconds in which it must have happened.
+            timeout: seconds within which the controller must have finished.
 
         Raises:
             TaskError: it was not done; TaskUnknown if it took too long.
@@ -39,7 +40,7 @@ class System(Section):
         """Power the arm down (机器人下电); the brakes close.
 
         Args:
-            timeout: seconds in which it must have happened.
+            timeout: seconds within which the controller must have finished.
 
         Raises:
             TaskError: it was not done; TaskUnknown if it took too long.
@@ -52,7 +53,7 @@ class System(Section):
         """Enable the joints (机器人上使能); the brakes open.
 
         Args:
-            timeout: seconds in which it must have happened.
+            timeout: seconds within which the controller must have finished.
 
         Raises:
             TaskError: it was not done; TaskUnknown if it took too long.
@@ -65,7 +66,7 @@ class System(Section):
         """Disable the joints (机器人下使能); the brakes close.
 
         Args:
-            timeout: seconds in which it must have happened.
+            timeout: seconds within which the controller must have finished.
 
         Raises:
             TaskError: it was not done; TaskUnknown if it took too long.
@@ -78,7 +79,7 @@ class System(Section):
         """Switch the controller off (机器人关机). Every connection ends soon after.
 
         Raises:
-            Refused: the controller does not do it now.
+            Refused: the controller refuses in its present state.
             OutcomeUnknown: the connection ended before the answer came.
 
         Manual section 1.3.2.
@@ -89,7 +90,7 @@ class System(Section):
         """Start the controller anew (机器人重启). Every connection ends soon after.
 
         Raises:
-            Refused: the controller does not do it now.
+            Refused: the controller refuses in its present state.
             OutcomeUnknown: the connection ended before the answer came.
 
         Manual section 1.3.2.
@@ -99,8 +100,8 @@ class System(Section):
     async def switch_mode(self, mode: OperationMode | int) -> None:
         """Switch between manual and automatic mode (手自动模式切换).
 
-        It works only if the safety settings do not leave the mode to an input. A switch may
-        leave the program paused; `Robot.stop` clears that.
+        This works only if the safety settings do not assign the mode to an input. A switch may
+        leave the program paused; `Robot.stop` ends the pause.
 
         Args:
             mode: OperationMode.MANUAL (0) or OperationMode.AUTO (1).

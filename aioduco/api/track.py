@@ -31,27 +31,27 @@ _RULES = {Joints: ranges.TRACK_JOINTS, Pose: ranges.TRACK_POSES, None: ranges.TR
 class Track(Section, TrackStreams):
     """The track pool (轨迹池, manual 1.3.12): up to 1000 points, first in, first out.
 
-    `stream` keeps the pool filled while the arm follows it. The functions of the wire are there
+    `stream` keeps the pool filled while the arm follows it. The functions of the wire are available
     as well:
 
         await robot.track.trackClearQueue()
         await robot.track.trackEnqueue([Joints(*q) for q in path])
         await robot.track.trackJointMotion(1.0, 2.0)
 
-    Points are six numbers each; whether they are joints or poses is the business of the motion
-    that follows them. This program remembers which of the two it put into the pool, and refuses
-    a motion that would take one for the other.
+    Points are six numbers each; the motion that follows them determines whether they are joints or
+    poses. This package keeps a record of which of the two it put into the pool, and refuses a
+    motion that would take one for the other.
 
-    The manual asks for at least 10 points: when there is none left, the arm slows down and
-    stands. Points that come after that may set it moving again.
+    The manual asks for at least 10 points: when the pool is empty, the arm slows down and stands.
+    Points that arrive after that may set it moving again.
     """
 
     def __init__(self, supervisor: Supervisor, endpoint: StreamEndpoint) -> None:
         Section.__init__(self, supervisor)
         TrackStreams.__init__(self, endpoint)
-        #: what this program put into the pool since it last saw it empty; None if that is open
+        #: kind of the points that this program put in since the pool was last empty; None: unknown
         self._kind: _Kind | None = None
-        #: whether this program had the arm follow the pool: it may go on with points that come
+        #: whether this program made the arm follow the pool: new points may then move the arm
         self._followed = False
 
     async def trackEnqueue(  # noqa: N802  # the name on the wire
@@ -60,13 +60,14 @@ class Track(Section, TrackStreams):
         """Put points into the pool (轨迹点入池).
 
         Args:
-            points: 1 to 1000 points: all `Joints` [rad], or all `Pose` [m, rad], or six numbers
-                each, for which nothing tells one from the other. Shape (n, 6).
+            points: 1 to 1000 points: all `Joints` [rad], or all `Pose` [m, rad], or six plain
+                numbers each, which may be either. Shape (n, 6).
 
         Raises:
             ParameterError: a point is out of range; nothing was sent.
             RobotStateError: the pool holds points of the other kind; nothing was sent.
-            TrackPoolFull: there is no room for them; `getQueueSize` tells what is in the pool.
+            TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
+                the pool.
             TaskError: they were not put in.
             OutcomeUnknown: the answer was lost: empty the pool before you put in more.
 
@@ -78,7 +79,7 @@ class Track(Section, TrackStreams):
         await self._put(kind, "trackEnqueue", self._rpc.trackEnqueue, points_)
 
     async def trackEnqueueOp(self, points: Iterable[PointOp]) -> None:  # noqa: N802  # as above
-        """Put points into the pool, each with outputs that are set there (带 Op 的轨迹点入池).
+        """Put points into the pool, each with outputs to set there (带 Op 的轨迹点入池).
 
         Args:
             points: 1 to 1000 points, all of them with `Joints`, or all with a `Pose`.
@@ -86,7 +87,8 @@ class Track(Section, TrackStreams):
         Raises:
             ParameterError: a point is out of range; nothing was sent.
             RobotStateError: the pool holds points of the other kind; nothing was sent.
-            TrackPoolFull: there is no room for them; `getQueueSize` tells what is in the pool.
+            TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
+                the pool.
             TaskError: they were not put in.
             OutcomeUnknown: the answer was lost: empty the pool before you put in more.
 
@@ -108,7 +110,7 @@ class Track(Section, TrackStreams):
         self._kind = None
 
     async def getQueueSize(self) -> int:  # noqa: N802  # as above
-        """Read how many points of the pool are still to come (轨迹池大小).
+        """Read the number of points that are left in the pool (轨迹池大小).
 
         Manual section 1.3.12.
         """
@@ -129,7 +131,7 @@ class Track(Section, TrackStreams):
 
         Raises:
             ParameterError: an argument is out of range.
-            RobotStateError: what this program put into the pool are poses.
+            RobotStateError: the points that this program put into the pool are poses.
 
         Manual section 1.3.12.
         """
@@ -154,15 +156,15 @@ class Track(Section, TrackStreams):
             acc: its highest acceleration, from 0.00001 [m/s²].
             wobj: name of the work object; empty for the one in use.
             tool: name of the tool; empty for the one in use.
-            radius: blend radius at the points, from 0 [m]; not in the manual, 0.005 is the
-                vendor's own.
+            radius: blend radius at the points, from 0 [m]. It is not in the manual; 0.005 is the
+                vendor's default.
 
         Returns:
             The motion, not sent yet.
 
         Raises:
             ParameterError: an argument is out of range.
-            RobotStateError: what this program put into the pool are joint angles.
+            RobotStateError: the points that this program put into the pool are joint angles.
 
         Manual section 1.3.12.
         """
@@ -190,7 +192,7 @@ class Track(Section, TrackStreams):
                 f"type {held.__name__} into the pool; call trackClearQueue first"
             )
         if self._followed:
-            # The arm may follow them by itself, with no task that tells of it.
+            # The arm may follow them without a task that reports the motion.
             self._supervisor.stop_coordinator.claim.make(function)
             self._supervisor.stop_coordinator.unfollowed_motion = True
         self._kind = kind or held
@@ -203,7 +205,7 @@ class Track(Section, TrackStreams):
             raise
 
     def _follows(self, function: str, kind: _Kind) -> None:
-        """The arm is about to follow the pool."""
+        """Check the kind of the points, before the arm follows the pool."""
         held = self._kind
         if held is not None and held is not kind:
             raise RobotStateError(
@@ -214,7 +216,7 @@ class Track(Section, TrackStreams):
 
 
 def _kind(points: Sequence[object]) -> _Kind | None:
-    """What points say that they are; None if they are plain numbers."""
+    """Return the type of the points; None if they are plain numbers."""
     for kind in (Joints, Pose):
         if any(isinstance(point, kind) for point in points):
             return kind

@@ -1,4 +1,4 @@
-"""What the arm and its controller are (manual 1.3.7)."""
+"""Type of the arm, and version of its controller (manual 1.3.7)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["RobotType", "Version"]
 
 
 class RobotType(NamedTuple):
-    """What the arm is (get_robot_type).
+    """Type of the arm (get_robot_type).
 
     Attributes:
         series: its series.
@@ -35,23 +35,23 @@ class Version(Section):
 
     @property
     def controller(self) -> ControllerVersion:
-        """The version of the controller's software, as it was told while connecting.
+        """The version of the controller's software, which was read while connecting.
 
-        Unknown before that, and if the controller does not tell.
+        Unknown before that, and if the controller does not report it.
         """
         return self._supervisor.version
 
     async def get_robot_version(self) -> str:
         """Read the version of the controller's software (控制器版本).
 
-        `controller` has it already. Manual section 1.3.16.
+        `controller` has the version already. Manual section 1.3.16.
         """
         return await self._rpc.get_robot_version()
 
     async def get_robot_type(self) -> RobotType:
         """Read series, model, extension and serial number (机器人系列号, 型号, SN).
 
-        What the controller leaves out is empty. Manual section 1.3.7.
+        A value that the controller leaves out is empty. Manual section 1.3.7.
         """
         parts = [*await self._rpc.get_robot_type(), "", "", "", ""][:4]
         return RobotType(*parts)

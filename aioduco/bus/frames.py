@@ -1,8 +1,8 @@
-"""Frames of Modbus RTU: bytes in, bytes out, without I/O or clock.
+"""Frames of Modbus RTU: encoding and decoding, without I/O or clock.
 
-A request knows which bytes answer it. `Request.answer` is given what has come so far, and returns
-that more is needed, what the answer is, or what is wrong with it. Modbus over serial line,
-version 1.02; Modbus application protocol, version 1.1b3.
+`Request.answer` checks the bytes that have arrived so far. It returns the answer, or None if more
+bytes are needed, or raises an error for a wrong answer. Modbus over serial line, version 1.02;
+Modbus application protocol, version 1.1b3.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _UNLISTED = "whose meaning is the device's own"
 
 
 class FunctionCode(IntEnum):
-    """Functions of Modbus that are used here."""
+    """Function codes of Modbus that are used here."""
 
     READ_HOLDING = 0x03
     READ_INPUT = 0x04
@@ -62,13 +62,13 @@ def framed(body: bytes) -> bytes:
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """A request, and what answers it.
+    """A request, and the check of its answer.
 
     Attributes:
         unit: number of the device, 1 to 247.
-        function: what is asked for.
-        body: what follows unit and function, without the checksum.
-        count: how many registers an answer to a read brings; 0 for a write.
+        function: function code.
+        body: bytes after unit and function, without the checksum.
+        count: number of registers in the answer to a read; 0 for a write.
     """
 
     unit: int
@@ -78,31 +78,31 @@ class Request:
 
     @property
     def frame(self) -> bytes:
-        """The bytes that are sent."""
+        """The bytes to send."""
         return framed(bytes((self.unit, self.function)) + self.body)
 
     def _length(self, got: bytes) -> int:
-        """How long the answer is, or the least it can be while that is not known yet."""
+        """Return the length of the answer, or the minimum length while it is unknown."""
         if len(got) < 2 or got[1] & _ERROR:
             return _SHORTEST
         return _SHORTEST + 2 * self.count if self.count else _ECHO
 
     def missing(self, got: bytes) -> int:
-        """How many bytes must come yet, at least; 0 when the answer is whole."""
+        """Return the minimum number of missing bytes; 0 when the answer is complete."""
         return max(0, self._length(got) - len(got))
 
     def answer(self, got: bytes) -> tuple[int, ...] | None:
-        """Take the answer apart.
+        """Check and decode the answer.
 
         Args:
-            got: what has come so far.
+            got: the bytes that have arrived so far.
 
         Returns:
-            The registers, none for a write; None while bytes are missing.
+            The registers, empty for a write; None while bytes are missing.
 
         Raises:
-            ModbusRefused: it is an exception.
-            ModbusGarbled: it is no answer to this request.
+            ModbusRefused: the answer is an exception of the device.
+            ModbusGarbled: the bytes are not an answer to this request.
         """
         if got and got[0] != self.unit:
             raise self._garbled(got, f"it begins with {got[0]}, not with the device's number")
@@ -117,7 +117,7 @@ class Request:
         if got[1] & _ERROR:
             raise ModbusRefused(self.function, got[2], _MEANINGS.get(got[2], _UNLISTED))
         if not self.count:
-            # A write is answered by its own address, and the value or the number of registers.
+            # The answer to a write has its address, and the value or the number of registers.
             if got[2:6] != self.body[:4]:
                 raise self._garbled(got, "it speaks of other registers or another value")
             return ()
@@ -133,17 +133,17 @@ class Request:
 
 
 def read(unit: int, address: int, count: int, function: FunctionCode) -> Request:
-    """Ask for registers that follow each other: 1 to 125."""
+    """Make a request to read 1 to 125 consecutive registers."""
     return Request(unit, function, struct.pack(">HH", address, count), count)
 
 
 def write_one(unit: int, address: int, value: int) -> Request:
-    """Ask to write a register."""
+    """Make a request to write a register."""
     return Request(unit, FunctionCode.WRITE_ONE, struct.pack(">HH", address, value))
 
 
 def write(unit: int, address: int, values: Sequence[int]) -> Request:
-    """Ask to write registers that follow each other: 1 to 123."""
+    """Make a request to write 1 to 123 consecutive registers."""
     count = len(values)
     head = struct.pack(">HHB", address, count, 2 * count)
     return Request(unit, FunctionCode.WRITE, head + struct.pack(f">{count}H", *values))

@@ -1,9 +1,9 @@
 """Modbus RTU over RS-485: a device at the tool, such as a gripper.
 
 Guarantees:
-- One request at a time: who comes second waits until the first is answered, or given up.
-- What is left in the controller's buffer is thrown away before a request, so that the late answer
-  to one that was given up is not taken for the answer to the next.
+- One request at a time: a second caller waits until the first request was answered or has failed.
+- Old bytes in the controller's buffer are discarded before a request, so that a late answer to an
+  earlier request is not taken for the answer to this one.
 - A request is never sent twice.
 """
 
@@ -36,17 +36,18 @@ _WORDS = Signed(16, "words", source=_SOURCE)
 _READ_COUNT = Integer(1, 125, "registers", source=_SOURCE)
 _MOST_WRITTEN = 123
 
-#: bytes asked for at once while the buffer is emptied; the longest frame has 256
+#: number of bytes per read while the buffer is emptied; the longest frame has 256
 _GULP = 256
 
 
 @dataclass(frozen=True, slots=True)
 class Port:
-    """A serial port: what it takes to write to it, and to read what has come.
+    """A serial port, given by its functions for writing and reading.
 
     Attributes:
-        write: writes bytes.
-        read: gives up to so many bytes of those that have come, at once; none if none have.
+        write: function that writes bytes.
+        read: function that returns at once up to the given number of received bytes; empty if none
+            have arrived.
     """
 
     write: Callable[[bytes], Awaitable[None]]
@@ -54,12 +55,12 @@ class Port:
 
     @classmethod
     def tool(cls, bus: Bus) -> Port:
-        """The tool's RS-485 port, of `robot.bus`."""
+        """Return the tool's RS-485 port, from `robot.bus`."""
         return cls(bus.tool_write_raw_data_485, bus.tool_read_raw_data_485)
 
     @classmethod
     def cabinet(cls, bus: Bus) -> Port:
-        """The cabinet's RS-485 port, of `robot.bus`."""
+        """Return the cabinet's RS-485 port, from `robot.bus`."""
         return cls(bus.write_raw_data_485, bus.read_raw_data_485)
 
 
@@ -70,14 +71,15 @@ class ModbusRtu:
         await gripper.write_register(0x0103, 500)
         (position,) = await gripper.read_registers(0x0202)
 
-    Bit rate and parity of the tool's port must be the device's: the wire has no function that
-    sets them. For several devices on one bus use `device`, so that they wait for each other.
+    Bit rate and parity of the tool's port must match the device: the wire has no function that
+    sets them. For several devices on one bus use `device`, so that their requests wait for each
+    other.
 
     Args:
-        port: where it is connected.
+        port: the port to which the device is connected.
         unit: number of the device, 1 to 247.
-        timeout: seconds in which it must answer, the emptying of the buffer not included.
-        poll: seconds from one look for the answer to the next.
+        timeout: seconds within which it must answer, not including the emptying of the buffer.
+        poll: seconds between two polls for the answer.
 
     Raises:
         ParameterError: an argument is out of range.
@@ -96,7 +98,7 @@ class ModbusRtu:
         return f"<ModbusRtu device {self._unit}>"
 
     def device(self, unit: Whole) -> ModbusRtu:
-        """Another device on the same bus: the two wait for each other.
+        """Make another device on the same bus; the requests of the two wait for each other.
 
         Args:
             unit: its number, 1 to 247.
@@ -106,35 +108,35 @@ class ModbusRtu:
         return other
 
     async def read_registers(self, address: Whole, count: Whole = 1) -> tuple[int, ...]:
-        """Read holding registers that follow each other (function 0x03).
+        """Read consecutive holding registers (function 0x03).
 
         Args:
             address: address of the first, 0 to 0xFFFF.
-            count: how many, 1 to 125.
+            count: number of registers, 1 to 125.
 
         Returns:
             Their values, 0 to 0xFFFF each.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            ModbusError: it was not answered as it should: one of the subclasses.
+            ModbusError: the answer is missing or wrong: one of the subclasses.
             BusError: the controller could not write to the bus.
         """
         return await self._read(address, count, frames.FunctionCode.READ_HOLDING)
 
     async def read_inputs(self, address: Whole, count: Whole = 1) -> tuple[int, ...]:
-        """Read input registers that follow each other (function 0x04).
+        """Read consecutive input registers (function 0x04).
 
         Args:
             address: address of the first, 0 to 0xFFFF.
-            count: how many, 1 to 125.
+            count: number of registers, 1 to 125.
 
         Returns:
             Their values, 0 to 0xFFFF each.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            ModbusError: it was not answered as it should: one of the subclasses.
+            ModbusError: the answer is missing or wrong: one of the subclasses.
             BusError: the controller could not write to the bus.
         """
         return await self._read(address, count, frames.FunctionCode.READ_INPUT)
@@ -154,7 +156,7 @@ class ModbusRtu:
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            ModbusError: it was not answered as it should: one of the subclasses. Unless it is
+            ModbusError: the answer is missing or wrong: one of the subclasses. Unless it is
                 `ModbusRefused`, the register may have been written.
             BusError: the controller could not write to the bus.
         """
@@ -162,7 +164,7 @@ class ModbusRtu:
         await self._exchange(request)
 
     async def write_registers(self, address: Whole, values: WholesLike) -> None:
-        """Write registers that follow each other (function 0x10).
+        """Write consecutive registers (function 0x10).
 
         Args:
             address: address of the first, 0 to 0xFFFF.
@@ -170,7 +172,7 @@ class ModbusRtu:
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            ModbusError: it was not answered as it should: one of the subclasses. Unless it is
+            ModbusError: the answer is missing or wrong: one of the subclasses. Unless it is
                 `ModbusRefused`, the registers may have been written.
             BusError: the controller could not write to the bus.
         """
@@ -186,7 +188,7 @@ class ModbusRtu:
             return await self._answer(request)
 
     async def _drain(self) -> None:
-        """Throw away what is left in the controller's buffer."""
+        """Discard the old bytes in the controller's buffer."""
         until = time.monotonic() + self._timeout
         while left := await self._port.read(_GULP):
             if time.monotonic() >= until:
@@ -200,7 +202,7 @@ class ModbusRtu:
         until = due + self._timeout
         got = b""
         while True:
-            # Never more than is missing: bytes after the answer belong to no call.
+            # Read no more than the missing bytes: bytes after the answer belong to no request.
             got += await self._port.read(request.missing(got))
             answer = request.answer(got)
             if answer is not None:

@@ -1,8 +1,8 @@
-"""Cameras: pictures with times on the robot's clock, and where a camera is on the arm.
+"""Cameras: images with times on the robot's clock, and the pose of a camera on the arm.
 
-One protocol, `CameraDevice`, for simulated cameras (`SimulatedCamera`) and real ones
-(`OpenCvCamera`). `calibrate_hand_eye` finds where a camera is from views of a board, and
-`find_board` sees the board in a picture. What needs OpenCV needs the extra `camera`.
+Simulated cameras (`SimulatedCamera`) and real ones (`OpenCvCamera`) have the same protocol,
+`CameraDevice`. `calibrate_hand_eye` computes the pose of a camera from views of a board, and
+`find_board` detects the board in an image. Functions that use OpenCV need the extra `camera`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> Any:
-    """Import what needs OpenCV or MuJoCo when it is asked for."""
+    """Import a module that needs OpenCV or MuJoCo only when one of its names is used."""
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)

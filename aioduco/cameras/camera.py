@@ -1,4 +1,4 @@
-"""What every camera gives: a picture, its time, and how pixels and directions belong together."""
+"""Data of every camera: an image, its time, and the relation of pixels to directions."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ __all__ = ["CameraDevice", "CameraFrame", "Intrinsics"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Intrinsics:
-    """How a camera maps what is in front of it to pixels.
+    """Mapping of points in front of a camera to pixels.
 
-    The camera's frame is the one of OpenCV: z along its view, x to the right, y down. Pixels count
-    from the middle of the upper left one.
+    The camera's frame is that of OpenCV: z along the viewing direction, x to the right, y down. The
+    origin of pixel coordinates is the centre of the upper left pixel.
 
     Attributes:
-        width, height: of pictures [pixels].
+        width, height: size of images [pixels].
         fx, fy: focal lengths [pixels].
-        cx, cy: where the axis is [pixels].
-        distortion: coefficients as OpenCV has them, k1, k2, p1, p2, ...; none for a lens without.
+        cx, cy: position of the optical axis in the image [pixels].
+        distortion: OpenCV's coefficients k1, k2, p1, p2, ...; empty for a lens without distortion.
     """
 
     width: int
@@ -53,10 +53,10 @@ class Intrinsics:
         return np.array(((self.fx, 0.0, self.cx), (0.0, self.fy, self.cy), (0.0, 0.0, 1.0)))
 
     def project(self, points: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
-        """Give the pixels of points, without the lens's distortion.
+        """Return the pixels of points, ignoring the distortion of the lens.
 
         Args:
-            points: in the camera's frame, in front of it [m]. Shape (..., 3).
+            points: points in front of the camera, in its frame [m]. Shape (..., 3).
 
         Returns:
             Columns and rows. Shape (..., 2).
@@ -65,27 +65,27 @@ class Intrinsics:
         return np.stack([self.fx * x / z + self.cx, self.fy * y / z + self.cy], axis=-1)
 
     def point(self, column: float, row: float, depth: float) -> NDArray[np.float64]:
-        """Give the point at a pixel, without the lens's distortion.
+        """Return the point at a pixel, ignoring the distortion of the lens.
 
         Args:
             column, row: the pixel.
-            depth: along the camera's axis, as in `CameraFrame.depth` [m].
+            depth: distance along the camera's axis, as in `CameraFrame.depth` [m].
 
         Returns:
-            In the camera's frame [m]. Shape (3,).
+            The point in the camera's frame [m]. Shape (3,).
         """
         x, y = (column - self.cx) / self.fx, (row - self.cy) / self.fy
         return depth * np.array((x, y, 1.0))
 
 
 class CameraFrame(NamedTuple):
-    """One picture.
+    """One image of a camera.
 
     Attributes:
-        image: red, green, blue. Shape (height, width, 3), uint8.
-        depth: distances along the camera's axis [m], shape (height, width); None without them.
-        time: when it was taken, on the robot's clock [s].
-        intrinsics: of the camera.
+        image: colours red, green, blue. Shape (height, width, 3), uint8.
+        depth: distances along the camera's axis [m], shape (height, width); None if not measured.
+        time: time at which the image was taken, on the robot's clock [s].
+        intrinsics: intrinsics of the camera.
     """
 
     image: NDArray[np.uint8]
@@ -96,20 +96,20 @@ class CameraFrame(NamedTuple):
 
 @runtime_checkable
 class CameraDevice(Protocol):
-    """A camera; `with` opens it and closes it. For a camera of your own, write these."""
+    """A camera; `with` opens and closes it. Implement these methods for your own camera."""
 
     @property
     def intrinsics(self) -> Intrinsics:
-        """How it maps what it sees to pixels."""
+        """Mapping of points to pixels."""
         ...
 
     def read(self) -> CameraFrame:
-        """Take a picture, and return when it is there.
+        """Take an image and block until it is available.
 
-        In a program that awaits: `await anyio.to_thread.run_sync(camera.read)`.
+        In an async program: `await anyio.to_thread.run_sync(camera.read)`.
 
         Raises:
-            CameraError: there is none.
+            CameraError: the camera returns no image.
         """
         ...
 

@@ -1,6 +1,7 @@
-"""Where a camera is on the arm, or beside it, from views of a board (hand-eye calibration).
+"""Pose of a camera on the arm, or beside it, from views of a board (hand-eye calibration).
 
-OpenCV solves it; here its result is checked: by it, the board must be in one place in all views.
+OpenCV solves the problem. This module checks the result: with it, the board must be at the same
+place in all views.
 """
 
 from __future__ import annotations
@@ -24,17 +25,17 @@ if TYPE_CHECKING:
 
 __all__ = ["BoardSize", "HandEye", "calibrate_hand_eye", "find_board"]
 
-_FEWEST = 4  # views: three determine it, and the fourth shows whether they are right
-_TURNED = 0.1  # how far views must be turned against each other, about two axes [rad]
+_FEWEST = 4  # number of views: three determine the pose, and the fourth verifies it
+_TURNED = 0.1  # minimum rotation between views, about two axes [rad]
 
 
 class BoardSize(NamedTuple):
-    """A chessboard, whose origin is its first inner corner.
+    """Size of a chessboard, whose origin is its first inner corner.
 
     Attributes:
-        columns, rows: how many inner corners it has; one even and one odd, or it looks the same
-            from two sides.
-        square: length of a square [m].
+        columns, rows: numbers of inner corners; one must be even and the other odd, since the board
+            otherwise looks the same from two sides.
+        square: edge length of a square [m].
     """
 
     columns: int
@@ -43,13 +44,14 @@ class BoardSize(NamedTuple):
 
 
 class HandEye(NamedTuple):
-    """Where a camera is.
+    """Pose of a camera, and how well the views agree on it.
 
     Attributes:
         camera: its frame in the flange's, or in the base for one beside the arm. Shape (4, 4).
         board: the board's frame in the base, or in the flange's for a camera beside the arm.
-        distances: by view, how far the board is from there by that view [m].
-        angles: likewise [rad].
+        distances: for each view, the distance of the board's place in this view from `board` [m].
+        angles: for each view, the angle between the board's orientation in this view and `board`
+            [rad].
     """
 
     camera: Matrix
@@ -59,14 +61,15 @@ class HandEye(NamedTuple):
 
 
 def find_board(frame: CameraFrame, size: BoardSize) -> Matrix | None:
-    """See a chessboard in a picture.
+    """Find a chessboard in an image.
 
     Args:
-        frame: the picture.
-        size: of the board.
+        frame: the image.
+        size: size of the board.
 
     Returns:
-        The board's frame in the camera's, shape (4, 4); None if the whole board is not seen.
+        The board's frame in the camera's, shape (4, 4); None if the board is not completely
+        visible.
     """
     grey = cv2.cvtColor(frame.image, cv2.COLOR_RGB2GRAY)
     found, corners = cv2.findChessboardCorners(grey, (size.columns, size.rows))
@@ -92,23 +95,23 @@ def calibrate_hand_eye(
     mounted: Literal["flange", "beside"] = "flange",
     limits: tuple[float, float] = (0.005, 0.02),
 ) -> HandEye:
-    """Find where a camera is, from views of one board.
+    """Compute the pose of a camera from views of one board.
 
-    Take ten or more views that are turned by 0.3 rad and more about different axes.
+    Take ten or more views that are rotated by at least 0.3 rad about different axes.
 
     Args:
-        flanges: by view, the flange in the base, such as `arm.fkine(q)`. Shape (n, 4, 4).
-        boards: by view, the board in the camera, as `find_board` gives it. Shape (n, 4, 4).
-        mounted: whether the camera is on the flange and the board stands still, or the camera
-            stands beside the arm and the board is on the flange.
-        limits: how far the board may be off in a view [m, rad].
+        flanges: for each view, the flange in the base, such as `arm.fkine(q)`. Shape (n, 4, 4).
+        boards: for each view, the board in the camera, from `find_board`. Shape (n, 4, 4).
+        mounted: "flange": the camera is on the flange and the board stands still; "beside": the
+            camera stands beside the arm and the board is on the flange.
+        limits: maximum deviation of the board in a view [m, rad].
 
     Returns:
-        Where the camera is, and how well the views agree on it.
+        The pose of the camera, and how well the views agree on it.
 
     Raises:
-        ParameterError: an argument is none of these, or there are fewer than four views.
-        CalibrationError: the views are turned too little, or disagree by more than the limits.
+        ParameterError: an argument has a wrong shape or value, or there are fewer than four views.
+        CalibrationError: the views are rotated too little, or disagree by more than the limits.
     """
     hands, seen = np.asarray(flanges, dtype=float), np.asarray(boards, dtype=float)
     if hands.ndim != 3 or hands.shape[1:] != (4, 4) or len(hands) < _FEWEST:
@@ -133,7 +136,7 @@ def calibrate_hand_eye(
 
 
 def _checked(camera: Matrix, places: Matrix, limits: tuple[float, float]) -> HandEye:
-    """See how well the places of the board agree."""
+    """Check how well the places of the board agree."""
     board = np.eye(4)
     u, _, vt = np.linalg.svd(places[:, :3, :3].sum(axis=0))
     board[:3, :3] = u @ np.diag((1.0, 1.0, np.linalg.det(u @ vt))) @ vt

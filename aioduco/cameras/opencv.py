@@ -1,4 +1,4 @@
-"""Real cameras, by OpenCV: of the computer, of the network, or a file of pictures."""
+"""Real cameras, by OpenCV: at this computer, in the network, or a file of images."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class OpenCvCamera:
 
     Args:
         source: number of a camera of this computer, address of one in the network, or a file.
-        intrinsics: of the camera, from a calibration; pictures have its size.
-        clock: the robot's, as given to `connect`; None for the time of this computer, which is
-            that of every real controller.
-        latency: by how much a picture is older than the moment at which it arrives [s].
+        intrinsics: intrinsics of the camera, from a calibration; they contain the image size.
+        clock: the robot's clock, as given to `connect`; None for the clock of this computer, which
+            is used with every real controller.
+        latency: time between taking an image and its arrival [s].
     """
 
     def __init__(
@@ -53,21 +53,21 @@ class OpenCvCamera:
 
     @property
     def intrinsics(self) -> Intrinsics:
-        """How it maps what it sees to pixels."""
+        """Mapping of points to pixels."""
         return self._intrinsics
 
     def __enter__(self) -> Self:
-        """Open it.
+        """Open the camera.
 
         Raises:
-            CameraError: there is no such camera, or it has no pictures of this size.
+            CameraError: there is no such camera, or another program uses it.
         """
         capture = cv2.VideoCapture(self._source)
         if not capture.isOpened():
             raise CameraError(f"there is no camera at {self._source!r}, or another program has it")
         capture.set(cv2.CAP_PROP_FRAME_WIDTH, self._intrinsics.width)
         capture.set(cv2.CAP_PROP_FRAME_HEIGHT, self._intrinsics.height)
-        # A queue of pictures would make each of them old.
+        # With a longer queue, each image would be older when it is read.
         capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)
         self._capture = capture
         return self
@@ -83,10 +83,10 @@ class OpenCvCamera:
             capture.release()
 
     def read(self) -> CameraFrame:
-        """Take the next picture.
+        """Take the next image.
 
         Raises:
-            CameraError: it is not open, gives none any more, or one of another size.
+            CameraError: the camera is not open, or returns no image or one of another size.
         """
         capture = self._capture
         if capture is None:

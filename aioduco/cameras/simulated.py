@@ -1,6 +1,6 @@
 """A camera in the simulator's scene, or on the tool.
 
-Its pictures are drawn by a process of their own, so that the controller's cycle waits for none.
+A separate process renders its images, so that the controller's cycle does not wait for them.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ __all__ = ["SimulatedCamera"]
 
 
 class SimulatedCamera:
-    """A camera that MJCF of a scene or of a tool names.
+    """A camera that is defined in the MJCF of a scene or of a tool.
 
         scene = '<mujoco><worldbody><camera name="eye" pos="0.5 0 1.2" fovy="45"/>...'
         with Simulator(scene=scene) as sim, SimulatedCamera(sim, "eye") as eye:
             frame = eye.read()
 
     Args:
-        simulator: runs already when a picture is taken.
-        name: of the camera in the MJCF; its `fovy` is the angle of view from top to bottom.
-        width, height: of pictures, at most 1920 by 1080 [pixels].
-        depth: whether distances are wanted, too; a picture then takes twice as long.
+        simulator: the simulator, which must run when an image is taken.
+        name: name of the camera in the MJCF; its `fovy` is the vertical angle of view.
+        width, height: size of images, at most 1920 by 1080 [pixels].
+        depth: whether to return distances, too; an image then takes twice as long.
 
     Raises:
         ParameterError: there is no such camera.
@@ -60,22 +60,22 @@ class SimulatedCamera:
 
     @property
     def intrinsics(self) -> Intrinsics:
-        """How it maps what it sees to pixels: a pinhole, without a lens."""
+        """Mapping of points to pixels: a pinhole camera, without distortion."""
         return self._intrinsics
 
     @property
     def pose(self) -> NDArray[np.float64]:
-        """Where it is now, which on a real arm is to be found out: its frame in the world.
+        """The camera's present frame in the world, which on a real arm needs a calibration.
 
-        The axes are those of `Intrinsics`: z along its view. Shape (4, 4).
+        The axes are those of `Intrinsics`: z along the viewing direction. Shape (4, 4).
         """
         return self._simulator.camera_pose(self._name)
 
     def read(self) -> CameraFrame:
-        """Take a picture of the instant at which it was asked for.
+        """Take an image of the instant of the call.
 
         Raises:
-            RenderError: this computer has no OpenGL that draws off screen.
+            RenderError: this computer has no OpenGL for off-screen rendering.
         """
         simulator, size = self._simulator, self._intrinsics
         time, positions = simulator.instant()
@@ -97,4 +97,4 @@ class SimulatedCamera:
         exc: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Nothing is held: the simulator ends what draws."""
+        """Do nothing: the simulator ends the rendering process."""

@@ -1,4 +1,4 @@
-"""The command `aioduco`: a simulated controller and a demonstration, in a terminal."""
+"""The command `aioduco`: watch, move and record arms, and simulate a controller."""
 
 from __future__ import annotations
 

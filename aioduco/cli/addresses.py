@@ -1,4 +1,4 @@
-"""Which robot a command is for: an address, or a name from the user's file of robots.
+"""The robot that a command is for: an address, or a name from the user's file of robots.
 
 The file is `$XDG_CONFIG_HOME/aioduco/robots.toml`, by default `~/.config/aioduco/robots.toml`:
 
@@ -25,19 +25,19 @@ import typer
 __all__ = ["Host", "HostOption", "Port", "RobotAddress", "robot_at", "robots_file"]
 
 _ENVIRONMENT: Final = "AIODUCO_HOST"
-#: where a simulator of this computer listens
+#: address on which a simulator of this computer listens
 _LOOPBACK: Final = "127.0.0.1"
 _PORT: Final = 7003
 
 
 @dataclass(frozen=True, slots=True)
 class RobotAddress:
-    """Where a controller is.
+    """Address of a controller.
 
     Attributes:
-        host: its name or address.
-        port: its TCP port.
-        name: what the user's file of robots calls it; empty without one.
+        host: host name or address.
+        port: TCP port.
+        name: name in the user's file of robots; empty without one.
     """
 
     host: str
@@ -50,9 +50,9 @@ class RobotAddress:
 
 
 def robots_file() -> Path:
-    """Where the user's file of robots is, if there is one."""
+    """Path of the user's file of robots. The file need not exist."""
     folder = os.environ.get("XDG_CONFIG_HOME", "")
-    # XDG: a path that is not absolute is to be ignored
+    # XDG: a path that is not absolute must be ignored
     base = Path(folder) if Path(folder).is_absolute() else Path.home() / ".config"
     return base / "aioduco" / "robots.toml"
 
@@ -60,15 +60,15 @@ def robots_file() -> Path:
 def robot_at(given: str | None, port: int | None = None) -> RobotAddress:
     """Find the robot of a command.
 
-    The first that there is decides: what the command line gives, `AIODUCO_HOST`, `default` in the
-    file of robots, and a simulator on this computer.
+    The first of these that is set is used: the argument on the command line, `AIODUCO_HOST`,
+    `default` in the file of robots, a simulator on this computer.
 
     Args:
         given: a name of the file, or an address: `192.168.1.10`, `arm.lan:7003`, `[::1]:7003`.
-        port: its port, over any other.
+        port: TCP port; it overrides any other.
 
     Raises:
-        typer.BadParameter: the file cannot be read, or the address is none.
+        typer.BadParameter: the file cannot be read, or the address is not valid.
     """
     robots, default = _read(robots_file())
     text = given or os.environ.get(_ENVIRONMENT) or default or _LOOPBACK
@@ -109,7 +109,7 @@ def _robot(path: Path, name: str, entry: Any) -> RobotAddress:
 
 
 def _split(text: str) -> tuple[str, int | None]:
-    """Host and port of an address; None without a port."""
+    """Host and port of an address; the port is None if the address has none."""
     host, colon, port = text.rpartition(":")
     if text.startswith("["):  # IPv6 stands in brackets before a port
         if text.endswith("]"):

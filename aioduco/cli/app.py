@@ -1,4 +1,4 @@
-"""The commands of `aioduco`, put together. Each lives in a module of its own."""
+"""All commands of `aioduco` in one app. Each command has a module of its own."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ app: typer.Typer = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command()(sim)
-# A number below zero is a word, not an option.
+# A negative number is an argument, not an option.
 app.command("sim-do", context_settings={"ignore_unknown_options": True})(sim_do)
 app.command()(demo)
 app.command()(status)
@@ -68,7 +68,7 @@ app.command(context_settings={"ignore_unknown_options": True})(call)
 app.command()(export)
 app.command()(preflight)
 app.command()(ros1)
-# What follows --ros-args is for ROS.
+# Arguments after --ros-args are for ROS.
 app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(ros2)
 app.command()(tap)
 app.add_typer(fleet, name="fleet")

@@ -49,7 +49,7 @@ def call(
 ) -> None:
     """Call one function of the manual and print what it returns.
 
-    A call that changes something, as all motions do, is shown first and asks.
+    A call that changes something, such as a motion, is shown first and must be confirmed.
 
     aioduco call get_tcp_pose
 
@@ -73,7 +73,7 @@ def call(
     robot = aioduco.sync.connect(address.host, address.port, lag_limit=None)
     if describe:
         function = function_of(robot, where)
-        # annotations are texts, which a signature shows in quotes
+        # annotations are strings, which a signature shows in quotes
         signature = re.sub(r"(: |-> )'([^']+)'", r"\1\2", str(inspect.signature(function)))
         typer.echo(f"{where}{signature}\n\n{inspect.getdoc(function)}")
         return
@@ -94,7 +94,7 @@ def call(
 
 
 def function_of(robot: Any, where: str) -> Any:
-    """What an expression such as `robot.motion.movel` stands for."""
+    """The function that an expression such as `robot.motion.movel` names."""
     found = robot
     for part in where.split(".")[1:]:
         found = getattr(found, part)
@@ -114,7 +114,7 @@ def _arguments(words: list[str]) -> tuple[list[Any], dict[str, Any]]:
 
 
 def _value(word: str) -> Any:
-    """What a word stands for: JSON, or itself."""
+    """Value of a word: parsed as JSON, or the word itself."""
     try:
         return json_module.loads(word)
     except ValueError:

@@ -1,4 +1,4 @@
-"""`aioduco check`: a controller compared with the simulated one, or taught points looked at."""
+"""`aioduco check`: compare a controller with the simulated one, or check taught points."""
 
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ def check(
 ) -> None:
     """Check a controller against the simulated one; or taught points, without a controller.
 
-    Of a controller: a list of what it does otherwise than `aioduco sim`. It only reads unless
+    For a controller: list where it behaves otherwise than `aioduco sim`. It only reads unless
     --move is given. Exit codes: 0 nothing differs; 1 something does, or it was not reached; 2 wrong
     options; 3 not confirmed; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
 
-    Of a file: reach, joint limits, singularities, branches of its points. Nothing moves.
+    For a file: check reach, joint limits, singularities, branches of its points. Nothing moves.
 
     aioduco check 192.168.1.10 --move -o report.md
 
@@ -74,7 +74,7 @@ def _controller(address: RobotAddress, *, move: bool, yes: bool, output: Path | 
             f"one by 6, slowly, several times. It must be enabled.\n{SAFE}"
         )
         ask(what, "Move it?", yes=yes)
-    # An interrupted check stops the arm before it ends, as each one does.
+    # An interrupted check stops the arm before it ends, as every check does.
     with ended_by_errors():
         report = check_controller(
             address.host,

@@ -1,4 +1,4 @@
-"""`aioduco completion`: what makes a shell complete the commands."""
+"""`aioduco completion`: the script with which a shell completes the commands."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["completion"]
 
 
 class Shell(enum.StrEnum):
-    """Shells that can be told."""
+    """Supported shells."""
 
     BASH = "bash"
     ZSH = "zsh"
@@ -20,7 +20,7 @@ class Shell(enum.StrEnum):
 
 
 def completion(shell: Annotated[Shell, typer.Argument(help="bash, zsh or fish.")]) -> None:
-    """Print what makes a shell complete commands, options and names of robots.
+    """Print the script with which a shell completes commands, options and names of robots.
 
     aioduco completion bash > ~/.local/share/bash-completion/completions/aioduco
 
@@ -30,7 +30,7 @@ def completion(shell: Annotated[Shell, typer.Argument(help="bash, zsh or fish.")
 
     Exit codes: 0 printed; 2 wrong options.
     """
-    # typer has it without saying so to type checkers
+    # typer has this function, but does not declare it for type checkers
     scripts = importlib.import_module("typer.completion")
     names = {"prog_name": "aioduco", "complete_var": "_AIODUCO_COMPLETE"}
     typer.echo(scripts.get_completion_script(shell=shell.value, **names))

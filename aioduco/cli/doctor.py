@@ -1,4 +1,4 @@
-"""`aioduco doctor`: what rate this machine and the network to an arm can hold."""
+"""`aioduco doctor`: the rate that this machine and the network to an arm can hold."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ def doctor(
         Path | None, typer.Option(help="Where to write the figures, for `aioduco plot`.")
     ] = None,
 ) -> None:
-    """Measure what rate this machine and the network to an arm can hold. Nothing moves.
+    """Measure the rate that this machine and the network to an arm can hold. Nothing moves.
 
     aioduco doctor left --seconds 10
 
-    Exit codes: 0 measured; 1 it could not be, such as without a controller; 2 wrong options.
+    Exit codes: 0 measured; 1 not measured, for example without a controller; 2 wrong options.
     """
     from rich.console import Console  # noqa: PLC0415 - for this command alone
 

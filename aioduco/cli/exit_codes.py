@@ -1,4 +1,4 @@
-"""With what the commands end, and how an error becomes that."""
+"""Exit codes of the commands, and the exit code of each error."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ __all__ = [
     "ended_by_errors",
 ]
 
-#: it was not done; the message says why
+#: the command failed; the message says why
 FAILED: Final = 1
 #: wrong options or arguments
 USAGE: Final = 2
-#: the question was not answered by yes; nothing was sent that moves the arm
+#: the question was not answered with yes; nothing was sent that moves the arm
 NOT_CONFIRMED: Final = 3
 #: it is not known that the arm stands: press the emergency stop
 STOP_UNCONFIRMED: Final = 4
 #: a person has to do something at the arm first; the message says what
 PERSON_NEEDED: Final = 5
-#: and the number of the signal that ended it: 130 for Ctrl-C
+#: plus the number of the signal that ended the command: 130 for Ctrl-C
 SIGNALLED: Final = 128
 
 
@@ -42,10 +42,10 @@ class Terminated(KeyboardInterrupt):
 
 @contextmanager
 def ended_by_errors(interrupted: str = "interrupted") -> Iterator[None]:
-    """End the command as its errors and signals ask for: a message, and an exit code.
+    """End the command on an error or a signal, with a message and an exit code.
 
     Args:
-        interrupted: what is said after Ctrl-C or SIGTERM.
+        interrupted: message after Ctrl-C or SIGTERM.
     """
     from aioduco.errors import DucoError, PersonNeeded, StopUnconfirmed  # noqa: PLC0415 - quick help
 

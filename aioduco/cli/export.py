@@ -22,7 +22,7 @@ __all__ = ["export"]
 
 
 class Format(enum.StrEnum):
-    """What can be exported."""
+    """Formats that can be exported."""
 
     URDF = "urdf"
     SRDF = "srdf"

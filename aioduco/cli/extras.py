@@ -1,4 +1,4 @@
-"""What the commands check before they begin: installed extras, names of arms."""
+"""Checks before a command begins: installed extras, names of arms."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _BRINGS = {
 
 
 def need(*extras: str) -> None:
-    """End with a message that says what to install, if something of the extras is missing.
+    """End with a message that says what to install, if a package of the extras is missing.
 
     Args:
         extras: names of extras: "sim", "plot", "plan", "sweep", "record", "parquet", "fleet",
@@ -43,7 +43,7 @@ def need(*extras: str) -> None:
 
 
 def arm(model: str) -> Arm:
-    """Give the arm of a name; refuse one that is not known, and list the known ones."""
+    """Return the arm with a name; refuse an unknown name, and list the known ones."""
     from aioduco.kinematics import arm as arm_of  # noqa: PLC0415 - NumPy is not for all commands
     from aioduco.kinematics import models  # noqa: PLC0415
 

@@ -59,7 +59,7 @@ def serve(file: File) -> None:
 def status(file: File, timeout: Timeout = 3.0, json: Json = False) -> None:
     """Show every arm of the fleet.
 
-    Exit codes: 0 all gateways have told their state; 1 some are missing; 2 a wrong file.
+    Exit codes: 0 all gateways reported their state; 1 some are missing; 2 a wrong file.
     """
     settings = _settings(file)
     from aioduco.fleet import FleetClient  # noqa: PLC0415 - quick help

@@ -50,7 +50,7 @@ class Level(enum.StrEnum):
 
 
 class Quantity(enum.StrEnum):
-    """What an analogue output gives."""
+    """Quantity of an analogue output."""
 
     VOLTAGE = "voltage"
     CURRENT = "current"
@@ -148,5 +148,5 @@ def _looked(address: RobotAddress, work: Callable[[Robot], IOStatus | None]) -> 
 
 
 def _on(signals: Sequence[bool]) -> str:
-    """Numbers of those that are on."""
+    """Numbers of the signals that are on."""
     return " ".join(str(number) for number, is_on in enumerate(signals, 1) if is_on) or "none on"

@@ -20,14 +20,14 @@ _DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 
 
 class Direction(enum.StrEnum):
-    """Which way it goes."""
+    """Direction of the motion."""
 
     PLUS = "+"
     MINUS = "-"
 
 
 class JogFrameName(enum.StrEnum):
-    """The frame whose directions are meant."""
+    """The frame that the directions refer to."""
 
     WORLD = "world"
     BASE = "base"
@@ -36,7 +36,7 @@ class JogFrameName(enum.StrEnum):
 
 
 class Manual(enum.StrEnum):
-    """The manual by which the controller understands a direction."""
+    """Version of the manual whose jog directions the controller follows."""
 
     OLDER = "3.8"
     NEWER = "4.3"

@@ -33,7 +33,7 @@ Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")]
 Json = Annotated[bool, typer.Option("--json", help="Print how it ended as JSON.")]
 
 
-# A number below zero is a word, not an option.
+# A negative number is an argument, not an option.
 @move.command(context_settings={"ignore_unknown_options": True})
 def joints(
     angles: Annotated[Six, typer.Argument(metavar="J1 J2 J3 J4 J5 J6", help="Angles [rad].")],
@@ -48,13 +48,13 @@ def joints(
     yes: Yes = False,
     json: Json = False,
 ) -> None:
-    """Move to joint angles, all joints together. It says what will turn, and asks.
+    """Move to joint angles, all joints together. It shows the motion, and asks.
 
     aioduco move joints 0 -20 110 0 -90 0 --deg --host left
 
     aioduco move joints 0 0 0 0 0 0.1 --by --speed 0.1 --yes
 
-    Exit codes: 0 it is there; 1 it is not; 2 wrong options; 3 not confirmed; 4 it is not known
+    Exit codes: 0 the arm is there; 1 it is not; 2 wrong options; 3 not confirmed; 4 it is not known
     that the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm was stopped.
     """
     address = robot_at(host, port)
@@ -97,7 +97,7 @@ def pose(
     yes: Yes = False,
     json: Json = False,
 ) -> None:
-    """Move the tool to a pose in the work object, on a line. It says how far, and asks.
+    """Move the tool to a pose in the work object, on a line. It shows the distance, and asks.
 
     aioduco move pose 400 0 350 180 0 -90 --mm --deg
 
@@ -133,14 +133,14 @@ to     {pose_line([*target])}
 
 
 def ready_arm(address: RobotAddress, *, in_work_object: bool = False) -> dict[str, Any]:
-    """Look at an arm, and end the command if it could not move now.
+    """Read the state of an arm, and end the command if the arm could not move now.
 
     Args:
         address: the robot.
         in_work_object: whether the tool's pose in the work object is read, too.
 
     Returns:
-        What `status` shows.
+        The values that `status` shows.
     """
     found = look(address, in_work_object=in_work_object)
     if not found["ready"]:
@@ -155,7 +155,7 @@ def ready_arm(address: RobotAddress, *, in_work_object: bool = False) -> dict[st
 
 
 def carry_out(address: RobotAddress, motion: Callable[[Robot], Outcome], as_json: bool) -> None:
-    """Carry a motion out under supervision, and say how it ended."""
+    """Carry out a motion under supervision, and print how it ended."""
     begin = time.monotonic()
     with moving(address) as robot:
         outcome = motion(robot)

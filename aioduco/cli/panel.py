@@ -71,19 +71,19 @@ def panel(
         ),
     ] = None,
 ) -> None:
-    """Show an arm in the browser, and let one page command it. Nothing moves by this.
+    """Show an arm in the browser, and let one page command it. This alone moves nothing.
 
-    It prints a link with the token that a page needs to command; AIODUCO_PANEL_TOKEN gives one of
-    your own. Whoever reaches the page may watch, and stop the arm. A page that takes control is
-    asked whether everyone is out of reach; after that each motion lasts as long as a button is
-    held down. When the page is gone, or this command ends, what it moves stands.
+    It prints a link with the token that a page needs to command; AIODUCO_PANEL_TOKEN sets a token
+    of your own. Everyone who can reach the page may watch, and stop the arm. To take control, a
+    user must confirm that everyone is out of reach; after that each motion lasts as long as a
+    button is held down. When the page is closed or this command ends, its motions are stopped.
 
     aioduco panel 192.168.1.10
 
     aioduco panel left --watch-only --bind 0.0.0.0
 
     Exit codes: 1 no controller, or the port is taken; 2 wrong options; 130, 143 Ctrl-C or SIGTERM:
-    what the panel moved stands.
+    motions of the panel were stopped.
     """
     extras.need("panel")
     address = robot_at(host, port)
@@ -94,11 +94,11 @@ def panel(
         raise typer.BadParameter(f"{_TOKEN} has less than {_SHORTEST} characters")
     if control_port is None and _is_here(address.host):
         control_port = control_port_of(address.port) or None
-    # All of it before the event loop runs: loading would hold it up.
+    # All imports run before the event loop: loading would block it.
     from aioduco.models.jog import JogDirections  # noqa: PLC0415
     from aioduco.panel import Panel  # noqa: PLC0415
 
-    import_module("aioduco.panel.arm_scene")  # and viser
+    import_module("aioduco.panel.arm_scene")  # imports viser too
 
     older = manual is Manual.OLDER
     with ended_by_errors():
@@ -125,7 +125,7 @@ def panel(
 
 
 async def _serve(made: Panel, address: str) -> int:
-    """Serve the page until a signal; its number."""
+    """Serve the page until a signal arrives; return its number."""
     with anyio.open_signal_receiver(signal.SIGINT, signal.SIGTERM) as signals:
         async with made:
             typer.echo(
@@ -138,7 +138,7 @@ async def _serve(made: Panel, address: str) -> int:
 
 
 def _is_here(host: str) -> bool:
-    """Whether an address is one of this computer alone, as a simulator's is."""
+    """Whether an address is a loopback address, as a simulator's is by default."""
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:

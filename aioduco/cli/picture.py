@@ -1,4 +1,4 @@
-"""What a simulated arm did, as a picture or an animation in a file."""
+"""Pictures and animations of a simulated arm, as files."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ if TYPE_CHECKING:
 
 __all__ = ["KINDS", "save"]
 
-#: endings of files that can be written
+#: suffixes of files that can be written
 KINDS = (".gif", ".png")
-_SHORTEST = 0.02  # that programs show a picture of an animation for [s]
+_SHORTEST = 0.02  # time for which programs can show a picture of an animation [s]
 
 
 def save(path: Path, pictures: Iterable[Picture], durations: list[float]) -> None:
     """Write an animation, or the last picture if the file's name ends in .png.
 
     Args:
-        path: of the file; its ending says the format.
+        path: file to write; its suffix selects the format.
         pictures: at least one. Shape (height, width, 3) each.
         durations: how long each is shown [s].
     """

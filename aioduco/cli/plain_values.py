@@ -1,4 +1,4 @@
-"""Results in the types that JSON knows, for `--json`."""
+"""Results in the types of JSON, for `--json`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["plain", "print_json"]
 
 
 def plain(value: Any) -> Any:
-    """A result in the types that JSON knows; None for what is not a number."""
+    """A result in the types of JSON; NaN and infinities become None."""
     if isinstance(value, enum.Enum):
         return value.name
     if isinstance(value, float):
@@ -30,7 +30,7 @@ def _parts(value: Any) -> Any:
         return {name: plain(getattr(value, name)) for name in names}
     if callable(
         tolist := getattr(value, "tolist", None)
-    ):  # what NumPy has, which is not loaded here
+    ):  # a NumPy value; NumPy is not loaded here
         return plain(tolist())
     if isinstance(value, dict):
         return {str(key): plain(each) for key, each in value.items()}

@@ -1,4 +1,4 @@
-"""`aioduco play`: a recording or waypoints, on a simulated arm or on one that is there."""
+"""`aioduco play`: play a recording or waypoints on a simulated or a real arm."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 __all__ = ["play"]
 
-#: of the joint that turns farthest, on the way to where a recording begins [rad/s]
+#: speed of the joint that turns farthest, on the way to the start of a recording [rad/s]
 _APPROACH = 0.3
-#: joints that are so near to the begin need no way there [rad]
+#: distance from the start within which joints need no approach [rad]
 _THERE = 1e-3
 
 
@@ -67,9 +67,9 @@ def play(
     ] = True,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before an arm moves.")] = False,
 ) -> None:
-    """Lead an arm along what was recorded, or through waypoints: a simulated one, or that at HOST.
+    """Lead an arm along a recording or through waypoints: a simulated arm, or the one at HOST.
 
-    Before an arm that is there moves, the file is checked (arm, joint limits, speeds,
+    Before a real arm moves, the file is checked (arm, joint limits, speeds,
     accelerations, the envelope), played on a simulated arm, and you are asked. Ctrl-C brings the
     arm to rest.
 
@@ -149,7 +149,7 @@ class _Playing:
         _report(found)
 
     def simulate(self, scene: Path | None, *, keep: bool) -> None:
-        """Play it on a simulated arm; raises what goes wrong there."""
+        """Play it on a simulated arm; errors there are raised."""
         import aioduco.sync  # noqa: PLC0415
         from aioduco.playback import RecordedPath  # noqa: PLC0415
         from aioduco.sim import Simulator  # noqa: PLC0415 - it loads MuJoCo
@@ -172,8 +172,8 @@ class _Playing:
             self._play(robot)
 
     def on_arm(self, address: RobotAddress, *, only_check: bool, yes: bool) -> None:
-        """Check it, ask, and play it on the arm that is there."""
-        # Without a heartbeat, for another program may still lead the arm.
+        """Check it, ask, and play it on the real arm."""
+        # No heartbeat: another program may still lead the arm.
         with looking_at(address) as robot:
             _report(self._against(robot), only=only_check)
             if only_check:
@@ -204,7 +204,7 @@ class _Playing:
         )
 
     def _announced(self, robot: Robot) -> str:
-        """What the arm will do."""
+        """Announcement of the motion, as text."""
         import numpy as np  # noqa: PLC0415
 
         from aioduco.playback import RecordedPath  # noqa: PLC0415
@@ -238,7 +238,7 @@ class _Playing:
 
 
 def _model_of(what: RecordedPath | WaypointFile) -> str | None:
-    """The model that a file is for, if that is told and known."""
+    """The model that a file is for; None if the file names none or an unknown one."""
     from aioduco.playback.player import model_named  # noqa: PLC0415
 
     found = model_named(what.arm)

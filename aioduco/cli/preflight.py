@@ -1,4 +1,4 @@
-"""`aioduco preflight`: a program tried against its cell before the arm moves."""
+"""`aioduco preflight`: try a program on a simulated arm before the real arm moves."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def _sweep(
     scheduler: str | None,
     result: Path | None,
 ) -> bool:
-    """Run the variations with a progress bar; whether any has failed."""
+    """Run the variations with a progress bar; return whether any failed."""
     from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415
 

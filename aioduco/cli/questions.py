@@ -1,4 +1,4 @@
-"""The question before a command moves an arm, or sets something at it."""
+"""The question before a command moves an arm or changes one of its outputs or settings."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from aioduco.cli.exit_codes import NOT_CONFIRMED
 
 __all__ = ["SAFE", "ask"]
 
-#: what a person has to see to before an arm moves
+#: what a person must ensure before an arm moves
 SAFE = (
     "No path is checked for obstacles. Is everyone out of reach, and someone at the emergency stop?"
 )
 
 
 def ask(what: str, question: str, *, yes: bool) -> None:
-    """Say what is about to happen, and go on only if that is confirmed.
+    """Print what is about to happen, and continue only if the user confirms it.
 
-    It is said on the standard error, so that `--json` has the standard output for itself.
+    Text and question go to the standard error; `--json` alone writes to the standard output.
 
     Args:
-        what: what will happen.
-        question: what is asked, such as "Move the arm?".
-        yes: whether the command line has answered it.
+        what: text that says what will happen.
+        question: the question, such as "Move the arm?".
+        yes: whether the command line already confirms it.
     """
     if yes:
         return

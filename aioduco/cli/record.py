@@ -1,4 +1,4 @@
-"""`aioduco record`: what a controller does, as a file."""
+"""`aioduco record`: record what an arm does to a file."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ def record(
     ] = None,
     forces: Annotated[bool, typer.Option(help="Also forces and external torques.")] = True,
 ) -> None:
-    """Record what an arm does, whoever moves it, until Ctrl-C. Nothing moves by this.
+    """Record what an arm does, until Ctrl-C, whichever program moves it. This moves nothing.
 
-    It only asks the controller: no heartbeat is sent, and leaving stops nothing.
+    It only reads from the controller. It sends no heartbeat, and ending it stops nothing.
 
     aioduco record 192.168.1.10 -o run.mcap
 
-    Exit codes: 0 the file is whole; 1 nothing was recorded, or it ended early; 2 wrong options; 143
-    SIGTERM: the file is whole.
+    Exit codes: 0 the file is complete; 1 nothing was recorded, or it ended early; 2 wrong options;
+    143 SIGTERM: the file is complete.
     """
     extras.need("record")
     address = robot_at(host, port)

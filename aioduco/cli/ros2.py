@@ -10,7 +10,7 @@ import typer
 
 __all__ = ["ros2"]
 
-#: what `ros-base` has, but for the last two
+#: Python packages that the node needs; `ros-base` has all but the last two
 _NEEDED = (
     *(
         "rclpy",

@@ -1,4 +1,4 @@
-"""A robot for the time of a command."""
+"""A connected robot for the duration of a command."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
 
 __all__ = ["looking_at", "moving", "until_told"]
 
-#: seconds between two looks at whether there is something left to do
+#: seconds between two checks whether the work has ended
 _LOOK: Final = 0.1
 
 
 @contextmanager
 def looking_at(address: RobotAddress, **options: Any) -> Iterator[Robot]:
-    """Connect without a heartbeat: who moves the arm keeps its supervision.
+    """Connect without a heartbeat: the program that moves the arm keeps its supervision.
 
-    Errors and signals end the command. Leaving stops nothing.
+    Errors and signals end the command. Disconnecting stops nothing.
 
     Args:
-        address: the controller's.
-        options: others of `connect`.
+        address: address of the controller.
+        options: further options of `connect`.
     """
     import aioduco.sync  # noqa: PLC0415 - for commands with a robot alone
 
@@ -44,11 +44,11 @@ def looking_at(address: RobotAddress, **options: Any) -> Iterator[Robot]:
 
 @contextmanager
 def moving(address: RobotAddress, **options: Any) -> Iterator[Robot]:
-    """Connect with a heartbeat. Whatever ends the command, the arm is stopped before it ends.
+    """Connect with a heartbeat. However the command ends, the arm is stopped first.
 
     Args:
-        address: the controller's.
-        options: others of `connect`.
+        address: address of the controller.
+        options: further options of `connect`.
     """
     import aioduco.sync  # noqa: PLC0415 - for commands with a robot alone
 
@@ -61,16 +61,16 @@ def moving(address: RobotAddress, **options: Any) -> Iterator[Robot]:
 
 
 def until_told(what: str, robot: Robot, going: Callable[[], bool], seconds: float | None) -> None:
-    """Say what goes on, and wait until it is over: by itself, after a time, or by Ctrl-C.
+    """Print what is running, and wait until it ends: by itself, after a time, or by Ctrl-C.
 
     Args:
-        what: the line that says what goes on; from it on, Ctrl-C is the way to end it.
-        robot: what is looked at.
-        going: whether it still goes on.
-        seconds: for how long; None for no end.
+        what: the line to print; once it is printed, Ctrl-C is the way to end the work.
+        robot: the robot that the work observes.
+        going: returns whether the work is still running.
+        seconds: longest time to wait; None for no limit.
 
     Raises:
-        Terminated: SIGTERM asked for the end.
+        Terminated: on SIGTERM.
     """
     until = None if seconds is None else time.monotonic() + seconds
     try:
@@ -81,4 +81,4 @@ def until_told(what: str, robot: Robot, going: Callable[[], bool], seconds: floa
     except Terminated:
         raise
     except KeyboardInterrupt:
-        typer.echo()  # the ^C stands on a line of its own
+        typer.echo()  # so that the ^C has a line of its own

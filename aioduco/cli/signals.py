@@ -1,4 +1,4 @@
-"""Signals that ask a command to end, heard by its event loop, on every system."""
+"""Receive signals that ask a command to end in its event loop, on every operating system."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ __all__ = ["heard"]
 
 @contextmanager
 def heard(*signals: signal.Signals) -> Iterator[AsyncIterator[signal.Signals]]:
-    """Hear signals instead of being ended by them; on the main thread.
+    """Receive signals instead of being ended by them. Use it on the main thread.
 
-    By the bytes that the interpreter writes for them, since not every event loop takes handlers
-    for signals, and one that waits is woken by a byte.
+    The interpreter writes a byte for each signal, and the event loop reads it. Not every event
+    loop supports signal handlers, and a byte wakes up a loop that is waiting.
 
     Args:
-        signals: which.
+        signals: the signals to receive.
     """
     ours, others = socket.socketpair()
     with ours, others:

@@ -1,4 +1,4 @@
-"""`aioduco sim`: a simulated controller that runs until it is told to end."""
+"""`aioduco sim`: a simulated controller that runs until a signal or a client ends it."""
 
 from __future__ import annotations
 
@@ -154,10 +154,11 @@ def _mounting(text: str) -> MountingLike:
 
 @contextlib.contextmanager
 def _bell() -> Iterator[tuple[socket.socket, Callable[[], object]]]:
-    """A socket that can be read from once a signal came, or once something rang.
+    """A socket that becomes readable after a signal, and a function that makes it readable.
 
-    The system may hand a signal to any thread, also to one of a library; what the main thread
-    waits in would then not end. The byte that is written for it ends a `select` in any case.
+    The system may deliver a signal to any thread, also to a thread of a library. A blocking call
+    of the main thread would then not return. The byte that the interpreter writes for the signal
+    makes a `select` return in any case.
     """
     heard, rung = socket.socketpair()
     with heard, rung:

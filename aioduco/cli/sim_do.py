@@ -1,4 +1,4 @@
-"""`aioduco sim-do`: what a person at the machine does, on a simulator that runs elsewhere."""
+"""`aioduco sim-do`: actions of a person at the machine, on a simulator of another process."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _PATIENCE = 10.0  # [s]
 
 
 def control_port_of(port: int) -> int:
-    """The port for commands that goes with a simulator's own; 0, a free one, if there is none."""
+    """The command port that belongs to a simulator's port; 0 (any free port) if there is none."""
     return port + _ABOVE if 0 < port <= 65535 - _ABOVE else 0
 
 

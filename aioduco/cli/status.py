@@ -49,14 +49,14 @@ def status(
 
 
 def look(address: RobotAddress, *, in_work_object: bool = False) -> dict[str, Any]:
-    """Read the states of a controller and its arm, and leave. Nothing else is sent.
+    """Read the states of a controller and its arm, and disconnect. Nothing else is sent.
 
     Args:
         address: the robot.
         in_work_object: whether the tool's pose in the work object is read, too.
 
     Returns:
-        What `--json` prints.
+        The values that `--json` prints.
     """
     with looking_at(address) as robot:
         found = _read(address, robot)
@@ -121,16 +121,16 @@ def _lines(address: RobotAddress, found: dict[str, Any]) -> list[str]:
 
 
 def degrees(angles: Sequence[float]) -> list[str]:
-    """Angles as people read them."""
+    """Angles as texts in degrees."""
     return [f"{math.degrees(angle):.2f}°" for angle in angles]
 
 
 def joints_line(joints: Sequence[float]) -> str:
-    """Joint angles in a line."""
+    """Joint angles as one line, in degrees."""
     return "  ".join(degrees(joints))
 
 
 def pose_line(pose: Sequence[float]) -> str:
-    """A pose in a line: the place in millimetres, the turn in degrees."""
+    """A pose as one line: the place in millimetres, the rotation in degrees."""
     place = "  ".join(f"{name} {part * 1e3:.1f}" for name, part in zip("xyz", pose, strict=False))
     return f"{place} mm,  {'  '.join(degrees(pose[3:]))}"

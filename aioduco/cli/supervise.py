@@ -1,4 +1,4 @@
-"""`aioduco bring-up`, `recover`, `stop`, `pause`, `resume`: the states of an arm, led by hand.
+"""`aioduco bring-up`, `recover`, `stop`, `pause`, `resume`: change the state of an arm.
 
 They send no heartbeat: it would take the arm's supervision away from the program that moves it.
 """
@@ -36,7 +36,7 @@ def bring_up(
     yes: Yes = False,
     json: Json = False,
 ) -> None:
-    """Power the arm on, enable it, clear a stop: until it can move. It asks first.
+    """Power the arm on, enable it and clear a stop, until it can move. It asks first.
 
     aioduco bring-up 192.168.1.10
 
@@ -58,7 +58,7 @@ def recover(
     yes: Yes = False,
     json: Json = False,
 ) -> None:
-    """Lead the arm out of a stop, and end the program that runs in it. It asks first.
+    """Lead the arm out of a stop, and end the running program. It asks first.
 
     aioduco recover left
 
@@ -74,7 +74,7 @@ def recover(
 
 
 def stop(host: Host = None, port: Port = None, json: Json = False) -> None:
-    """Stop the arm, whoever moves it, and see it stand. It does not ask.
+    """Stop the arm, whichever program moves it, and wait until it stands. It does not ask.
 
     aioduco stop left
 
@@ -85,7 +85,7 @@ def stop(host: Host = None, port: Port = None, json: Json = False) -> None:
 
 
 def pause(host: Host = None, port: Port = None, json: Json = False) -> None:
-    """Pause what the arm does, and see it stand. It does not ask.
+    """Pause the arm's motion, and wait until it stands. It does not ask.
 
     aioduco pause left
 
@@ -95,11 +95,11 @@ def pause(host: Host = None, port: Port = None, json: Json = False) -> None:
 
 
 def resume(host: Host = None, port: Port = None, yes: Yes = False, json: Json = False) -> None:
-    """Go on with what was paused. It asks first: the arm moves on at once.
+    """Resume the paused motion. It asks first: the arm moves at once.
 
     aioduco resume left --yes
 
-    Exit codes: 0 it goes on; 1 it does not, or no controller; 2 wrong options; 3 not confirmed.
+    Exit codes: 0 resumed; 1 not resumed, or no controller; 2 wrong options; 3 not confirmed.
     """
     address = robot_at(host, port)
     what = f"The arm at {address} goes on with what was paused, at the speed that it had.\n{SAFE}"
@@ -108,7 +108,7 @@ def resume(host: Host = None, port: Port = None, yes: Yes = False, json: Json = 
 
 
 def _done(address: RobotAddress, work: Callable[[Robot], object], said: str, as_json: bool) -> None:
-    """Do it, and say what the states are then."""
+    """Do the work, and print the states after it."""
     with looking_at(address) as robot:
         work(robot)
         states = robot.state.get_robot_state()

@@ -1,4 +1,4 @@
-"""`aioduco tap`: what a client and a controller say to each other, from between them."""
+"""`aioduco tap`: show the calls between a client and a controller, as a proxy."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ def tap(
 ) -> None:
     """Show each call of any client to any controller, with its answer and time. Ctrl-C ends it.
 
-    The client connects here instead of to the controller. If this ends, its connections end, as if
-    the cable had been cut.
+    The client connects to this command instead of to the controller. When this command ends, its
+    connections break, as if the cable had been cut.
 
     aioduco tap 192.168.1.10 --listen 127.0.0.1:7003 -o calls.jsonl
     """
@@ -82,7 +82,7 @@ def tap(
 
 @contextlib.contextmanager
 def _ended_by_signals(end: Callable[[], None]) -> Iterator[None]:
-    """Let Ctrl-C and a request to end do so in good order, so that files are whole."""
+    """On Ctrl-C or SIGTERM, call `end` instead of raising, so that files are complete."""
     signals = (signal.SIGINT, signal.SIGTERM)
     before = [signal.signal(each, lambda *_: end()) for each in signals]
     try:
@@ -94,7 +94,7 @@ def _ended_by_signals(end: Callable[[], None]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _file(path: Path | None, host: str, port: int) -> Iterator[Callable[[TappedCall], None]]:
-    """What writes calls to a file of the kind that its name says."""
+    """A function that writes calls to a file; the file's suffix selects the format."""
     if path is None:
         yield _thrown_away
     elif path.suffix == ".mcap":

@@ -1,4 +1,4 @@
-"""`aioduco teach`: waypoints, kept while the arm is guided by hand."""
+"""`aioduco teach`: store waypoints while the arm is guided by hand."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ def teach(
         bool, typer.Option("--yes", help="Do not ask before the arm gives way.")
     ] = False,
 ) -> None:
-    """Guide the arm by hand, and press Enter to keep where it is.
+    """Guide the arm by hand, and press Enter to store where it is.
 
-    A line with a name keeps a waypoint of that name, an empty one is numbered, q ends. Each is
-    written to the file at once. `aioduco play FILE.toml HOST` moves the arm through them.
+    A line with a name stores a waypoint with that name, an empty line a numbered one; q ends. Each
+    is written to the file at once. `aioduco play FILE.toml HOST` moves the arm through them.
 
     aioduco teach 192.168.1.10 -o cell.toml
 
@@ -44,7 +44,7 @@ def teach(
     the arm stands; 130, 143 Ctrl-C or SIGTERM: the arm stands.
     """
     address = robot_at(host, port)
-    # Without a heartbeat, for somebody else may lead the arm.
+    # No heartbeat: another program may lead the arm.
     with looking_at(address) as robot:
         kept = _file(robot, output)
         if not guide:
@@ -55,7 +55,7 @@ def teach(
         "does not know of, it sinks or rises by itself. Hold it."
     )
     ask(text, "Let it give way?", yes=yes)
-    # A person takes as long as it takes: nothing is stopped because no call is made.
+    # A person may take any time: hand guiding must not stop because no call is made.
     with moving(address, hold_limit=None) as robot:
         robot.bring_up()
         with robot.motion.teach_mode.start():
@@ -64,7 +64,7 @@ def teach(
 
 
 def _file(robot: Robot, path: Path) -> WaypointFile:
-    """The file that is there, or a new one."""
+    """The existing file, or a new one."""
     from aioduco.errors import PathRefused  # noqa: PLC0415
     from aioduco.playback import WaypointFile  # noqa: PLC0415
     from aioduco.playback.player import arm_named  # noqa: PLC0415
@@ -81,7 +81,7 @@ def _file(robot: Robot, path: Path) -> WaypointFile:
 
 
 def _keep(robot: Robot, kept: WaypointFile, path: Path) -> None:
-    """Keep a waypoint for each line that is typed."""
+    """Store a waypoint for each typed line."""
     while True:
         try:
             line = input(f"name of waypoint {len(kept.waypoints) + 1}, Enter, or {_END}: ")

@@ -24,7 +24,7 @@ __all__ = ["teleop"]
 
 
 class DeviceName(enum.StrEnum):
-    """What leads the arm."""
+    """Device that leads the arm."""
 
     KEYBOARD = "keyboard"
     GAMEPAD = "gamepad"
@@ -76,7 +76,7 @@ def teleop(
 ) -> None:
     """Lead an arm by keys, a gamepad or a SpaceMouse, as long as they are held. It asks first.
 
-    It comes to rest when the key, the button or the cap is let go, and when the device is gone.
+    The arm comes to rest when the key, button or cap is released, or the device is disconnected.
 
     aioduco teleop 192.168.1.10 --speed 0.02
 
@@ -145,7 +145,7 @@ class _Leading:
             self.lead(robot)
 
     def lead(self, robot: Robot) -> None:
-        """Lead an arm that is ready, and say how it went."""
+        """Lead an arm that is ready, and print a summary."""
         import aioduco.sync  # noqa: PLC0415
 
         recording = None if self._record is None else robot.record(self._record)

@@ -32,13 +32,13 @@ def view(
     ] = None,
     forces: Annotated[bool, typer.Option(help="Also forces and external torques.")] = True,
 ) -> None:
-    """Publish what an arm does, whoever moves it, until Ctrl-C. Nothing moves by this.
+    """Publish what an arm does, until Ctrl-C, whichever program moves it. This moves nothing.
 
-    It only asks the controller: no heartbeat is sent, and leaving stops nothing.
+    It only reads from the controller. It sends no heartbeat, and ending it stops nothing.
 
     aioduco view --foxglove 192.168.1.10
 
-    Exit codes: 0 it ran until it was told to end; 1 no controller, or the port is taken; 2 wrong
+    Exit codes: 0 it ran until it was ended; 1 no controller, or the port is taken; 2 wrong
     options; 143 SIGTERM.
     """
     if not foxglove:

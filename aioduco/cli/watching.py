@@ -1,4 +1,4 @@
-"""Look at a simulator until it is told to end: not at all, in a window, or for a film."""
+"""Wait until a simulator is to end; meanwhile show it in a window, or take frames of a film."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ if TYPE_CHECKING:
 
 __all__ = ["SimulatorWatch"]
 
-_LOOK = 0.05  # simulated time between two looks for a film [s]
+_LOOK = 0.05  # simulated time between two frames of a film [s]
 _SHOW = 1 / 30  # time between two pictures in a window [s]
-_LEAST = 0.01  # between two looks in any case [s]
+_LEAST = 0.01  # time between two frames in any case [s]
 _WIDTH, _HEIGHT = 480, 360
 
 
 class SimulatorWatch:
-    """Looks at a simulator, as it was asked to.
+    """Shows a simulator in a window and records a film of it, as requested.
 
     Args:
-        simulator: a running one.
+        simulator: a running simulator.
         film: where to write what the arm did; None for nowhere.
         view: whether to show it in a window.
 
@@ -44,11 +44,11 @@ class SimulatorWatch:
         self._simulator = simulator
         self._path = film
         if film is not None:
-            simulator.render(width=_WIDTH, height=_HEIGHT)  # so that it fails now, if at all
+            simulator.render(width=_WIDTH, height=_HEIGHT)  # so that a failure occurs now
         self._window = simulator.window() if view else None
 
     def until(self, end: socket.socket) -> None:
-        """Look until a socket can be read from, or the window is closed; then write the film."""
+        """Wait until a socket is readable or the window is closed; then write the film."""
         if self._path is None and self._window is None:
             select.select([end], [], [])
             return

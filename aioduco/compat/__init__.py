@@ -9,9 +9,9 @@
         robot.movej2([0.524, -0.262, 1.833, 0, -1.571, 0], 1.0, 1.0, 0.0, True)
         robot.close()
 
-It takes what the vendor's class takes, sends it and returns the answer: no ranges are checked, no
-motion is followed, no heartbeat is sent, and nothing is stopped when the program is interrupted.
-For all that there are `aioduco.connect` and `aioduco.sync.connect`.
+It takes the arguments of the vendor's class, sends them and returns the answer: no ranges are
+checked, no motion is followed, no heartbeat is sent, and nothing is stopped when the program is
+interrupted. `aioduco.connect` and `aioduco.sync.connect` do all that.
 
 `python -m aioduco.compat program.py` runs a program that imports the vendor's class, unchanged.
 """
@@ -92,7 +92,7 @@ ReachabilityParams = ReachabilityParam
 EAxisInfo = EAxissInfo
 RealTimeData = RealTimeControlData
 
-# The enums as the vendor's client has them: classes of whole numbers.
+# The enums of the vendor's client: classes of whole numbers.
 StateRobot = ENUMS["StateRobot"]
 StateProgram = ENUMS["StateProgram"]
 OperationMode = ENUMS["OperationMode"]
@@ -101,7 +101,7 @@ SafetyState = ENUMS["SafetyState"]
 
 
 def _by_any_name(function: Callable[..., Any], others: dict[str, str]) -> Callable[..., Any]:
-    """A function that takes its keyword arguments by other names, too."""
+    """Make a function that takes its keyword arguments by other names, too."""
 
     @functools.wraps(function)
     def call(*args: Any, **keywords: Any) -> Any:
@@ -117,7 +117,7 @@ def _by_any_name(function: Callable[..., Any], others: dict[str, str]) -> Callab
 
 
 def _take_other_names(kind: type[ManualFunctions]) -> None:
-    """Let the functions of a class take what else their arguments are called."""
+    """Let the functions of a class take the other names of their arguments."""
     for name, function in inspect.getmembers(kind, inspect.isfunction):
         others = KEYWORDS.get(function.__name__)
         if others:
@@ -129,15 +129,15 @@ class DucoCobot(ManualFunctions):
 
     Each object is one connection, which carries one call at a time (manual 1.5.1). Any thread may
     use it: a call waits until the one before it is answered, so a call behind a blocking motion
-    waits for the motion's end. `stop` does not wait: while a call is under way, it is sent on a
+    waits for the motion's end. `stop` does not wait: while a call is in progress, it is sent on a
     connection of its own. So is a call from a signal handler in the middle of another.
 
-    - A lost connection, or one that was never opened, raises `ConnectionLost`, as the vendor's
-      Python class raises Thrift's `TTransportException`; once the program has imported Thrift's
-      library, the error is that one as well. If a motion was sent, the error is `OutcomeUnknown`:
-      it does not say that the arm stands.
-    - An answer that says that the controller cannot do it raises `ControllerError`, then also a
-      `TApplicationException`.
+    - A lost connection, or one that was never opened, raises `ConnectionLost`, where the vendor's
+      Python class raises Thrift's `TTransportException`. If the program has imported Thrift's
+      library, the error is an instance of both classes. If a motion was sent, the error is
+      `OutcomeUnknown`: the arm may still move.
+    - An answer that reports an error of the controller raises `ControllerError`; with Thrift's
+      library imported it is also a `TApplicationException`.
     - After a lost connection, `open` makes a new one.
 
     Arguments have the names of the vendor's class, and by keyword those of the manual as well. For
@@ -147,15 +147,15 @@ class DucoCobot(ManualFunctions):
     Args:
         ip: name or address of the controller.
         port: its TCP port, 7003.
-        timeout: most seconds for each call, blocking motions included; None, as the vendor has
-            it, to wait as long as the connection lives. A call that takes longer is over for this
-            object, and with it the connection; not so for the arm.
+        timeout: maximum seconds for each call, blocking motions included; None, the vendor's
+            behaviour, to wait while the connection is open. A call that takes longer raises an
+            error and closes the connection, but the arm continues.
 
     Attributes:
         ip: name or address of the controller.
         port: its TCP port.
-        timeout: most seconds for each call.
-        op_: the outputs that motions set which are not given any: none, unless it is changed.
+        timeout: maximum seconds for each call.
+        op_: the outputs of motions that are called without outputs: none, unless it is changed.
         last_error: why `open` returned -1, or why the last call raised; None if neither.
 
     Manual section 1.3.1.
@@ -168,8 +168,8 @@ class DucoCobot(ManualFunctions):
         self.op_: Op = Op(trig_io_1=1, trig_io_2=1, trig_io_3=1)
         self.last_error: DucoError | None = None
         self._connection: Connection | None = None
-        # Held during a call. Reentrant, so that a signal handler in the middle of a call of its
-        # own thread is seen and not waited for.
+        # Held during a call. It is reentrant: a signal handler in the middle of a call of its own
+        # thread gets it too, and does not wait for itself.
         self._turn = threading.RLock()
         #: the thread that opened it, until use by another one was logged
         self._opener: threading.Thread | None = None
@@ -232,10 +232,10 @@ class DucoCobot(ManualFunctions):
     def close(self) -> int:
         """Close the connection (关闭机器人连接). It does not stop the arm.
 
-        A call that another thread waits for ends with `ConnectionLost`.
+        If another thread waits for a call, that call raises `ConnectionLost`.
 
         Returns:
-            0; there was none, or it is closed.
+            0, also if there was no connection.
 
         Manual section 1.3.1.
         """
@@ -247,7 +247,7 @@ class DucoCobot(ManualFunctions):
             self._take_turn()
         try:
             if connection.state is ConnectionState.ACTIVE:
-                # a signal handler in the middle of a call, which closes it when it goes on
+                # in a signal handler in the middle of a call, which closes it when it resumes
                 connection.abandon("close() was called")
             else:
                 connection.close()
@@ -264,7 +264,7 @@ class DucoCobot(ManualFunctions):
         return self.get_version()
 
     def forked(self) -> None:
-        """This is a forked child: threads of the parent that hold the lock do not run here."""
+        """Renew the lock in a forked child: a thread that holds it exists only in the parent."""
         self._turn = threading.RLock()
 
     def _call(self, name: str, args: tuple[Any, ...]) -> Any:
@@ -297,12 +297,12 @@ class DucoCobot(ManualFunctions):
             self._turn.release()
 
     def _take_turn(self) -> None:
-        """Wait for the call of another thread, and for signals meanwhile."""
+        """Wait until the call of another thread has ended; signal handlers can run in between."""
         while not self._turn.acquire(timeout=WAKE_EVERY):
             pass
 
     def _send_aside(self, name: str, args: tuple[Any, ...]) -> Any:
-        """Call on a connection of its own, while another call is under way on the object's."""
+        """Call on a new connection, while another call is in progress on the object's own one."""
         connection = Connection(self.ip, self.port)
         try:
             connection.open()
@@ -311,7 +311,7 @@ class DucoCobot(ManualFunctions):
             connection.close()
 
     def _notice_threads(self) -> None:
-        """Say once that several threads use this object; the caller has its turn."""
+        """Log once that several threads use this object; the caller holds the lock."""
         user, opener = threading.current_thread(), self._opener
         if opener is None or user is opener:
             return

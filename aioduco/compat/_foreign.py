@@ -1,4 +1,4 @@
-"""What the vendor's programs import besides its class: the enums of its client, Thrift's errors."""
+"""Further imports of the vendor's programs: the enums of its client, and Thrift's errors."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ENUMS", "as_thrift"]
 
-#: the enums of section 1.2 as the vendor's client has them: by name of the enum its values
+#: the enums of section 1.2 in the spelling of the vendor's client: values by name of the enum
 _VALUES: Final[dict[str, dict[str, int]]] = {
     "StateRobot": {
         "SR_Start": 0,
@@ -62,7 +62,7 @@ _VALUES: Final[dict[str, dict[str, int]]] = {
 
 
 def _enum(name: str, values: dict[str, int]) -> Any:
-    """A class of whole numbers with Thrift's two tables, as its compiler makes them for Python."""
+    """Make a class of whole numbers with Thrift's two tables, as its compiler does for Python."""
     names = {number: each for each, number in values.items()}
     tables = {"_VALUES_TO_NAMES": names, "_NAMES_TO_VALUES": values}
     return type(name, (), {"__module__": __name__, **values, **tables})
@@ -70,14 +70,14 @@ def _enum(name: str, values: dict[str, int]) -> Any:
 
 ENUMS: Final = {name: _enum(name, values) for name, values in _VALUES.items()}
 
-#: numbers of the kinds of Thrift's TTransportException
+#: values of `type` of Thrift's TTransportException
 _NOT_OPEN: Final = 1
 _TIMED_OUT: Final = 3
 _END_OF_FILE: Final = 4
 
 
 def as_thrift(error: DucoError, connected: bool = True) -> DucoError:
-    """Let an error be caught as Thrift's, too, by a program that has loaded Thrift's library.
+    """Make an error an instance of Thrift's error too, if the program has loaded Thrift's library.
 
     Args:
         error: the error of this package.

@@ -1,8 +1,8 @@
-"""The vendor's modules for an unchanged program: found before those that lie beside it.
+"""Replacements of the vendor's modules for an unchanged program; they take precedence.
 
-The vendor hands out a folder: `DucoCobot.py`, `gen_py` from Thrift's compiler, and a copy of
+The vendor distributes a folder: `DucoCobot.py`, `gen_py` from Thrift's compiler, and a copy of
 Thrift's library in `lib`. Programs put that folder, or parts of it, into packages of their own. So
-a module is known by the end of its name, wherever it lies.
+a module is identified by the end of its name, in whatever package it is.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _STRUCTS: Final = (
 
 
 class TException(Exception):
-    """Base of Thrift's errors, where its library is not installed."""
+    """Base of Thrift's errors, in place of the one in Thrift's library."""
 
     def __init__(self, message: str | None = None) -> None:
         super().__init__(message)
@@ -39,7 +39,7 @@ class TException(Exception):
 
 
 class TApplicationException(TException):
-    """An error that the controller reports, as Thrift's library has it."""
+    """An error that the controller reports, in place of the one in Thrift's library."""
 
     def __init__(self, type: int = 0, message: str | None = None) -> None:  # noqa: A002  # Thrift's
         super().__init__(message)
@@ -47,7 +47,7 @@ class TApplicationException(TException):
 
 
 class TTransportException(TException):
-    """A connection that failed, as Thrift's library has it."""
+    """A connection that failed, in place of the one in Thrift's library."""
 
     UNKNOWN = 0
     NOT_OPEN = 1
@@ -72,7 +72,7 @@ def _nothing() -> dict[str, Any]:
     return {}
 
 
-#: what is in the vendor's modules, by the end of their names
+#: contents of the vendor's modules, by the end of their names
 _VENDOR: Final[dict[str, Callable[[], dict[str, Any]]]] = {
     "DucoCobot": _class_module,
     "gen_py": _nothing,
@@ -81,7 +81,7 @@ _VENDOR: Final[dict[str, Callable[[], dict[str, Any]]]] = {
     "gen_py.robot.constants": _nothing,
     "gen_py.robot.RPCRobot": _nothing,
 }
-#: the same of Thrift's library: what programs import of it, the errors; the rest does nothing
+#: the same for Thrift's library: the errors, which programs import; the other modules are empty
 _THRIFT: Final[dict[str, Callable[[], dict[str, Any]]]] = {
     "thrift": _nothing,
     "thrift.Thrift": lambda: {
@@ -98,10 +98,10 @@ _MODULES: Final = {**_VENDOR, **_THRIFT}
 
 
 class VendorModules(MetaPathFinder, Loader):
-    """Finds the vendor's modules, and Thrift's library where the vendor's folder has it.
+    """Finds the vendor's modules, and the copy of Thrift's library in the vendor's folder.
 
     Args:
-        thrift: whether it finds Thrift's library by its own name, too: it is not installed.
+        thrift: whether it also finds Thrift's library by its own name, since it is not installed.
     """
 
     def __init__(self, thrift: bool) -> None:
@@ -113,13 +113,13 @@ class VendorModules(MetaPathFinder, Loader):
         path: Sequence[str] | None = None,  # noqa: ARG002  # the import system hands it over
         target: ModuleType | None = None,  # noqa: ARG002
     ) -> ModuleSpec | None:
-        """The module, if it is one of them."""
+        """Return the spec of the module, if it is one of them."""
         if self._known(fullname) is None:
             return None
         return ModuleSpec(fullname, self, origin=compat.__name__, is_package=True)
 
     def exec_module(self, module: ModuleType) -> None:
-        """Fill it."""
+        """Fill the module."""
         known = self._known(module.__name__)
         assert known is not None
         vars(module).update(_MODULES[known]())
@@ -127,7 +127,7 @@ class VendorModules(MetaPathFinder, Loader):
     def _known(self, fullname: str) -> str | None:
         parts = fullname.split(".")
         for begin, first in enumerate(parts):
-            # other libraries have a module `thrift`; the vendor's copy lies in `lib`
+            # other libraries have a module `thrift`, too; the vendor's copy is in `lib`
             ours = self._thrift if begin == 0 else parts[begin - 1] == "lib"
             name = ".".join(parts[begin:])
             if name in _MODULES and (ours or first != "thrift"):
@@ -139,8 +139,8 @@ def run(program: Path, arguments: Sequence[str]) -> None:
     """Run a program as Python would, with the vendor's modules in place of its own.
 
     Args:
-        program: its file.
-        arguments: what it finds in `sys.argv` behind its name.
+        program: the program's file.
+        arguments: the program's arguments, put into `sys.argv` behind its name.
     """
     installed = importlib.util.find_spec("thrift") is not None
     sys.meta_path.insert(0, VendorModules(thrift=not installed))

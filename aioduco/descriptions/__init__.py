@@ -1,6 +1,7 @@
 """Descriptions of the arms for other programs: URDF, SRDF, MJCF, MoveIt's configuration.
 
-Made from lengths, limits, masses and simple shapes; nothing of the vendor's files is in them.
+They are made from lengths, limits, masses and simple shapes, and contain no part of the vendor's
+files.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Which links of an arm can touch each other, found by trying random configurations."""
+"""Pairs of links that can collide, found by sampling random configurations."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ SAMPLES = 10_000
 
 _SEED = 7
 _FEW = 500
-_CLEAR = 0.01  # nearer than this, a pair may touch between the samples [m]
-_SAME = 1e-9  # what is only rounding of a distance [m]
+_CLEAR = 0.01  # below this distance, a pair may touch between the samples [m]
+_SAME = 1e-9  # rounding error of a distance [m]
 
 
 class LinkPair(NamedTuple):
     """Two links whose collisions need no check.
 
     Attributes:
-        link1: one of them.
-        link2: the other.
-        reason: as MoveIt calls it: "Adjacent", "Never" or "Always".
+        link1: name of one link.
+        link2: name of the other.
+        reason: MoveIt's word for the reason: "Adjacent", "Never" or "Always".
     """
 
     link1: str
@@ -39,12 +39,11 @@ class LinkPair(NamedTuple):
 
 
 def disabled_pairs(tree: ArmTree) -> tuple[LinkPair, ...]:
-    """Give the pairs of links that need no check for collisions.
+    """Return the pairs of links that need no check for collisions.
 
-    Links beside each other in the chain overlap at their joint. Of the others, those pairs are
-    given that touch in every configuration that was tried, those that never come within 10 mm of
-    each other, and those whose distance is the same in all of them. The same arm gives the same
-    pairs each time.
+    Neighbouring links in the chain overlap at their joint. Of the others, a pair is returned if it
+    touches in every sampled configuration, if it never comes within 10 mm, or if its distance is
+    the same in all of them. The same arm always has the same result.
 
     Args:
         tree: the arm.
@@ -55,7 +54,8 @@ def disabled_pairs(tree: ArmTree) -> tuple[LinkPair, ...]:
     q = random.uniform(limits[:, 0], limits[:, 1], (SAMPLES, len(limits)))
     reasons = {(i, i + 1): "Adjacent" for i in range(len(solid) - 1)}
     left = [pair for pair in combinations(range(len(solid)), 2) if pair not in reasons]
-    # Most pairs are seen both to touch and not to touch at once, and the rest is for few.
+    # For most pairs the first samples already show that they need a check; only the few others need
+    # all samples.
     for some in (q[:_FEW], q):
         decided = {
             pair: _reason(float(distance.min()), float(distance.max()))
@@ -75,15 +75,15 @@ def _reason(near: float, far: float) -> str:
 def pair_distances(
     tree: ArmTree, q: Array, pairs: Iterable[tuple[int, int]]
 ) -> dict[tuple[int, int], Array]:
-    """Give the distances between links of an arm.
+    """Return the distances between links of an arm.
 
     Args:
         tree: the arm.
         q: joint angles [rad]. Shape (n, 6).
-        pairs: two links each, by their numbers among those that have a shape, from the base on.
+        pairs: pairs of indices of links; only links with a shape count, from the base on.
 
     Returns:
-        By pair, the distance of their capsules in each configuration, negative where they
+        For each pair, the distance of their capsules in each configuration, negative if they
         overlap [m]. Shape (n,).
     """
     frames = tree.frames(q)
@@ -102,7 +102,7 @@ def pair_distances(
 
 
 def _placed(link: LinkDescription, frames: Array) -> Sequence[tuple[Array, Array, float]]:
-    """The axes of a link's capsules in the base frame, as start and direction, and radii."""
+    """Return start, direction and radius of a link's capsules, in the base frame."""
     turn, at = frames[:, :3, :3], frames[:, :3, 3]
     return [
         (turn @ part.start + at, turn @ np.subtract(part.end, part.start), part.radius)
@@ -111,15 +111,16 @@ def _placed(link: LinkDescription, frames: Array) -> Sequence[tuple[Array, Array
 
 
 def _between(start1: Array, along1: Array, start2: Array, along2: Array) -> Array:
-    """The distances of line segments [m]. Shapes (n, 3) each; result (n,).
+    """Return the distances of line segments [m]. Shapes (n, 3) each; result (n,).
 
-    The nearest point of one line to the other is brought onto its segment, then the nearest point
-    to that onto the other segment, and back: with straight segments that is the nearest pair.
+    The nearest point of the first line is clipped to its segment. Then the point of the second
+    segment nearest to it is found, and the same again for the first segment. For straight segments
+    this is the nearest pair of points.
     """
     between = start1 - start2
     a, b, e = _dot(along1, along1), _dot(along1, along2), _dot(along2, along2)
     c, f = _dot(along1, between), _dot(along2, between)
-    # A point, as a segment of no length, and parallel segments have no nearest point of their own.
+    # Avoids division by zero for segments of length zero and for parallel segments.
     tiny = 1e-12
     s = np.clip((b * f - c * e) / np.maximum(a * e - b * b, tiny), 0.0, 1.0)
     t = np.clip((b * s + f) / np.maximum(e, tiny), 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""Meshes of the user's own, found by the names of links."""
+"""The user's own meshes, found by the names of links."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ __all__ = ["find_meshes"]
 def find_meshes(
     folder: str | os.PathLike[str] | None, trees: Iterable[ArmTree], kinds: Sequence[str]
 ) -> dict[str, Path]:
-    """Give the files in a folder that are called as links, such as `link_1.stl`.
+    """Return the files in a folder that are named like links, such as `link_1.stl`.
 
     Meshes are in the frames of the links and in metres. A name may have the arm's prefix.
 
     Args:
-        folder: where they are; None for no meshes.
+        folder: folder of the meshes; None for no meshes.
         trees: the arms.
-        kinds: the endings to look for, the best first, such as ".dae".
+        kinds: file extensions, the preferred one first, such as ".dae".
 
     Returns:
-        By the name of the link, an absolute path.
+        Absolute paths by the name of the link.
 
     Raises:
-        ParameterError: there is none for any link.
+        ParameterError: the folder has no mesh for any link.
     """
     if folder is None:
         return {}

@@ -1,6 +1,6 @@
-"""MJCF by the conventions of MuJoCo Menagerie: defaults by class, shapes to see and to touch, home.
+"""MJCF by the conventions of MuJoCo Menagerie: default classes, visual and collision geoms, home.
 
-Its pictures are in group 2, its collisions in group 3, and the keyframe `home` comes first.
+Visual geoms are in group 2, collision geoms in group 3, and the keyframe `home` comes first.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ if TYPE_CHECKING:
 
 __all__ = ["mjcf_scene", "mjcf_text"]
 
-_SERVO = 2 * math.pi * 25  # natural frequency of a drive that holds nothing but its rotor [rad/s]
+_SERVO = 2 * math.pi * 25  # natural frequency of a drive that moves only its own rotor [rad/s]
 _COLOURS = {"light": "0.9 0.91 0.92 1", "blue": "0.16 0.36 0.62 1"}
-#: frames that are sites, with the name by which Menagerie's arms have the place for a tool
+#: frames that become sites; `attachment_site` is the name of the tool's place in Menagerie's arms
 _SITES = {"tool0": ("tool0", "attachment_site"), "tcp": ("tcp",)}
 
 
 def mjcf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Path]) -> str:
-    """Give the MJCF of some arms in one world.
+    """Return the MJCF of some arms in one world.
 
     Args:
-        name: of the model.
+        name: name of the model.
         trees: the arms.
-        meshes: files of meshes to show instead of a link's own shape, by link.
+        meshes: by link, the file of a mesh to show instead of the link's own shape.
     """
     root = ET.Element("mujoco", model=name)
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
@@ -73,11 +73,11 @@ def mjcf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, Path]) -
 
 
 def mjcf_scene(name: str, file: str) -> str:
-    """Give a scene with a floor, light and sky around a model.
+    """Return a scene with a floor, light and sky around a model.
 
     Args:
-        name: of the model.
-        file: of the model, beside this one.
+        name: name of the model.
+        file: file of the model, in the same folder.
     """
     root = ET.Element("mujoco", model=f"{name} scene")
     ET.SubElement(root, "include", file=file)
@@ -109,11 +109,11 @@ def _drive(tree: ArmTree, effort: float) -> str:
 
 
 def _classes(root: ET.Element, tree: ArmTree) -> None:
-    """Defaults of an arm, named after it, so that models can be put into one."""
+    """Add the default classes of an arm, named after it, so that models can be combined."""
     prefix, arm = tree.arm.prefix, tree.arm.arm
     top = ET.SubElement(root, "default", {"class": prefix + arm.name})
     ET.SubElement(top, "joint", axis="0 0 1")
-    # Critically damped with the arm upright.
+    # Critical damping for the upright arm.
     ET.SubElement(top, "position", inheritrange="1", dampratio="1")
     visual = ET.SubElement(top, "default", {"class": prefix + "visual"})
     ET.SubElement(
@@ -134,10 +134,10 @@ def _classes(root: ET.Element, tree: ArmTree) -> None:
 
 
 def _bodies(world: ET.Element, tree: ArmTree, meshes: Mapping[str, Path]) -> None:
-    """Links as bodies, from the world on; frames as sites."""
+    """Add the links as bodies, from the world on, and the frames as sites."""
     prefix, links = tree.arm.prefix, {link.name: link for link in tree.links}
     base = tree.links[0]
-    #: by link, the body that it is or belongs to, and its frame in that
+    #: for each link, the body that it is or belongs to, and its frame in that body
     made = {WORLD: (world, np.eye(4))}
     if tree.arm.mounting is None:
         made[base.name] = _body(world, np.eye(4), base, None, tree, meshes), np.eye(4)
@@ -192,7 +192,7 @@ def _body(
 
 
 def _placed(place: Array) -> dict[str, str]:
-    """Where a thing is in the body before."""
+    """Return the attributes for a place in the parent body; default values are left out."""
     placed = {"pos": numbers(place[:3, 3]), "quat": numbers(quaternion_from_matrix(place[:3, :3]))}
     unmoved = {"pos": "0 0 0", "quat": "1 0 0 0"}
     return {name: value for name, value in placed.items() if value != unmoved[name]}

@@ -39,18 +39,18 @@ _REQUEST_STEPS = (
     "CheckStartStateCollision",
 )
 _RESPONSE_STEPS = ("AddTimeOptimalParameterization", "ValidateSolution", "DisplayMotionPath")
-_SEGMENT = 0.005  # of the extent of the joints' space, that is checked as one point
+_SEGMENT = 0.005  # fraction of the joint space's extent that is checked as one point
 
 
 def moveit_files(
     name: str, trees: Sequence[ArmTree], meshes: Mapping[str, str], distro: RosDistro
 ) -> dict[str, str]:
-    """Give the texts of the files by their names.
+    """Return the texts of the files by their names.
 
     Args:
-        name: of the whole, as in URDF and SRDF.
+        name: name of the robot, as in URDF and SRDF.
         trees: the arms.
-        meshes: addresses of meshes, as for the URDF.
+        meshes: URIs of meshes, as for the URDF.
         distro: release of ROS 2.
     """
     return {
@@ -141,7 +141,7 @@ def _controllers(trees: Sequence[ArmTree]) -> dict[str, Any]:
 
 
 def _yaml(values: Mapping[str, Any], indent: str = "") -> str:
-    """Write nested mappings, lists of words, and scalars. ROS tells 1.0 from 1."""
+    """Write nested mappings, lists of words, and scalars. ROS distinguishes 1.0 from 1."""
     lines = []
     for key, value in values.items():
         if isinstance(value, dict):

@@ -25,10 +25,10 @@ END_EFFECTOR = "end_effector"
 
 
 def srdf_text(name: str, trees: Sequence[ArmTree]) -> str:
-    """Give the SRDF of some arms in one world.
+    """Return the SRDF of some arms in one world.
 
     Args:
-        name: of the whole, as in its URDF.
+        name: name of the robot, as in its URDF.
         trees: the arms.
     """
     robot = ET.Element("robot", name=name)
@@ -52,7 +52,7 @@ def srdf_text(name: str, trees: Sequence[ArmTree]) -> str:
             parent_group=prefix + GROUP,
         )
     pairs = [pair for tree in trees for pair in disabled_pairs(tree)]
-    # Bases in one world never move.
+    # Bases in one world do not move.
     bases = [tree.links[0].name for tree in trees]
     pairs += [LinkPair(one, other, "Adjacent") for one, other in combinations(bases, 2)]
     for pair in pairs:

@@ -36,39 +36,39 @@ def urdf(
     meshes: str | os.PathLike[str] | None = None,
     mesh_uri: str | None = None,
 ) -> str:
-    """Give the URDF of an arm, or of several in one world.
+    """Return the URDF of an arm, or of several in one world.
 
-    Links are `base_link`, `link_1` to `link_6`, and by REP 199 `base`, `flange` and `tool0`, whose
-    pose in `base` is what `Arm.fkine` and the controller give; with a tool `tool` and `tcp`. Joints
-    are `joint_1` to `joint_6`.
+    Links are `base_link`, `link_1` to `link_6`, and by REP 199 `base`, `flange` and `tool0`; with a
+    tool also `tool` and `tcp`. The pose of `tool0` in `base` is the one that `Arm.fkine` and the
+    controller return. Joints are `joint_1` to `joint_6`.
 
     Args:
-        arms: each a model such as "gcr5_910", an `Arm`, or an `ArmDescription` with prefix,
+        arms: for each arm a model such as "gcr5_910", an `Arm`, or an `ArmDescription` with prefix,
             mounting and tool.
-        name: of the whole; the models' names if left out.
-        meshes: a folder of your own meshes in metres, called as the links: `link_1.dae`, `.stl` or
-            `.obj`. They take the place of the shapes for pictures; those for collisions stay.
-        mesh_uri: where the file finds them, such as "package://my_arm/meshes"; `file://` and the
-            folder if left out.
+        name: name of the robot; by default the models' names.
+        meshes: folder of your own meshes in metres, named like the links: `link_1.dae`, `.stl` or
+            `.obj`. They replace the visual shapes; the collision shapes stay.
+        mesh_uri: URI of the meshes in the file, such as "package://my_arm/meshes"; by default
+            `file://` and the folder.
 
     Raises:
         ParameterError: there is no such model or mounting; two arms have the same prefix; the name
-            or a prefix is no word; no mesh is called as a link.
+            or a prefix is not a word; no mesh is named like a link.
     """
     whole, trees = _take(arms, name)
     return urdf_text(whole, trees, _addresses(trees, meshes, mesh_uri))
 
 
 def srdf(*arms: ArmLike, name: str | None = None) -> str:
-    """Give the SRDF of an arm, or of several in one world.
+    """Return the SRDF of an arm, or of several in one world.
 
-    Per arm the groups `manipulator` and `end_effector`, the configurations `home`, `ahead` and
-    `up`, and the pairs of links whose collisions are disabled: neighbours, and those that never or
-    always touch in 10,000 random configurations.
+    It has, for each arm, the groups `manipulator` and `end_effector`, the configurations `home`,
+    `ahead` and `up`, and the pairs of links whose collisions are disabled: neighbours, and pairs
+    that never or always touch in 10,000 random configurations.
 
     Args:
         arms: as for `urdf`.
-        name: as for `urdf`, and the same.
+        name: as for `urdf`; it must be the same in both files.
 
     Raises:
         ParameterError: as for `urdf`.
@@ -81,10 +81,11 @@ def mjcf(
     name: str | None = None,
     meshes: str | os.PathLike[str] | None = None,
 ) -> str:
-    """Give the MJCF of an arm, or of several in one world, by the conventions of MuJoCo Menagerie.
+    """Return the MJCF of an arm, or of several in one world.
 
-    Bodies, joints and frames are called as in the URDF, position servos as their joints. It has the
-    keyframes `home`, `ahead` and `up`, and no floor and light.
+    It follows the conventions of MuJoCo Menagerie. Bodies, joints and frames have the names of the
+    URDF, position servos those of their joints. It has the keyframes `home`, `ahead` and `up`, but
+    no floor and no light.
 
     Args:
         arms: as for `urdf`.
@@ -105,10 +106,10 @@ def moveit(
     mesh_uri: str | None = None,
     distro: RosDistro = "jazzy",
 ) -> dict[str, str]:
-    """Give MoveIt's configuration of an arm, or of several in one world.
+    """Return MoveIt's configuration of an arm, or of several in one world.
 
-    It has URDF, SRDF, and the parameters of kinematics, joint limits, OMPL and controllers, as
-    files of a package's folder `config`.
+    It contains URDF, SRDF, and the parameters of kinematics, joint limits, OMPL and controllers, as
+    the files of a package's folder `config`.
 
     Args:
         arms: as for `urdf`.
@@ -121,7 +122,7 @@ def moveit(
         The texts of the files by their names.
 
     Raises:
-        ParameterError: as for `urdf`; no release is called so.
+        ParameterError: as for `urdf`; or there is no such release.
     """
     if distro not in {"jazzy", "humble"}:
         raise ParameterError("distro", distro, "jazzy or humble")

@@ -1,4 +1,4 @@
-"""An arm as ROS describes one: links that joints connect, with names, shapes and inertias."""
+"""An arm in the form that ROS uses: links connected by joints, with names, shapes and inertias."""
 
 from __future__ import annotations
 
@@ -44,21 +44,21 @@ STATES: Mapping[str, Joints] = {
 """Configurations by name: `home` and `ahead` have the flange down, `up` is straight up."""
 
 _WORD = re.compile(r"[A-Za-z]\w*", re.ASCII)
-_DENSITY = 2700.0  # of aluminium, for tools whose size is not known [kg/m³]
+_DENSITY = 2700.0  # density of aluminium, for tools of unknown size [kg/m³]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ToolDescription:
-    """A tool at the flange (工具), rigidly.
+    """A tool that is rigidly fixed to the flange (工具).
 
     Attributes:
-        mass: kg.
+        mass: mass [kg].
         centre: centre of mass in the frame of the flange [m].
         tcp: tip of the tool (工具中心点) in the frame of the flange [m, rad].
-        parts: its shape: capsules in the frame of the flange, for pictures and collisions.
-        inertia: about the centre of mass, along the axes of the flange [kg m²], three. If left
-            out: that of a cylinder in place of the first part, or without one, of a ball of
-            aluminium.
+        parts: its shape: capsules in the frame of the flange, for display and collisions.
+        inertia: three moments of inertia about the centre of mass, along the axes of the flange
+            [kg m²]. By default those of a cylinder of the size of the first part, or without parts,
+            those of a ball of aluminium.
     """
 
     mass: float = 0.0
@@ -84,7 +84,7 @@ class ToolDescription:
                 raise ParameterError("radius", part.radius, "above 0 [m]")
 
     def inertias(self) -> Array:
-        """Give the inertia about the centre of mass, in the frame of the flange. Shape (3, 3)."""
+        """Return the inertia about the centre of mass, in the flange's frame. Shape (3, 3)."""
         if self.inertia is not None:
             return np.diag(np.asarray(self.inertia, dtype=np.float64))
         if self.parts:
@@ -95,19 +95,19 @@ class ToolDescription:
 
 @dataclass(frozen=True, slots=True)
 class ArmDescription:
-    """An arm, how its parts are called, where it is mounted and what it carries.
+    """An arm with the names of its parts, its mounting and its tool.
 
     Attributes:
-        model: the model, such as "gcr5_910", or an `Arm` with numbers of your own.
-        prefix: what every name of a link, joint, group and controller begins with; arms in one
-            file need different ones.
+        model: the model, such as "gcr5_910", or an `Arm` with your own numbers.
+        prefix: prefix of every name of a link, joint, group and controller; arms in one file need
+            different ones.
         mounting: "floor", "wall", "ceiling", or the pose of the base in the world [m, rad]: a fixed
-            joint from the link "world" to the base. None for a base without a world, to be joined
-            to a link of your own.
-        tool: what it carries.
+            joint from the link "world" to the base. None for a base without a world, which you
+            join to a link of your own.
+        tool: tool at the flange; None for no tool.
 
     Raises:
-        ParameterError: no model or mounting is called so; the prefix is no word.
+        ParameterError: there is no such model or mounting; the prefix is not a word.
     """
 
     model: str | Arm
@@ -126,7 +126,7 @@ class ArmDescription:
         return self.model if isinstance(self.model, Arm) else arm_of(self.model)
 
     def tree(self) -> ArmTree:
-        """Give the links and joints."""
+        """Return the links and joints."""
         arm, tool, name = self.arm, self.tool, self.prefix.__add__
         solids = bodies(arm)
         chain = [name("base_link"), *(name(f"link_{i}") for i in range(1, 7))]
@@ -180,14 +180,14 @@ _REP_199 = np.array(
 
 
 class LinkDescription(NamedTuple):
-    """A link; one of no mass is a frame.
+    """A link; a link without shape and mass is a frame.
 
     Attributes:
-        name: with the prefix.
-        parts: its shape, in its frame.
-        mass: kg.
+        name: name, with the prefix.
+        parts: capsules of its shape, in its frame.
+        mass: mass [kg].
         centre: centre of mass in its frame [m]. Shape (3,).
-        inertia: about the centre of mass, along the axes of its frame [kg m²]. Shape (3, 3).
+        inertia: inertia about the centre of mass, along its frame's axes [kg m²]. Shape (3, 3).
     """
 
     name: str
@@ -201,11 +201,11 @@ class JointLimits(NamedTuple):
     """Limits of a joint.
 
     Attributes:
-        lower: rad.
-        upper: rad.
-        velocity: rad/s.
-        effort: N m.
-        acceleration: rad/s².
+        lower: lower limit of the angle [rad].
+        upper: upper limit of the angle [rad].
+        velocity: maximum speed [rad/s].
+        effort: maximum torque [N m].
+        acceleration: maximum acceleration [rad/s²].
     """
 
     lower: float
@@ -216,15 +216,15 @@ class JointLimits(NamedTuple):
 
 
 class JointDescription(NamedTuple):
-    """A joint; one that turns does so about the z axis of the link that it moves.
+    """A joint; a revolute joint turns about the z axis of the link that it moves.
 
     Attributes:
-        name: with the prefix.
+        name: name, with the prefix.
         parent: the link that carries it.
         child: the link that it moves.
         position: origin of the child's frame in the parent's [m]. Shape (3,).
-        rotation: of the child's frame in the parent's, at zero. Shape (3, 3).
-        limits: None for one that is fixed.
+        rotation: rotation of the child's frame in the parent's, at joint angle zero. Shape (3, 3).
+        limits: limits; None for a fixed joint.
     """
 
     name: str
@@ -236,7 +236,7 @@ class JointDescription(NamedTuple):
 
     @property
     def matrix(self) -> Array:
-        """The child's frame in the parent's, at zero. Shape (4, 4)."""
+        """The child's frame in the parent's, at joint angle zero. Shape (4, 4)."""
         matrix = np.eye(4)
         matrix[:3, :3], matrix[:3, 3] = self.rotation, self.position
         return matrix
@@ -246,9 +246,9 @@ class ArmTree(NamedTuple):
     """The links and joints of an arm, each joint after the one that carries it.
 
     Attributes:
-        arm: what they describe.
-        links: the base first, then those of the chain, then frames and the tool.
-        joints: from the world on, if there is one.
+        arm: the described arm.
+        links: the links: first the base, then the chain, then frames and the tool.
+        joints: the joints: first the one from the world to the base, if there is a world.
     """
 
     arm: ArmDescription
@@ -257,16 +257,16 @@ class ArmTree(NamedTuple):
 
     @property
     def turning(self) -> tuple[tuple[JointDescription, JointLimits], ...]:
-        """The six joints that turn, and their limits."""
+        """The six revolute joints, and their limits."""
         return tuple((joint, joint.limits) for joint in self.joints if joint.limits is not None)
 
     @property
     def tip(self) -> str:
-        """The link whose poses are planned: the tip of the tool, or the controller's flange."""
+        """The link whose poses are planned: the tool's tip, or `tool0` without a tool."""
         return self.arm.prefix + ("tool0" if self.arm.tool is None else "tcp")
 
     def frames(self, q: Array) -> dict[str, Array]:
-        """Give where the links are in the frame of the base, by name.
+        """Return the frames of the links in the base frame, by name.
 
         Args:
             q: joint angles [rad]. Shape (n, 6).

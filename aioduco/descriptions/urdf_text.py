@@ -1,6 +1,6 @@
 """URDF: links with inertias and shapes, joints with limits.
 
-URDF has no capsule, so that each is a cylinder with a sphere at both ends, as is usual.
+URDF has no capsule, so each capsule becomes a cylinder with a sphere at both ends, as usual.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ _COLOURS = {"duco_light": "0.9 0.91 0.92 1", "duco_blue": "0.16 0.36 0.62 1"}
 
 
 def urdf_text(name: str, trees: Sequence[ArmTree], meshes: Mapping[str, str]) -> str:
-    """Give the URDF of some arms in one world.
+    """Return the URDF of some arms in one world.
 
     Args:
-        name: of the whole.
+        name: name of the robot.
         trees: the arms.
-        meshes: addresses of the meshes to show instead of a link's own shape, by link.
+        meshes: by link, the URI of a mesh to show instead of the link's own shape.
     """
     robot = ET.Element("robot", name=name)
     for colour, rgba in _COLOURS.items():
@@ -73,7 +73,7 @@ def _link(robot: ET.Element, link: LinkDescription, mesh: str | None, *, flat: b
             ET.SubElement(ET.SubElement(visual, "geometry"), "mesh", filename=mesh)
             continue
         for number, part in enumerate(link.parts):
-            # What the base stands on is not to touch it.
+            # The base must not touch the surface on which it stands.
             for shape, size, xyz, rpy in _shapes(part, flat=flat and number == 0):
                 solid = ET.SubElement(element, kind)
                 ET.SubElement(solid, "origin", xyz=numbers(xyz), rpy=numbers(rpy))
@@ -84,14 +84,14 @@ def _link(robot: ET.Element, link: LinkDescription, mesh: str | None, *, flat: b
 
 
 def _shapes(part: Capsule, *, flat: bool) -> Iterator[tuple[str, dict[str, str], Array, Array]]:
-    """A capsule as shapes of URDF: kind, sizes, position, angles; with a flat start if wanted."""
+    """Yield a capsule's URDF shapes: kind, sizes, position, angles; no start sphere if `flat`."""
     start, end = np.array(part.start), np.array(part.end)
     along = end - start
     length = float(np.linalg.norm(along))
     size = {"radius": numbers([part.radius])}
     if length > 0.0:
         x, y, z = along / length
-        # The z axis is turned about y, then about z.
+        # Rotates the z axis about y, then about z.
         rpy = np.array([0.0, math.atan2(math.hypot(x, y), z), math.atan2(y, x)])
         yield "cylinder", {**size, "length": numbers([length])}, (start + end) / 2, rpy
         yield "sphere", size, end, np.zeros(3)

@@ -1,4 +1,4 @@
-"""Numbers and elements as text."""
+"""Convert numbers and XML elements to text."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ __all__ = ["numbers", "pretty"]
 
 
 def numbers(values: Iterable[float]) -> str:
-    """Give numbers to twelve digits; what is only rounding of a zero is zero."""
+    """Return numbers with twelve digits; a rounding error of zero becomes zero."""
     return " ".join(f"{round(float(value), 14) + 0.0:.12g}" for value in values)
 
 
 def pretty(root: ET.Element, remark: str) -> str:
-    """Give a whole file, indented by two spaces.
+    """Return the text of a whole file, indented by two spaces.
 
     Args:
-        root: its root.
-        remark: what a reader of the file should know first.
+        root: root element of the file.
+        remark: comment at the top of the file.
     """
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode")

@@ -1,12 +1,12 @@
 """A fleet of arms over several computers: one view of it, and one stop for it.
 
 A gateway (`aioduco fleet serve fleet.toml`) supervises the arms of its computer in one process, and
-offers their state and a stop over Zenoh. `FleetClient` sees and stops all of them.
+offers their state and a stop over Zenoh. `FleetClient` observes and stops all of them.
 
-`settings` is the file, `reports` what is said and how it is read, `gateway_state` what a gateway
-decides: all without I/O. `link` alone speaks Zenoh, the extra `fleet`. `gateway` joins them to
-robots. An arm is supervised by its gateway's own connections: what happens to Zenoh, to a router or
-to another gateway changes nothing about that.
+`settings` holds the file's settings, `reports` the messages and their decoding, `gateway_state` the
+decisions of a gateway: all without I/O. Only `link` uses Zenoh, the extra `fleet`. `gateway`
+connects them to robots. A gateway supervises its arms over its own connections: failures of Zenoh,
+of a router or of another gateway do not affect the supervision.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Seeing and stopping a fleet, from any of its computers."""
+"""Observe and stop a fleet, from any of its computers."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ if TYPE_CHECKING:
 
 __all__ = ["FleetClient", "FleetStop", "FleetView"]
 
-#: seconds in which gateways are found, where none is expected
+#: seconds to wait for gateways, if the settings expect none
 _FOUND: Final = 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class FleetView:
-    """What is known of a fleet.
+    """Known state of a fleet.
 
     Attributes:
-        gateways: the newest report of each gateway that is there.
-        missing: gateways that are expected and not there, or there and silent.
+        gateways: the newest report of each present gateway.
+        missing: gateways that are expected but not present, or present but silent.
     """
 
     gateways: tuple[GatewayReport, ...]
@@ -38,12 +38,12 @@ class FleetView:
 
 @dataclass(frozen=True, slots=True)
 class FleetStop:
-    """What became of a stop.
+    """Result of a stop.
 
     Attributes:
-        reports: the answers.
-        missing: gateways that are expected, or were there, and did not answer.
-        unknown: arms that were named and that no gateway has.
+        reports: the answers of the gateways.
+        missing: gateways that are expected, or were present, and did not answer.
+        unknown: requested arms that no gateway has.
     """
 
     reports: tuple[StopReport, ...]
@@ -52,17 +52,17 @@ class FleetStop:
 
     @property
     def confirmed(self) -> bool:
-        """Whether it is known that all arms that were to be stopped stand."""
+        """Whether it is confirmed that all requested arms stand."""
         failed = any(arm.error for report in self.reports for arm in report.arms)
         return bool(self.reports) and not (failed or self.missing or self.unknown)
 
 
 class FleetClient:
-    """Sees and stops a fleet; an asynchronous context manager. It listens nowhere.
+    """Observes and stops a fleet; an asynchronous context manager. It listens on no address.
 
     Args:
-        settings: of the fleet; its `listen` is connected to as well, so that the file of a gateway
-            serves for its own computer.
+        settings: settings of the fleet. The client also connects to the addresses of `listen`, so
+            that a gateway's file can be used on its own computer.
     """
 
     def __init__(self, settings: FleetSettings) -> None:
@@ -104,7 +104,7 @@ class FleetClient:
         try:
             report = GatewayReport.decode(data)
         except MessageRefused:
-            return  # it is as good as silent, and so among the missing
+            return  # counts as silent, and so as missing
         if report.gateway == gateway:
             self._told[gateway] = report
             self._wake()
@@ -117,28 +117,28 @@ class FleetClient:
         return tuple(sorted((self._there | {*self._settings.expect}) - {*found}))
 
     async def status(self, timeout: float = 3.0) -> FleetView:
-        """What is known of the fleet, once every gateway has told its state.
+        """Wait until every gateway has reported, and return the state of the fleet.
 
         Args:
-            timeout: after which those that have not are missing [s].
+            timeout: time after which gateways without a report are missing [s].
         """
         await self._until(lambda: not self._missing(self._told), timeout)
         return self.view
 
     @property
     def view(self) -> FleetView:
-        """What is known of the fleet at this moment."""
+        """Known state of the fleet at this moment."""
         found = tuple(self._told[name] for name in sorted(self._told))
         return FleetView(found, self._missing(self._told))
 
     async def stop(self, arms: Iterable[str] | None = None, timeout: float = 5.0) -> FleetStop:
-        """Stop arms; returns when all gateways have answered.
+        """Stop arms, and wait until all gateways have answered.
 
-        Each gateway is asked as soon as it is seen, those that come in meanwhile included.
+        Each gateway gets the request as soon as it is discovered, also during the wait.
 
         Args:
-            arms: their names; None for all.
-            timeout: after which gateways that did not answer are missing [s].
+            arms: names of the arms; None for all.
+            timeout: time after which gateways without an answer are missing [s].
         """
         names = None if arms is None else frozenset(arms)
         request = StopRequest(names).encode()
@@ -168,7 +168,7 @@ class FleetClient:
 
     async def _until(self, over: Callable[[], bool], timeout: float) -> None:
         begin = anyio.current_time()
-        # Without gateways that are expected nobody knows how many there are.
+        # Without expected gateways, their number is not known.
         enough = begin if self._settings.expect else begin + min(_FOUND, timeout)
         with anyio.move_on_after(timeout):
             while True:

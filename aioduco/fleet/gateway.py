@@ -1,4 +1,4 @@
-"""A gateway: the arms of one computer, supervised, and their state and stop for the fleet."""
+"""A gateway: supervise the arms of one computer, and offer their state and stop to the fleet."""
 
 from __future__ import annotations
 
@@ -31,21 +31,20 @@ __all__ = ["FleetGateway"]
 
 _log = BackgroundLogger(__name__)
 
-#: seconds between two tries to reach a controller, at least
+#: least time between two attempts to connect to a controller [s]
 _AGAIN: Final = 1.0
 
 
 class FleetGateway:
     """Supervises arms; an asynchronous context manager.
 
-    Its robots are opened in the background, again and again until they answer. When it ends in
-    good order, it stops the arms whose heartbeat it keeps; when it dies, their controllers do, or
-    its guard.
+    It opens its robots in the background, and retries until they answer. When it ends in order, it
+    stops the arms whose heartbeat it sends. When it dies, their controllers or its guard stop them.
 
     Args:
-        settings: of the fleet, with a gateway's name and its arms.
-        reach: how a robot is made of an arm's settings; None for `aioduco.connect` as they say.
-            A program that moves the arms too gives its own.
+        settings: settings of the fleet, with a gateway's name and its arms.
+        reach: makes a robot from an arm's settings; None for `aioduco.connect` with these settings.
+            A program that also moves the arms passes a function of its own.
     """
 
     def __init__(
@@ -65,7 +64,7 @@ class FleetGateway:
         return f"<FleetGateway {self._settings.gateway} {len(self.robots)} arms>"
 
     async def __aenter__(self) -> Self:
-        """Begin.
+        """Start the gateway.
 
         Raises:
             MissingExtra: the extra `fleet` is not installed.
@@ -95,7 +94,7 @@ class FleetGateway:
             await self._link.__aexit__(kind, exc, traceback)
 
     async def _keep(self, arm: ArmSettings) -> None:
-        """Have one robot open, again and again."""
+        """Keep one robot open: reopen it whenever it fails."""
         due = anyio.current_time()
         while True:
             try:
@@ -114,7 +113,7 @@ class FleetGateway:
                 _log.warning("the arm %s is not supervised: %s", arm.name, why)
                 self._state.closed(arm.name, why)
             except* Exception as group:
-                # One arm's failure is not the others': they stay supervised.
+                # The failure of one arm does not end the supervision of the others.
                 _log.exception("the gateway failed at the arm %s", arm.name)
                 self._state.closed(arm.name, f"the gateway failed: {_first(group)!r}")
             due = max(due + _AGAIN, anyio.current_time())
@@ -155,7 +154,7 @@ class FleetGateway:
             await anyio.sleep_until(max(due, anyio.current_time()))
 
     async def _stop(self, data: bytes) -> bytes:
-        """Carry out a stop that somebody in the fleet asks for."""
+        """Carry out a stop that a client of the fleet requested."""
         order = self._state.stop(data)
         robots = [(name, self.robots[name]) for name in order.arms if name in self.robots]
         errors: tuple[DucoError | None, ...] = (None,) * len(robots)

@@ -1,4 +1,4 @@
-"""What a gateway knows of its arms and decides on stops. Pure: no I/O and no clock."""
+"""State of a gateway's arms, and its decisions on stops. Pure: no I/O and no clock."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ __all__ = ["GatewayState", "StopOrder"]
 
 @dataclass(frozen=True, slots=True)
 class StopOrder:
-    """A stop that is to be carried out.
+    """A stop to carry out.
 
     Attributes:
-        number: of this order.
-        arms: names of arms that are to be told now.
+        number: number of this order.
+        arms: names of the arms to which the stop must be sent now.
     """
 
     number: int
@@ -35,37 +35,37 @@ class StopOrder:
 
 
 class GatewayState:
-    """The arms of a gateway, and stops that are under way.
+    """The arms of a gateway, and stops in progress.
 
     Guarantees:
-    - Each stop that was asked for is carried out for each arm that it names and that is connected,
-      also while another one is under way: it is never taken for done before.
-    - Each order is answered once, when what became of each of its arms is known.
+    - Each requested stop is sent to each connected arm that it names, also while another stop is in
+      progress: a request never counts as done because of an earlier one.
+    - Each order is answered once, when the result of each of its arms is known.
 
     Args:
-        name: of the gateway.
+        name: name of the gateway.
         arms: names of its arms.
     """
 
     def __init__(self, name: str, arms: Iterable[str]) -> None:
         self.name = name
         self._arms = {arm: ArmReport(arm) for arm in arms}
-        #: names of the arms that stops can be sent to
+        #: names of the arms to which stops can be sent
         self._connected: set[str] = set()
-        #: when what is known of an arm was read [s]
+        #: when the state of each arm was read [s]
         self._read: dict[str, float] = {}
         self._orders = itertools.count(1)
         self._reports = itertools.count(1)
-        #: by order: its request's note, the arms that are open, and what is known of the others
+        #: for each order: note on its request, arms without a result, results of the others
         self._open: dict[int, tuple[str, set[str], list[ArmStopped]]] = {}
 
     def opened(self, arm: str) -> None:
-        """A robot is open: stops can be sent to it from now on."""
+        """A robot was opened: from now on, stops can be sent to it."""
         self._connected.add(arm)
         self.answers(arm)
 
     def closed(self, arm: str, why: str) -> None:
-        """A robot is not open any more, or could not be opened."""
+        """A robot was closed, or could not be opened."""
         self._connected.discard(arm)
         self.silent(arm, why)
 
@@ -74,26 +74,26 @@ class GatewayState:
         self._arms[arm] = replace(self._arms[arm], link="up", error="")
 
     def silent(self, arm: str, why: str) -> None:
-        """A controller does not answer. A stop is sent to it nevertheless, while it is open."""
+        """A controller does not answer. Stops are still sent to it while its robot is open."""
         self._arms[arm] = replace(self._arms[arm], link="lost", error=why)
 
     def sampled(self, arm: str, report: ArmReport, at: float) -> None:
         """The state of an arm was read.
 
         Args:
-            arm: its name.
-            report: what was read; its link is not looked at.
-            at: when [s].
+            arm: name of the arm.
+            report: the state that was read; its link and error are ignored.
+            at: time of the reading [s].
         """
         before = self._arms[arm]
         self._arms[arm] = replace(report, name=arm, link=before.link, error=before.error)
         self._read[arm] = at
 
     def stop(self, data: bytes) -> StopOrder:
-        """A stop is asked for: whom to stop. An order without arms is answered by `report_of`.
+        """Return the order for a requested stop. `report_of` answers an order without arms at once.
 
         Args:
-            data: the message; one that cannot be read stops all arms.
+            data: the message; a message that cannot be read stops all arms.
         """
         note = ""
         try:
@@ -112,19 +112,19 @@ class GatewayState:
         return StopOrder(number, tell)
 
     def stopped(self, order: int, arm: str, error: str = "") -> None:
-        """What became of one arm of an order.
+        """Record the result for one arm of an order.
 
         Args:
-            order: its number.
+            order: number of the order.
             arm: name of the arm.
-            error: why it is not known that it stands; empty if it stands.
+            error: why it is not confirmed that the arm stands; empty if it stands.
         """
         _, left, done = self._open[order]
         left.remove(arm)
         done.append(ArmStopped(arm, error))
 
     def report_of(self, order: int) -> StopReport | None:
-        """The answer to an order, once; None while something of it is open."""
+        """The answer to an order, once; None while the result of an arm is missing."""
         note, left, done = self._open[order]
         if left:
             return None

@@ -1,6 +1,6 @@
-"""Zenoh, as a gateway and a client use it. Of the package, only this imports it.
+"""Zenoh, as a gateway and a client use it. Only this module of the package imports it.
 
-Its callbacks come on threads of Zenoh; they are handed on to the event loop.
+Zenoh calls its callbacks on its own threads; they are forwarded to the event loop.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FleetLink"]
 
-#: how often who is not there, or is gone, is looked for [ms]
+#: intervals of the attempts to connect to absent peers [ms]
 _RETRY: Final = {
     "period_init_ms": 250,
     "period_max_ms": 1000,
@@ -37,8 +37,8 @@ class FleetLink:
     """A session of Zenoh, for one fleet; an asynchronous context manager.
 
     Args:
-        settings: of the fleet.
-        listens: whether it is one that others connect to.
+        settings: settings of the fleet.
+        listens: whether it listens for connections of others.
     """
 
     def __init__(self, settings: FleetSettings, *, listens: bool) -> None:
@@ -85,10 +85,10 @@ class FleetLink:
     def _config(self, zenoh: Any) -> Any:
         settings = self._settings
         config = zenoh.Config.from_file(settings.zenoh) if settings.zenoh else zenoh.Config()
-        # A client connects to all gateways that it knows, as the gateways do among each other.
+        # A client connects to all gateways in its settings, as gateways do with each other.
         connect = [*settings.connect, *(() if self._listens else settings.listen)]
         values = {
-            # What listens nowhere is connected by a router, which also passes on what it says.
+            # A session without `listen` connects to a router, which also forwards its messages.
             "mode": "peer" if settings.listen else "client",
             "listen/endpoints": list(settings.listen) if self._listens else [],
             "connect/endpoints": connect,
@@ -103,22 +103,22 @@ class FleetLink:
     # -- a gateway --------------------------------------------------------------------------
 
     def declare_alive(self, gateway: str) -> None:
-        """Let others see that a gateway is there, for as long as this session is."""
+        """Declare that a gateway is present, for as long as this session is open."""
         token = self._session.liveliness().declare_token(alive_key(self._settings.name, gateway))
         self._declared.append(token)
 
     def publish_state(self, gateway: str, data: bytes) -> None:
-        """Tell a gateway's state. Nobody is waited for; what cannot be sent is dropped."""
+        """Publish a gateway's state without waiting; a message that cannot be sent is dropped."""
         self._session.put(state_key(self._settings.name, gateway), data)
 
     def answer_stops(self, gateway: str, stop: Callable[[bytes], Awaitable[bytes]]) -> None:
-        """Have stops carried out on the event loop, and answered with what that gives."""
+        """Run `stop` on the event loop for each request, and answer with its result."""
         key = stop_key(self._settings.name, gateway)
 
         async def carry_out(query: Any) -> None:
             try:
                 answer = await stop(_bytes(query.payload))
-                # Who asked may be gone: then nobody reads it.
+                # The requester may have disconnected; then the answer is lost.
                 with contextlib.suppress(Exception):
                     query.reply(key, answer)
             finally:
@@ -132,7 +132,7 @@ class FleetLink:
     # -- a client ---------------------------------------------------------------------------
 
     def watch_gateways(self, seen: Callable[[str, bool], object]) -> None:
-        """Hear of gateways that come, those that are there included, and of those that go."""
+        """Report gateways that appear, including present ones, and gateways that disappear."""
         import zenoh  # noqa: PLC0415 - it is there
 
         def changed(sample: Any) -> None:
@@ -144,7 +144,7 @@ class FleetLink:
         self._declared.append(liveliness.declare_subscriber(key, changed, history=True))
 
     def watch_states(self, told: Callable[[str, bytes], object]) -> None:
-        """Hear what gateways tell, with the name that the key has."""
+        """Receive the states of gateways, each with the gateway's name from its key."""
 
         def came(sample: Any) -> None:
             name = str(sample.key_expr).split("/")[2]
@@ -157,14 +157,14 @@ class FleetLink:
     def ask_for_stop(
         self, gateway: str, data: bytes, timeout: float, answered: Callable[[str, bytes], object]
     ) -> None:
-        """Ask one gateway for a stop; its answer comes later, or none."""
+        """Request a stop from one gateway. Its answer arrives later, or never."""
 
         def came(reply: Any) -> None:
             if reply.ok is not None:
                 self._hand_on(answered, gateway, _bytes(reply.ok.payload))
 
         key = stop_key(self._settings.name, gateway)
-        # At least so long that it is not cut off before who asks gives up.
+        # Rounded up, so that the query does not end before the caller's time-out.
         self._session.get(key, came, payload=data, timeout=math.ceil(timeout * 10) / 10)
 
     def _hand_on(self, function: Callable[..., Any], *args: Any) -> None:
@@ -173,7 +173,7 @@ class FleetLink:
 
 
 def _bytes(payload: Any) -> bytes:
-    """The content of a message; a byte more than is read of one that is too long."""
+    """The content of a message; if it is too long, `LONGEST` + 1 bytes, which are refused."""
     if payload is None:
         return b""
     if len(payload) > LONGEST:

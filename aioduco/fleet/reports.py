@@ -1,7 +1,8 @@
-"""What gateways and clients say to each other: keys, JSON, and how it is read. Pure.
+"""Messages between gateways and clients: keys, JSON and its decoding. Pure.
 
-Whatever comes over the network may be anything: what cannot be read is `MessageRefused`, except a
-stop. Its key says what is wanted; so a stop that cannot be read stops all arms of the gateway.
+A message from the network can have any content. One that cannot be read raises `MessageRefused`. A
+gateway still obeys a stop that it cannot read: the key says that it is a stop, so that all arms of
+the gateway are stopped.
 """
 
 from __future__ import annotations
@@ -26,33 +27,33 @@ __all__ = [
     "stop_key",
 ]
 
-#: of the schemas below
+#: version of the schemas below
 VERSION: Final = 1
-#: bytes of a message that is read
+#: size of the longest message that is read [bytes]
 LONGEST: Final = 1024 * 1024
-#: arms and joints that a message may name
+#: largest number of arms, and of joints, in a message
 _MOST: Final = 1024
 _TEXT: Final = 2000
-#: how a gateway stands to an arm
+#: states of the connection of a gateway to an arm
 LINKS: Final = ("opening", "up", "lost")
 
 
 class MessageRefused(ValueError):
-    """A message is not what its key says; the text says why."""
+    """A message does not match its key; the text says why."""
 
 
 def state_key(fleet: str, gateway: str = "*") -> str:
-    """Where a gateway tells its state; it is published there, and answers questions."""
+    """Key under which a gateway publishes its state."""
     return f"aioduco/{fleet}/{gateway}/state"
 
 
 def alive_key(fleet: str, gateway: str = "*") -> str:
-    """Where Zenoh shows that a gateway is there (its liveliness)."""
+    """Key of the liveliness token that shows that a gateway is present."""
     return f"aioduco/{fleet}/{gateway}/alive"
 
 
 def stop_key(fleet: str, gateway: str = "*") -> str:
-    """Where a gateway is asked for a stop, by a query."""
+    """Key of the query that requests a stop from a gateway."""
     return f"aioduco/{fleet}/{gateway}/stop"
 
 
@@ -61,7 +62,7 @@ class StopRequest:
     """Stop arms.
 
     Attributes:
-        arms: their names; None for all. Names that a gateway does not have are others'.
+        arms: names of the arms; None for all. A gateway ignores names of other gateways' arms.
     """
 
     arms: frozenset[str] | None = None
@@ -72,10 +73,10 @@ class StopRequest:
 
     @classmethod
     def decode(cls, data: bytes) -> StopRequest:
-        """Read a message; one without content stops all.
+        """Read a message; a message without content stops all arms.
 
         Raises:
-            MessageRefused: it is none.
+            MessageRefused: it is no such message.
         """
         if not data:
             return cls()
@@ -89,11 +90,11 @@ class StopRequest:
 
 @dataclass(frozen=True, slots=True)
 class ArmStopped:
-    """What became of the stop of one arm.
+    """Result of the stop of one arm.
 
     Attributes:
-        name: of the arm.
-        error: why it is not known that it stands; empty if it stands.
+        name: name of the arm.
+        error: why it is not confirmed that the arm stands; empty if it stands.
     """
 
     name: str
@@ -105,9 +106,9 @@ class StopReport:
     """A gateway's answer to a stop.
 
     Attributes:
-        gateway: its name.
-        arms: those that were to be stopped.
-        note: what was wrong with the request; empty if nothing was.
+        gateway: name of the gateway.
+        arms: results of the arms that were to be stopped.
+        note: the error in the request; empty if there was none.
     """
 
     gateway: str
@@ -124,7 +125,7 @@ class StopReport:
         """Read a message.
 
         Raises:
-            MessageRefused: it is none.
+            MessageRefused: it is no such message.
         """
         table = _decoded(data)
         arms = [ArmStopped(_name(each), _text(each, "error")) for each in _tables(table, "arms")]
@@ -133,15 +134,15 @@ class StopReport:
 
 @dataclass(frozen=True, slots=True)
 class ArmReport:
-    """What a gateway knows of an arm.
+    """State of an arm, as its gateway knows it.
 
     Attributes:
-        name: of the arm.
-        link: "opening", "up", or "lost": then what follows is of before.
-        error: why it is lost.
+        name: name of the arm.
+        link: "opening", "up" or "lost"; if "lost", the values below are old.
+        error: why the connection is lost.
         robot, program, safety, mode: names of the controller's states; empty if not known.
         joints: actual positions [rad]; empty if not known.
-        seconds: age of what is known [s]; 0 if nothing is.
+        seconds: age of the values [s]; 0 if there are none.
     """
 
     name: str
@@ -160,9 +161,9 @@ class GatewayReport:
     """A gateway's state.
 
     Attributes:
-        gateway: its name.
-        number: of this report, from 1 since the gateway began.
-        arms: what it knows of each.
+        gateway: name of the gateway.
+        number: number of this report, from 1 since the gateway started.
+        arms: state of each arm.
     """
 
     gateway: str
@@ -187,7 +188,7 @@ class GatewayReport:
         """Read a message.
 
         Raises:
-            MessageRefused: it is none.
+            MessageRefused: it is no such message.
         """
         table = _decoded(data)
         number = table.get("number")

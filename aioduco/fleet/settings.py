@@ -1,4 +1,4 @@
-"""What `fleet.toml` says: the fleet, this computer's gateway, and its arms."""
+"""Settings of `fleet.toml`: the fleet, this computer's gateway, and its arms."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 __all__ = ["LOOPBACK", "ArmSettings", "FleetFileError", "FleetSettings", "is_name"]
 
-#: where a gateway listens unless it is told otherwise
+#: address on which a gateway listens by default
 LOOPBACK: Final = "tcp/127.0.0.1:7447"
-#: names are parts of Zenoh's key expressions, in which `/`, `*`, `$`, `?` and `#` mean something
+#: names are parts of Zenoh's key expressions, in which `/`, `*`, `$`, `?` and `#` are special
 _NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
 
 
 class FleetFileError(DucoError, ValueError):
-    """A fleet's settings are wrong; the text says what. Nothing was started."""
+    """The settings of a fleet are wrong; the text says why. Nothing was started."""
 
 
 def is_name(text: object) -> bool:
@@ -34,12 +34,12 @@ class ArmSettings:
     """One arm of a gateway.
 
     Attributes:
-        name: what the fleet calls it; letters, digits, `_`, `.` and `-`.
+        name: name of the arm in the fleet; letters, digits, `_`, `.` and `-`.
         host: name or address of its controller.
         port: TCP port of the controller.
-        heartbeat: time within which the controller must hear of the gateway, or it stops the arm
-            [s]; 0 for none: then another program is to keep the heartbeat.
-        guard: whether a process of its own stops the arms when the gateway dies; Linux only.
+        heartbeat: time without a heartbeat of the gateway after which the controller stops the arm
+            [s]; 0 for none: then another program must send the heartbeat.
+        guard: whether a separate process stops the arm when the gateway dies; Linux only.
     """
 
     name: str
@@ -61,21 +61,21 @@ class ArmSettings:
 
 @dataclass(frozen=True, slots=True)
 class FleetSettings:
-    """A fleet, as one of its computers sees it.
+    """Settings of a fleet on one of its computers.
 
     Attributes:
-        name: of the fleet: gateways of another name are not seen.
-        gateway: name of this computer's gateway, once in the fleet; empty for one that only looks.
-        listen: Zenoh's endpoints to listen on. An address other than loopback lets every computer
+        name: name of the fleet; gateways of other fleets are not visible.
+        gateway: name of this computer's gateway, unique in the fleet; empty for clients only.
+        listen: Zenoh endpoints to listen on. An address other than loopback lets every computer
             of that network see and stop the arms.
-        connect: endpoints of other gateways or, where `listen` is empty, of a router.
+        connect: endpoints of other gateways or, if `listen` is empty, of a router.
         discover: whether to look for gateways by multicast in the local network too.
-        expect: gateways without which the fleet is not whole: a stop that one of them does not
-            answer is not confirmed.
-        rate: how often a gateway tells its state [Hz].
+        expect: gateways that must be present: a stop that one of them does not answer is not
+            confirmed.
+        rate: rate at which a gateway publishes its state [Hz].
         zenoh: file with Zenoh's own configuration, such as certificates and access control; empty
-            for none. What stands above goes before it.
-        arms: this gateway's.
+            for none. The settings above override it.
+        arms: arms of this gateway.
     """
 
     name: str
@@ -109,7 +109,7 @@ class FleetSettings:
         """Read a file.
 
         Raises:
-            FleetFileError: it is no such file; says what is wrong.
+            FleetFileError: the file is not valid; the text says why.
             OSError: it cannot be read.
         """
         with open(path, "rb") as file:  # noqa: PTH123 - any path
@@ -120,10 +120,10 @@ class FleetSettings:
 
     @classmethod
     def of(cls, table: dict[str, Any]) -> FleetSettings:
-        """The settings in a table that was read: `[fleet]` and a list of `[[arm]]`.
+        """Make settings from a parsed table: `[fleet]` and a list of `[[arm]]`.
 
         Raises:
-            FleetFileError: it has something else, or lacks something.
+            FleetFileError: an entry is unknown, missing or wrong.
         """
         _only("the file", table, {"fleet", "arm"})
         fleet, arms = table.get("fleet", {}), table.get("arm", [])

@@ -1,4 +1,4 @@
-"""Grippers: one interface, drivers for those of Robotiq and DH, for outputs, and for suction.
+"""Grippers: one interface; drivers for Robotiq, DH, digital outputs and suction.
 
     async with Robotiq.at_tool(robot, "robotiq_2f85") as gripper:
         await gripper.activate()
@@ -7,9 +7,9 @@
             await robot.motion.movel(there, v=0.2, a=0.5)
         await gripper.open()
 
-`robotiq_registers` and `dh_registers` are the makers' register maps, without I/O. The drivers use
-a robot by its public interface alone, and never the lane of its motions. May be imported by
-`sync` and `cli`.
+`robotiq_registers` and `dh_registers` are the manufacturers' register maps, without I/O. The
+drivers use only a robot's public interface, and never the lane of its motions. `sync` and `cli`
+may import this package.
 """
 
 from __future__ import annotations

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 __all__ = ["DhGripper"]
 
-#: seconds after which what the gripper says is of this motion, even if it was not seen moving
+#: seconds after which a state belongs to this motion, even if the gripper was not seen moving
 _SETTLED = 0.3
-#: of the largest force and speed, in hundredths
+#: ranges of the registers for force and speed, in hundredths of the largest value
 _FORCES, _SPEEDS = (20, 100), (1, 100)
 
 
@@ -33,14 +33,15 @@ class DhGripper(ModbusGripper):
             await gripper.activate()
             await gripper.close(force=60.0)
 
-    The tool's port must have the gripper's bit rate, 115200 from the factory. Forces are set in
-    hundredths, 20 to 100: these are taken for the least and the largest of the model.
+    The tool's port must have the gripper's bit rate; the factory setting is 115200. The gripper
+    takes forces in hundredths, 20 to 100: the driver maps the least and the largest force of the
+    model to these two.
 
     Args:
-        modbus: the device; number 1 from the factory.
-        model: "dh_ag95", "dh_pge", or a model of its own; None for the first.
-        poll: seconds from one look at its state to the next.
-        timeout: seconds in which a movement must have ended.
+        modbus: the device; its number is 1 by the factory setting.
+        model: "dh_ag95", "dh_pge", or a `GripperModel`; None for the first.
+        poll: seconds between two polls of the gripper's state.
+        timeout: seconds within which a movement must have ended.
 
     Raises:
         ParameterError: an argument is out of range.
@@ -62,10 +63,10 @@ class DhGripper(ModbusGripper):
         self._sent_at = 0.0
 
     async def status(self) -> DhState:
-        """Read what the gripper says of itself, as it says it.
+        """Read the gripper's raw state.
 
         Raises:
-            ModbusGarbled: it says what its manual does not list.
+            ModbusGarbled: the state has a value that the gripper's manual does not list.
         """
         read = await self._modbus.read_registers(registers.STATE, registers.STATE_COUNT)
         try:
@@ -74,12 +75,12 @@ class DhGripper(ModbusGripper):
             raise ModbusGarbled(f"the state of {self!r} is none: {error}") from error
 
     async def activate(self) -> None:
-        """Find the ends of the stroke, unless that is done already.
+        """Find the ends of the stroke, unless they are known already.
 
-        The fingers go through all of the stroke: what they hold falls.
+        The fingers move through the whole stroke: a held object falls.
 
         Raises:
-            GripperTimeout: it did not become ready.
+            GripperTimeout: the gripper did not become ready.
         """
         async with self._turn:
             if (await self.status()).initialization is registers.Initialization.DONE:
@@ -108,7 +109,7 @@ class DhGripper(ModbusGripper):
             under_way = found.initialization is registers.Initialization.UNDER_WAY
             return GripperState(None, None, under_way, at)
         moving = found.grip is registers.DhGrip.MOVING
-        # At first it may still tell of the motion before.
+        # At first the gripper may still report the previous motion.
         self._seen_moving |= moving or at > self._sent_at + _SETTLED
         stale = not self._seen_moving
         caught = found.grip is registers.DhGrip.CAUGHT
@@ -133,7 +134,8 @@ class DhGripper(ModbusGripper):
 
     async def _halt(self) -> None:
         found = await self.status()
-        if found.grip is not registers.DhGrip.CAUGHT:  # there is no register that stops it
+        # There is no register that stops the gripper: its present position becomes the target.
+        if found.grip is not registers.DhGrip.CAUGHT:
             await self._send(min(found.position, registers.OPEN))
 
 

@@ -27,7 +27,7 @@ __all__ = [
 ]
 
 INITIALIZE, FORCE, POSITION, SPEED = 0x0100, 0x0101, 0x0103, 0x0104
-#: first of: state of the initialization, state of the grip, position
+#: first of three registers: state of the initialization, state of the grip, position
 STATE = 0x0200
 STATE_COUNT = 3
 #: position with the fingers open; 0 with the fingers closed
@@ -52,7 +52,7 @@ class DhGrip(IntEnum):
 
 
 class DhState(NamedTuple):
-    """What the three registers of the state say.
+    """The values of the three state registers.
 
     Attributes:
         initialization: whether the gripper is ready.
@@ -66,10 +66,10 @@ class DhState(NamedTuple):
 
 
 def state(registers: Sequence[int]) -> DhState:
-    """Take the registers of the state apart, three of them from `STATE` on.
+    """Decode the three state registers from `STATE` on.
 
     Raises:
-        ValueError: one says what the manual does not list.
+        ValueError: a register has a value that the manual does not list.
     """
     ready, grip, position = registers
     return DhState(Initialization(ready), DhGrip(grip), position)

@@ -1,4 +1,4 @@
-"""Grippers on digital outputs: a valve or two, with sensors or without."""
+"""Grippers on digital outputs: one or two valves, with or without sensors."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _TOOL = "tool"
 
 
 class OutputGripper(PolledGripper):
-    """What works by outputs, and tells by inputs; inputs are read from the robot's state feed.
+    """A gripper with outputs for its commands and inputs for its state, from the state feed.
 
-    A signal is a number of the cabinet's, 1 to 16, or "tool 1" or "tool 2".
+    A signal is a number from 1 to 16 for the cabinet, or "tool 1" or "tool 2".
     """
 
     def __init__(self, robot: Robot, model: GripperModel, *, poll: float, timeout: float) -> None:
@@ -42,7 +42,7 @@ class OutputGripper(PolledGripper):
 
 
 class DigitalGripper(OutputGripper):
-    """A gripper that an output closes, such as a pneumatic one.
+    """A gripper that is closed by an output, such as a pneumatic one.
 
         async with DigitalGripper(robot, close=1, holds=1, opened=2) as gripper:
             if not (await gripper.close()).holding:
@@ -52,13 +52,13 @@ class DigitalGripper(OutputGripper):
         robot: the robot.
         close: output that closes it: a number, 1 to 16, or "tool 1" or "tool 2".
         open: output that opens it; None if it opens when `close` is off.
-        holds: input that is on while it holds something; None if there is none.
-        shut: input that is on while it is closed on nothing; None if there is none.
-        opened: input that is on while it is open; None if there is none.
-        travel_time: seconds that it takes at most to open or to close.
-        model: "parallel", or a model of its own.
-        poll: seconds from one look at its state to the next.
-        timeout: seconds in which its sensor for open must answer.
+        holds: input that is on while it holds something; None without this sensor.
+        shut: input that is on while it is fully closed, holding nothing; None without this sensor.
+        opened: input that is on while it is open; None without this sensor.
+        travel_time: maximum seconds that it takes to open or to close.
+        model: "parallel", or a `GripperModel`.
+        poll: seconds between two polls of the gripper's state.
+        timeout: seconds within which the input `opened` must switch on.
 
     Raises:
         ParameterError: an argument is out of range.
@@ -95,14 +95,14 @@ class DigitalGripper(OutputGripper):
         at = time.monotonic()
         io = await self._inputs()
         on = {name: of(io, name) for name in (self._holds, self._shut, self._opened) if name}
-        # Samples are asked for now and then: one that is older than the output tells nothing.
+        # Samples come at intervals: one that is older than the output's change says nothing.
         fresh = io.received_at > self._sent_at
         waited = at >= self._sent_at + self._travel_time
         holding = self._holding(on, waited=waited)
         if self._closed is None:
             moving = False
         elif self._closed:
-            # Only what it holds ends it sooner: a sensor for shut is passed by on the way.
+            # Only a held object ends the motion earlier: the fingers may pass the sensor for shut.
             moving = not (waited or (fresh and self._holds is not None and on[self._holds]))
         else:
             moving = not (fresh and on[self._opened] if self._opened else waited)
@@ -136,7 +136,7 @@ class DigitalGripper(OutputGripper):
             )
         closing = width == 0.0
         close, opening = self._outputs
-        # First the one that goes off: both on is a fault of a valve with two coils.
+        # The output that goes off comes first: a valve with two coils must not have both on.
         steps = [(close, closing)] if opening is None else sorted(
             [(close, closing), (opening, not closing)], key=lambda step: step[1]
         )  # fmt: skip
@@ -145,14 +145,14 @@ class DigitalGripper(OutputGripper):
         self._closed, self._sent_at = closing, time.monotonic()
 
     async def _halt(self) -> None:
-        """A valve has no position between: it is left as it is, with what is held."""
+        """Do nothing: a valve has no middle position, and a held object must stay held."""
 
 
 def signal(name: str, value: int | str) -> tuple[bool, int]:
-    """Whether a signal is one of the tool, and its number.
+    """Return whether a signal belongs to the tool, and its number.
 
     Raises:
-        ParameterError: it is none.
+        ParameterError: it is not a signal.
     """
     if isinstance(value, str):
         kind, _, number = value.strip().rpartition(" ")
@@ -163,7 +163,7 @@ def signal(name: str, value: int | str) -> tuple[bool, int]:
 
 
 def of(io: IOStatus, name: int | str) -> bool:
-    """An input of a sample."""
+    """Return an input of a sample."""
     tool, num = signal("input", name)
     inputs = io.tool_inputs if tool else io.digital_inputs
     return bool(inputs[num - 1])

@@ -1,11 +1,11 @@
-"""What all grippers have in common: the interface, its state, and a base for drivers.
+"""The common parts of all grippers: interface, state, and a base class for drivers.
 
 Guarantees:
-- `state` takes no time: it is what the gripper said last, with its age. A task of its own asks it,
-  over connections that no motion uses.
-- A movement that is cancelled, or takes too long, halts the gripper, except that it goes on
-  holding what it holds.
-- Nothing is sent on an argument that is out of range.
+- `state` takes no time: it is the state that was read last, with its age. A separate task polls
+  the gripper, over connections that no motion uses.
+- If a movement is cancelled, or takes too long, the gripper is halted, but keeps holding a held
+  object.
+- Nothing is sent if an argument is out of range.
 """
 
 from __future__ import annotations
@@ -35,18 +35,18 @@ __all__ = ["Gripper", "GripperState", "PolledGripper"]
 
 _log = BackgroundLogger(__name__)
 
-#: seconds in which a gripper that is to halt must have answered
+#: seconds within which the gripper must answer the command to halt
 _HALTING = 2.0
 
 
 class GripperState(NamedTuple):
-    """What a gripper said of itself.
+    """State that a gripper reported.
 
     Attributes:
-        width: opening between the fingers [m]; None if the gripper does not tell.
-        holding: whether it holds something; None if it cannot tell.
+        width: opening between the fingers [m]; None if the gripper does not report it.
+        holding: whether it holds something; None if it cannot detect that.
         moving: whether its fingers move, or its vacuum builds up.
-        read_at: when it was asked [s of `time.monotonic`].
+        read_at: time of the read [s of `time.monotonic`].
     """
 
     width: float | None
@@ -56,12 +56,12 @@ class GripperState(NamedTuple):
 
     @property
     def age(self) -> float:
-        """For how long that has been known [s]."""
+        """Time since the read [s]."""
         return time.monotonic() - self.read_at
 
 
 class Gripper(Protocol):
-    """What every gripper does; lengths in m, speeds in m/s, forces in N."""
+    """Interface of every gripper; lengths in m, speeds in m/s, forces in N."""
 
     @property
     def model(self) -> GripperModel:
@@ -70,15 +70,15 @@ class Gripper(Protocol):
 
     @property
     def state(self) -> GripperState:
-        """What it said last; takes no time."""
+        """The state that was read last; this takes no time."""
         ...
 
     async def read(self) -> GripperState:
-        """Ask it now."""
+        """Read the state now."""
         ...
 
     async def activate(self) -> None:
-        """Make it ready, if it has to be: its fingers may go through all of their stroke."""
+        """Make it ready, if it needs that: its fingers may move through their whole stroke."""
         ...
 
     async def move(
@@ -102,24 +102,24 @@ class Gripper(Protocol):
         ...
 
     def check_held(self) -> None:
-        """Raise `ObjectLost` unless what was gripped is still held."""
+        """Raise `ObjectLost` unless the gripped object is still held."""
         ...
 
     def carrying(self) -> AbstractAsyncContextManager[None]:
-        """Cancel what is awaited within, and raise `ObjectLost`, when the part is lost."""
+        """Cancel the awaits in the block, and raise `ObjectLost`, when the part is lost."""
         ...
 
 
 class PolledGripper(ABC):
-    """A gripper that is asked for its state again and again; a base for drivers.
+    """A gripper whose state is polled; a base class for drivers.
 
-    A driver of one's own says how the gripper is asked (`_read`), sent somewhere (`_go`) and halted
+    A driver of your own implements how the gripper is read (`_read`), moved (`_go`) and halted
     (`_halt`): see `examples/gripper_of_your_own.py`.
 
     Args:
         model: stroke, forces and speeds of the gripper.
-        poll: seconds from one look at its state to the next.
-        timeout: seconds in which a movement must have ended.
+        poll: seconds between two polls of the gripper's state.
+        timeout: seconds within which a movement must have ended.
 
     Raises:
         ParameterError: a time is out of range.
@@ -142,11 +142,11 @@ class PolledGripper(ABC):
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self._model.title}>"
 
-    # -- what a driver says ---------------------------------------------------------------------
+    # -- what a driver implements ---------------------------------------------------------------
 
     @abstractmethod
     async def _read(self) -> GripperState:
-        """Ask the gripper for its state."""
+        """Read the gripper's state."""
 
     @abstractmethod
     async def _go(self, width: float, speed: float, force: float) -> None:
@@ -154,20 +154,20 @@ class PolledGripper(ABC):
 
     @abstractmethod
     async def _halt(self) -> None:
-        """Stop the fingers; what is held must stay held."""
+        """Stop the fingers; a held object must stay held."""
 
     async def activate(self) -> None:
-        """Make the gripper ready; one that always is, is only asked for its state.
+        """Make the gripper ready; if the gripper is always ready, only read its state.
 
         Raises:
-            GripperTimeout: it did not become ready.
+            GripperTimeout: the gripper did not become ready.
         """
         await self.read()
 
-    # -- life -----------------------------------------------------------------------------------
+    # -- start and end --------------------------------------------------------------------------
 
     async def start(self) -> Self:
-        """Ask the gripper for its state, and go on doing so. Nothing moves.
+        """Read the gripper's state, and keep polling it. Nothing moves.
 
         Raises:
             ModbusError: the gripper does not answer as it should.
@@ -177,7 +177,7 @@ class PolledGripper(ABC):
         return self
 
     async def aclose(self) -> None:
-        """End asking. The gripper stays as it is, with what it holds."""
+        """End the polling. The gripper stays as it is, and keeps what it holds."""
         await self._background.aclose()
 
     async def __aenter__(self) -> Self:
@@ -206,7 +206,7 @@ class PolledGripper(ABC):
     def _poll_failed(self, error: BaseException) -> None:
         _log.error("%r is not read any more: %r", self, error)
 
-    # -- what programs use ----------------------------------------------------------------------
+    # -- interface for programs -----------------------------------------------------------------
 
     @property
     def model(self) -> GripperModel:
@@ -215,7 +215,9 @@ class PolledGripper(ABC):
 
     @property
     def state(self) -> GripperState:
-        """What the gripper said last; takes no time. Its `age` grows while it does not answer.
+        """The state that was read last; this takes no time.
+
+        Its `age` grows while the gripper does not answer.
 
         Raises:
             GripperError: it was not started.
@@ -225,12 +227,12 @@ class PolledGripper(ABC):
         return self._state
 
     async def read(self) -> GripperState:
-        """Ask the gripper for its state now.
+        """Read the gripper's state now.
 
         Raises:
-            ModbusTimeout: it does not answer.
-            ModbusGarbled: its answer has a wrong checksum, or is none.
-            GripperFault: it has a fault.
+            ModbusTimeout: the gripper does not answer.
+            ModbusGarbled: the answer has a wrong checksum, or is not valid.
+            GripperFault: the gripper has a fault.
         """
         state = await self._read()
         if self._held and state.holding is False and not self._going:
@@ -253,12 +255,13 @@ class PolledGripper(ABC):
     ) -> GripperState:
         """Move the fingers, and return when they stand: at the width, or at what they hold.
 
-        Cancelled, it halts the fingers; what is held stays held.
+        Cancelling this halts the fingers; a held object stays held.
 
         Args:
             width: opening between the fingers, from 0 to the model's stroke [m].
-            speed: of the opening, within the model's range [m/s]; None for half of the fastest.
-            force: within the model's range [N]; None for the middle of it.
+            speed: speed of the opening, within the model's range [m/s]; None for half of the
+                fastest.
+            force: force of the grip, within the model's range [N]; None for the middle of it.
 
         Returns:
             The state at the end: `holding` says whether something was gripped.
@@ -268,8 +271,8 @@ class PolledGripper(ABC):
             GripperNotActivated: `activate` was not called since power on; nothing moved.
             GripperFault: the gripper has a fault.
             GripperTimeout: the fingers did not come to rest; they were halted.
-            ModbusTimeout: the gripper does not answer: what it does is not known.
-            ModbusGarbled: an answer has a wrong checksum, or is none.
+            ModbusTimeout: the gripper does not answer: its motion is not known.
+            ModbusGarbled: an answer has a wrong checksum, or is not valid.
         """
         width_ = self._width("width", width)
         low, high = self._model.force
@@ -296,7 +299,7 @@ class PolledGripper(ABC):
                 await self._go(width, speed, force)
                 state = await self._at_rest()
         except TimeoutError as error:
-            if isinstance(error, DucoError):  # it did not answer: nothing more is sent
+            if isinstance(error, DucoError):  # the gripper did not answer: nothing more is sent
                 raise
             await self._halt_for_good()
             raise GripperTimeout(
@@ -327,12 +330,12 @@ class PolledGripper(ABC):
         """Stop the fingers where they are, also while another task moves them.
 
         Raises:
-            ModbusError: it did not answer as it should: it may go on.
+            ModbusError: the gripper did not answer as it should: it may still move.
         """
         await self._halt()
 
     def check_held(self) -> None:
-        """Check by what the gripper said last that it holds what it gripped.
+        """Check in the state that was read last that the gripper still holds its object.
 
         Raises:
             ObjectLost: it does not, or it gripped nothing.
@@ -344,19 +347,19 @@ class PolledGripper(ABC):
 
     @asynccontextmanager
     async def carrying(self) -> AsyncIterator[None]:
-        """Watch what is held: an awaited motion within is stopped when it is lost.
+        """Monitor the held object: if it is lost, a motion that the block awaits is stopped.
 
             async with gripper.carrying():
                 await robot.motion.movel(there, v=0.2, a=0.5)
 
         Raises:
-            ObjectLost: it was lost, or nothing is held; what was awaited within was cancelled.
+            ObjectLost: the object was lost, or nothing is held; the block's awaits were cancelled.
         """
         self.check_held()
         error: Exception | None = None
         async with anyio.create_task_group() as watching:
             watching.start_soon(self._cancel_when_lost, watching.cancel_scope)
-            # Carried out of the group by hand, which would wrap it.
+            # Kept and raised outside of the task group, which would wrap the error in a group.
             try:
                 yield
             except Exception as raised:

@@ -1,4 +1,4 @@
-"""What grippers on Modbus RTU have in common: their model, their device, the tool's port."""
+"""The common parts of grippers on Modbus RTU: their model, their device, the tool's port."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ __all__ = ["ModbusGripper"]
 
 
 class ModbusGripper(PolledGripper):
-    """A gripper that is a device on Modbus RTU; a base for drivers.
+    """A gripper that is a device on Modbus RTU; a base class for drivers.
 
-    A driver has the name of its usual model and the number of its device from the factory as
-    `usual_model` and `usual_unit`.
+    A driver sets `usual_model` to the name of its usual model, and `usual_unit` to the factory
+    setting of its device number.
 
     Args:
         modbus: the device.
-        model: name of a model, or one of its own; None for the usual one.
-        poll: seconds from one look at its state to the next.
-        timeout: seconds in which a movement must have ended.
+        model: name of a model, or a `GripperModel`; None for the usual one.
+        poll: seconds between two polls of the gripper's state.
+        timeout: seconds within which a movement must have ended.
 
     Raises:
         ParameterError: an argument is out of range.
@@ -59,14 +59,14 @@ class ModbusGripper(PolledGripper):
         answer_timeout: float = 0.5,
         timeout: float = 10.0,
     ) -> Self:
-        """The gripper at the tool's RS-485 port of a robot.
+        """Make the driver of the gripper at the tool's RS-485 port of a robot.
 
         Args:
             robot: the robot.
             model: as for the class.
-            unit: number of the device; None for that from the factory.
-            answer_timeout: seconds in which it must answer a request.
-            timeout: seconds in which a movement must have ended.
+            unit: number of the device; None for the factory setting.
+            answer_timeout: seconds within which it must answer a request.
+            timeout: seconds within which a movement must have ended.
 
         Raises:
             ParameterError: an argument is out of range.

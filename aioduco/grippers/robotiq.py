@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Robotiq"]
 
-#: faults that an activation is the answer to
+#: faults that an activation clears
 _INACTIVE = (0x05, 0x07)
-#: the master was not heard of for a second: each next request ends that
+#: fault after a second without a request of the master; the next request clears it
 _SILENCE = 0x09
 
 
@@ -38,16 +38,17 @@ class Robotiq(ModbusGripper):
             await gripper.activate()
             await gripper.close(force=50.0)
 
-    The tool's port must have the gripper's bit rate, 115200 from the factory.
+    The tool's port must have the gripper's bit rate; the factory setting is 115200.
 
     Args:
-        modbus: the device; number 9 from the factory.
-        model: "robotiq_2f85", "robotiq_2f140", "robotiq_hand_e", or a model of its own; None for
+        modbus: the device; its number is 9 by the factory setting.
+        model: "robotiq_2f85", "robotiq_2f140", "robotiq_hand_e", or a `GripperModel`; None for
             the first.
-        counts: positions that the gripper tells when it is open and closed; of a 2F with the
-            maker's finger tips 3 and 230, by a support article of its maker.
-        poll: seconds from one look at its state to the next.
-        timeout: seconds in which a movement must have ended.
+        counts: positions that the gripper reports when it is open and when it is closed. For a 2F
+            with the manufacturer's finger tips they are 3 and 230, by a support article of the
+            manufacturer.
+        poll: seconds between two polls of the gripper's state.
+        timeout: seconds within which a movement must have ended.
 
     Raises:
         ParameterError: an argument is out of range.
@@ -72,18 +73,18 @@ class Robotiq(ModbusGripper):
         self._sent = registers.reset()
 
     async def status(self) -> RobotiqStatus:
-        """Read what the gripper says of itself, as it says it."""
+        """Read the gripper's raw status."""
         read = await self._modbus.read_registers(registers.STATUS, registers.STATUS_COUNT)
         return registers.status(read)
 
     async def activate(self) -> None:
         """Clear faults and find the ends of the stroke, unless that is done already.
 
-        The fingers go through all of the stroke: what they hold falls.
+        The fingers move through the whole stroke: a held object falls.
 
         Raises:
             GripperFault: the gripper has a fault that this does not clear.
-            GripperTimeout: it did not become ready.
+            GripperTimeout: the gripper did not become ready.
         """
         async with self._turn:
             found = await self.status()
@@ -124,7 +125,7 @@ class Robotiq(ModbusGripper):
             if self._going:
                 raise GripperNotActivated(f"{self!r} is not activated any more: activate it")
             return GripperState(None, None, found.activation is registers.Activation.ACTIVATING, at)
-        # The echo tells that this request was taken, not the one before.
+        # Until the echo equals this request, the state may belong to the request before.
         stale = found.going and self._sent[0] >> 8 & 8 and found.requested != self._sent[1]
         moving = bool(stale) or (found.going and found.grip is registers.RobotiqGrip.MOVING)
         caught = found.grip in (
@@ -139,7 +140,8 @@ class Robotiq(ModbusGripper):
         return min(max(part, 0.0), 1.0) * self._model.stroke
 
     def _count_of(self, width: float) -> int:
-        # The ends of the range, not of the stroke: so the fingers press, and reach their stop.
+        # At the ends of the stroke, send the ends of the register's range: so the fingers press,
+        # and reach their stop.
         if width <= 0.0:
             return 0xFF
         if width >= self._model.stroke:

@@ -26,14 +26,14 @@ __all__ = [
     "status",
 ]
 
-#: first register of rACT to rFR, and of gACT to gCU
+#: first register of the command (rACT to rFR) and of the status (gACT to gCU)
 COMMAND, STATUS = 0x03E8, 0x07D0
 STATUS_COUNT = 3
 
 #: bits of the action request
 _ACTIVATE, _GO = 0x01, 0x08
 
-#: what gFLT says
+#: meanings of gFLT
 FAULTS: dict[int, str] = {
     0x05: "the action is delayed: it must be activated first",
     0x07: "the activation bit must be set before the action",
@@ -49,7 +49,7 @@ FAULTS: dict[int, str] = {
 
 
 class Activation(IntEnum):
-    """How far the activation is (gSTA)."""
+    """Progress of the activation (gSTA)."""
 
     RESET = 0
     ACTIVATING = 1
@@ -66,7 +66,7 @@ class RobotiqGrip(IntEnum):
 
 
 class RobotiqStatus(NamedTuple):
-    """What the three status registers say.
+    """The values of the three status registers.
 
     Attributes:
         active: gACT.
@@ -90,17 +90,17 @@ class RobotiqStatus(NamedTuple):
 
 
 def reset() -> list[int]:
-    """The command registers that reset the gripper and clear its faults (rACT = 0)."""
+    """Return the command registers that reset the gripper and clear its faults (rACT = 0)."""
     return [0, 0, 0]
 
 
 def activation() -> list[int]:
-    """The command registers that activate it (rACT = 1)."""
+    """Return the command registers that activate the gripper (rACT = 1)."""
     return [_ACTIVATE << 8, 0, 0]
 
 
 def request(position: int, speed: int, force: int, *, go: bool = True) -> list[int]:
-    """The command registers that send the fingers somewhere.
+    """Return the command registers that move the fingers.
 
     Args:
         position: rPR, 0 open to 255 closed.
@@ -109,7 +109,7 @@ def request(position: int, speed: int, force: int, *, go: bool = True) -> list[i
         go: rGTO; without it the fingers stop.
 
     Raises:
-        ValueError: a number is no byte.
+        ValueError: a number is not from 0 to 255.
     """
     if not all(0 <= value <= 0xFF for value in (position, speed, force)):
         raise ValueError(f"{position}, {speed}, {force} must be from 0 to 255 each")
@@ -117,7 +117,7 @@ def request(position: int, speed: int, force: int, *, go: bool = True) -> list[i
 
 
 def status(registers: Sequence[int]) -> RobotiqStatus:
-    """Take the status registers apart, three of them from `STATUS` on."""
+    """Decode the three status registers from `STATUS` on."""
     first, second, third = registers
     bits = first >> 8
     state = bits >> 4 & 3

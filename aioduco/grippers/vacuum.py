@@ -1,4 +1,4 @@
-"""Suction cups: an output for the vacuum, an input for its sensor, an output that blows off."""
+"""Suction cups: an output for the vacuum, an input for its sensor, an output for the blow-off."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["VacuumGripper"]
 
 
 class VacuumGripper(OutputGripper):
-    """A suction cup. `close` sucks, `open` lets go; it has no width.
+    """A suction cup. `close` switches the suction on, `open` releases the part; it has no width.
 
         async with VacuumGripper(robot, suction=1, vacuum=1, blow_off=2) as cup:
             if not (await cup.close()).holding:
@@ -30,13 +30,14 @@ class VacuumGripper(OutputGripper):
     Args:
         robot: the robot.
         suction: output for the vacuum: a number, 1 to 16, or "tool 1" or "tool 2".
-        vacuum: input that is on while there is one; None if there is no sensor.
-        blow_off: output that blows air into the cup; None if there is none.
-        build_up: seconds in which the vacuum must have built up.
-        blow_time: seconds for which air is blown, or the part takes to fall off without.
-        model: "vacuum", or a model of its own.
-        poll: seconds from one look at its state to the next.
-        timeout: seconds in which the sensor must say that the part is gone.
+        vacuum: input that is on while there is a vacuum; None without this sensor.
+        blow_off: output that blows air into the cup; None without a blow-off.
+        build_up: seconds within which the vacuum must have built up.
+        blow_time: seconds for which air is blown; without a blow-off, seconds until the part has
+            fallen off.
+        model: "vacuum", or a `GripperModel`.
+        poll: seconds between two polls of the gripper's state.
+        timeout: seconds within which the sensor must report that the part is gone.
 
     Raises:
         ParameterError: an argument is out of range.
@@ -69,17 +70,17 @@ class VacuumGripper(OutputGripper):
     async def close(
         self, *, speed: float | None = None, force: float | None = None
     ) -> GripperState:
-        """Suck, and return when there is a vacuum, or when it did not build up in time."""
+        """Switch the suction on, and return when there is a vacuum, or none within `build_up`."""
         return await self._switch(sucking=True, speed=speed, force=force)
 
     async def open(self, *, speed: float | None = None, force: float | None = None) -> GripperState:
-        """Let go, and blow off if it can."""
+        """Release the part, and blow it off if there is a blow-off."""
         return await self._switch(sucking=False, speed=speed, force=force)
 
     async def move(
         self, width: float, *, speed: float | None = None, force: float | None = None
     ) -> GripperState:
-        """There are no fingers to move.
+        """Refuse: a suction cup has no fingers to move.
 
         Raises:
             ParameterError: always; nothing was sent.
@@ -126,4 +127,4 @@ class VacuumGripper(OutputGripper):
         return GripperState(None, False, not fresh or vacuum, at)
 
     async def _halt(self) -> None:
-        """Suction is left as it is, with what is held."""
+        """Leave the suction as it is, so that a held object stays held."""

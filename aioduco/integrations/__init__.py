@@ -1,5 +1,5 @@
-"""Bridges to other systems, each in a folder of its own that can be deleted with it.
+"""Bridges to other systems, each in a folder of its own. Deleting the folder removes the bridge.
 
-They use the package as a program does: what `aioduco` exports, its errors and its kinematics. What
-they need of others is loaded when a bridge is started, and not before.
+They use the package as a program does: the exports of `aioduco`, its errors and its kinematics. The
+libraries of other systems are imported when a bridge is started, not earlier.
 """

@@ -1,4 +1,4 @@
-"""An arm: its lengths, limits and masses, and the kinematics that follow from them."""
+"""An arm: its lengths, limits and masses, and its kinematics."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ _KEEP = 1e-9  # residual above which a branch counts as having no solution, afte
 
 
 class Singularity(NamedTuple):
-    """How far a configuration is from the three singularities; each is 0 there and at most 1.
+    """Distance of a configuration from the three singularities, each from 0 (singular) to 1.
 
     Attributes:
-        shoulder: distance of the wrist's centre from the axis of joint 1, in the arm's plane and
-            per length of the arm.
-        elbow: sine of joint 3: zero with the arm stretched or folded.
-        wrist: sine of joint 5: zero with the axes of joints 4 and 6 parallel.
+        shoulder: distance of the wrist's centre from the axis of joint 1, in the arm's plane,
+            divided by the length of the arm.
+        elbow: sine of joint 3: zero if the arm is stretched or folded.
+        wrist: sine of joint 5: zero if the axes of joints 4 and 6 are parallel.
     """
 
     shoulder: float
@@ -41,7 +41,7 @@ class Singularity(NamedTuple):
 
     @property
     def nearest(self) -> str:
-        """The name of the singularity that is nearest."""
+        """The name of the nearest singularity."""
         return min(self._fields, key=lambda name: float(getattr(self, name)))
 
 
@@ -49,18 +49,18 @@ class Singularity(NamedTuple):
 class Arm:
     """A DUCO arm: lengths, limits and masses, with forward and inverse kinematics.
 
-    Poses are those of the flange (法兰) in the base frame. `arm("gcr5_910")` gives one of the
-    models; every number of it can be replaced by `dataclasses.replace`.
+    Poses are those of the flange (法兰) in the base frame. `arm("gcr5_910")` returns one of the
+    models; `dataclasses.replace` can replace every number of it.
 
     Attributes:
         name: the model, as in `models()`.
         geometry: the six lengths [m].
-        velocity: largest joint speeds [rad/s], six.
-        effort: largest joint torques [N m], six.
+        velocity: maximum joint speeds [rad/s], six.
+        effort: maximum joint torques [N m], six.
         acceleration: joint accelerations that the torques allow with the arm stretched out
             [rad/s²], six; computed from masses and lengths, not published.
-        masses: of the base and the six links [kg], seven.
-        centres: centres of mass [m], seven of three, in the frames of the modified
+        masses: masses of the base and the six links [kg], seven.
+        centres: centres of mass [m], seven times three numbers, in the frames of the modified
             Denavit-Hartenberg convention.
         lower: lower joint limits [rad], six.
         upper: upper joint limits [rad], six.
@@ -82,7 +82,7 @@ class Arm:
         return self.geometry.a2 + self.geometry.a3
 
     def fkine(self, q: JointsLike) -> Array:
-        """Give the pose of the flange (正解).
+        """Return the pose of the flange (正解).
 
         Args:
             q: joint angles [rad]. Shape (..., 6).
@@ -93,18 +93,19 @@ class Arm:
         return forward.fkine(self.geometry, _joints(q))
 
     def jacobian(self, q: JointsLike) -> Array:
-        """Give the geometric Jacobian of the flange in the base frame.
+        """Return the geometric Jacobian of the flange in the base frame.
 
         Args:
             q: joint angles [rad]. Shape (..., 6).
 
         Returns:
-            Linear velocity [m/rad] above angular velocity [rad/rad], per joint. Shape (..., 6, 6).
+            For each joint a column: linear velocity [m/rad], then angular velocity [rad/rad].
+            Shape (..., 6, 6).
         """
         return forward.jacobian(self.geometry, _joints(q))
 
     def singularity(self, q: JointsLike) -> Singularity:
-        """Tell how far a configuration is from the arm's singularities (奇异点).
+        """Return the distance of a configuration from the arm's singularities (奇异点).
 
         Args:
             q: joint angles [rad]. Shape (6,).
@@ -113,16 +114,16 @@ class Arm:
         return Singularity(*np.abs(values).tolist())
 
     def within_limits(self, q: JointsLike) -> bool:
-        """Tell whether all joints are inside their limits."""
+        """Return whether all joints are inside their limits."""
         joints = _joints(q)
         return bool(((joints >= self.lower) & (joints <= self.upper)).all())
 
     def ikine_all(self, flange: PoseLike | Array) -> Array:
-        """Give every configuration that reaches a pose (逆解), up to eight.
+        """Return every configuration that reaches a pose (逆解), up to eight.
 
-        Where two solutions meet, at a singularity, both are given, and are equal. At a wrist
-        singularity joint 6 may be any angle; here it is zero, or as near to zero as leaves the
-        arm in reach. `ikine` takes it from the configuration to be near to.
+        At a singularity two solutions coincide; both are returned, and are equal. At a wrist
+        singularity joint 6 may have any angle; here it is zero, or the angle nearest to zero with
+        which the arm reaches the pose. `ikine` takes the angle from `q_near`.
 
         Args:
             flange: the pose in the base frame: a `Pose`, six numbers, or a matrix of shape (4, 4).
@@ -132,7 +133,7 @@ class Arm:
             with n = 0 when the pose is out of reach.
 
         Raises:
-            ParameterError: `flange` is not of the shapes above, or not finite.
+            ParameterError: `flange` has none of the forms above, or is not finite.
         """
         found = self._solve(_matrix(flange), 0.0)
         return inverse.wrap(np.array(found).reshape(-1, 6))
@@ -140,17 +141,17 @@ class Arm:
     def ikine(
         self, flange: PoseLike | Array, q_near: JointsLike, *, max_jump: float | None = None
     ) -> Array:
-        """Give the configuration that reaches a pose and is nearest to another one.
+        """Return the configuration that reaches a pose and is nearest to another one.
 
-        Whole turns are added where the limits allow it, so that a joint at 6 rad stays near 6 rad.
-        The configuration reaches the pose to 1e-12 m and rad; where the arm is stretched or
-        folded, or within 1e-9 of a wrist singularity, to 1e-9. At a wrist singularity joint 6 may
-        be any angle: it is that of `q_near`, or as near to it as leaves the arm in reach.
+        Whole turns are added if the limits allow it, so that a joint at 6 rad stays near 6 rad. The
+        configuration reaches the pose to 1e-12 m and rad; if the arm is stretched or folded, or
+        within 1e-9 of a wrist singularity, to 1e-9. At a wrist singularity joint 6 may have any
+        angle: it is that of `q_near`, or the nearest one with which the arm reaches the pose.
 
         Args:
             flange: the pose in the base frame: a `Pose`, six numbers, or a matrix of shape (4, 4).
-            q_near: the configuration to be near to [rad]. Shape (6,).
-            max_jump: how far one joint may be from `q_near` [rad]; None for any distance.
+            q_near: the reference configuration [rad]. Shape (6,).
+            max_jump: maximum difference of one joint from `q_near` [rad]; None for any difference.
 
         Returns:
             Joint angles [rad]. Shape (6,).
@@ -158,7 +159,7 @@ class Arm:
         Raises:
             Unreachable: no configuration reaches the pose, or none within the joint limits, or
                 none within `max_jump`.
-            ParameterError: `flange` or `q_near` is not of the shapes above, or not finite.
+            ParameterError: `flange` or `q_near` has none of the forms above, or is not finite.
         """
         target = _matrix(flange)
         near = _joints(q_near).tolist()

@@ -1,7 +1,7 @@
-"""The links as solid bodies: where they are, how thick, and what inertia that gives them.
+"""The links as solid bodies: their places, shapes and inertias.
 
 The masses and centres of mass are the vendor's. The inertias of its URDFs are not usable (1e-5
-kg m² for a link of 4.7 kg), so that each link is taken as a solid cylinder of its mass, along the
+kg m² for a link of 4.7 kg). So each link is modelled as a solid cylinder of its mass, along the
 link and about its centre of mass. Frames are those of the modified Denavit-Hartenberg convention,
 T_i = Rx(alpha_{i-1})·Tx(a_{i-1})·Rz(q_i + theta_i)·Tz(d_i): their z axis is the joint's.
 """
@@ -34,8 +34,8 @@ class Capsule(NamedTuple):
     Attributes:
         start: one end of its axis [m].
         end: the other end [m].
-        radius: m.
-        joint: whether it is the housing of a joint, rather than a tube between joints.
+        radius: radius [m].
+        joint: whether it is the housing of a joint, and not a tube between joints.
     """
 
     start: _Point
@@ -49,11 +49,12 @@ class Body(NamedTuple):
 
     Attributes:
         position: origin of its frame in that of the link before [m]. Shape (3,).
-        rotation: of its frame in that of the link before, at zero. Shape (3, 3).
-        parts: its shape; the first one gives the inertia.
-        mass: kg.
+        rotation: rotation of its frame in that of the link before, at joint angle zero. Shape
+            (3, 3).
+        parts: capsules of its shape; the first one determines the inertia.
+        mass: mass [kg].
         centre: centre of mass [m]. Shape (3,).
-        inertia: about the centre of mass, in the link's frame [kg m²]. Shape (3, 3).
+        inertia: inertia about the centre of mass, in the link's frame [kg m²]. Shape (3, 3).
     """
 
     position: Array
@@ -65,7 +66,7 @@ class Body(NamedTuple):
 
 
 def bodies(arm: Arm) -> tuple[Body, ...]:
-    """Give the base and the six links of an arm."""
+    """Return the base and the six links of an arm."""
     g = arm.geometry
     along = (0.0, 0.0, g.a2, g.a3, 0.0, 0.0)  # a_{i-1}
     twists = (0.0, *g.alpha[:5])  # alpha_{i-1}
@@ -89,12 +90,12 @@ def bodies(arm: Arm) -> tuple[Body, ...]:
 
 def _parts(arm: Arm) -> tuple[tuple[Capsule, ...], ...]:
     g = arm.geometry
-    # Upper arm and forearm lie beside their joints, as far as their centres of mass do.
+    # Upper arm and forearm lie beside their joints, at the offset of their centres of mass.
     upper, fore = arm.centres[2][2], arm.centres[3][2]
-    # The wrist's housings follow from its lengths, and the others from the wrist's: as the
-    # photographs of the arms show them, roughly.
+    # The sizes of the wrist's housings follow from its lengths, and those of the other housings
+    # from the wrist's: approximately as in photographs of the arms.
     wrist, tube, shoulder = 0.42 * g.d5, 0.5 * g.d5, 0.7 * g.d5
-    # Into the base, and clear of what that stands on by 5 mm.
+    # It extends into the base, with a clearance of 5 mm to the mounting surface.
     neck = min(0.4 * g.d1, g.d1 - 0.97 * shoulder - 0.005)
     origin = (0.0, 0.0, 0.0)
     return (
@@ -136,14 +137,14 @@ def _turn(angle: float, axis: int) -> Array:
 
 
 def cylinder_inertia(mass: float, part: Capsule) -> Array:
-    """Give the inertia of a solid cylinder as long and thick as a capsule, about its middle.
+    """Return the inertia of a solid cylinder with a capsule's length and radius, about its centre.
 
     Args:
-        mass: kg.
+        mass: mass [kg].
         part: the capsule.
 
     Returns:
-        In the frame that the capsule is given in [kg m²]. Shape (3, 3).
+        The inertia, in the capsule's frame [kg m²]. Shape (3, 3).
     """
     axis = np.array(part.end) - np.array(part.start)
     length = float(np.linalg.norm(axis))

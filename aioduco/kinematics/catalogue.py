@@ -22,7 +22,7 @@ def _data() -> dict[str, Any]:
 
 
 def models() -> tuple[str, ...]:
-    """Give the names of all models that `arm` knows."""
+    """Return the names of all models that `arm` accepts."""
     return tuple(_data())
 
 
@@ -41,7 +41,7 @@ def _model(name: str) -> Arm:
 
 
 def arm(model: str, **lengths: float) -> Arm:
-    """Give a model of arm, with lengths of your own where you have measured better ones.
+    """Return an arm by its model, with your own lengths if you have measured better ones.
 
     Args:
         model: the model's name, such as "gcr5_910" or "GCR5-910".
@@ -49,7 +49,7 @@ def arm(model: str, **lengths: float) -> Arm:
             differ in d2 of the GCR5-910, 0.1445 or 0.1405: `arm("gcr5_910", d2=0.1405)`.
 
     Raises:
-        ParameterError: no such model or length.
+        ParameterError: there is no such model or length.
     """
     name = model.lower().replace("-", "_")
     if name not in _data():

@@ -1,4 +1,4 @@
-"""A list of poses looked at before an arm goes there: reach, limits, singularities, branches."""
+"""Check of a list of points before an arm moves there: reach, limits, singularities, branches."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Finding", "PointReport", "Problem", "check"]
 
-#: below this distance from a singularity a point is reported, see `Singularity`
+#: distance from a singularity below which a point is reported, see `Singularity`
 _NEAR = 0.05
 _BRANCHES = ("shoulder", "elbow", "wrist")
 
 
 class Problem(Enum):
-    """What is the matter with a point."""
+    """Kind of problem at a point."""
 
     REACH = "out of reach"
     LIMIT = "joint limit"
@@ -38,13 +38,13 @@ class Problem(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What was found at one point.
+    """A problem at one point.
 
     Attributes:
         index: number of the point, from 0.
         name: its name, or its number as a text.
-        problem: what kind of thing it is.
-        text: what exactly, in words.
+        problem: kind of problem.
+        text: description of the problem.
     """
 
     index: int
@@ -58,13 +58,13 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class PointReport:
-    """What `check` found. `print(report)` gives a line for each point and each finding.
+    """Result of `check`. `print(report)` prints a line for each point and each finding.
 
     Attributes:
         arm: the model of the arm.
-        names: of the points.
-        joints: how the arm reaches each of them; None if it does not.
-        findings: in the order of the points.
+        names: names of the points.
+        joints: for each point, the configuration that reaches it; None if there is none.
+        findings: problems, in the order of the points.
     """
 
     arm: str
@@ -74,7 +74,7 @@ class PointReport:
 
     @property
     def ok(self) -> bool:
-        """Whether nothing was found."""
+        """Whether no problem was found."""
         return not self.findings
 
     def __str__(self) -> str:
@@ -100,27 +100,28 @@ def check(
     singular: float = _NEAR,
     most_turn: float = math.pi,
 ) -> PointReport:
-    """Look at a list of points before running it: nothing is sent, and no controller is needed.
+    """Check a list of points before running it; nothing is sent, and no controller is needed.
 
-    The points are taken in their order, and each pose is reached in the configuration that is
-    nearest to that of the point before. Only the points are looked at, not the ways between
-    them, the controller's own limits, or what stands around the arm.
+    The points are checked in their order. For each pose, the configuration is used that is nearest
+    to that of the previous point. Only the points are checked, not the paths between them, the
+    controller's own limits, or obstacles around the arm.
 
     Args:
         points: `Joints` [rad], or poses of the tool in the work object [m, rad]; in a list, or by
             name, as in `TaughtPoints`.
         arm: the arm, or its model.
-        near: joint angles where it begins [rad].
-        tool: the tool's tip from the flange [m, rad]; None for the flange.
+        near: joint angles at the start [rad].
+        tool: pose of the tool's tip in the flange's frame [m, rad]; None for the flange.
         wobj: the work object in the base frame [m, rad]; None for the base.
         singular: distance from a singularity below which a point is reported, 0 to 1.
-        most_turn: turn of one joint between two points above which it is reported, above 0 [rad].
+        most_turn: rotation of one joint between two points above which it is reported, above 0
+            [rad].
 
     Returns:
-        The report: what was found, and the joint angles of each point.
+        The report: the problems, and the joint angles of each point.
 
     Raises:
-        ParameterError: an argument is not of its kind.
+        ParameterError: an argument is of the wrong kind or out of range.
     """
     model = _model(arm) if isinstance(arm, str) else arm
     if not isinstance(model, Arm):
@@ -183,7 +184,7 @@ def _reached(
 def _passed(
     arm: Arm, before: Joints, q: Joints, singular: float, most_turn: float
 ) -> list[tuple[Problem, str]]:
-    """What is found where the arm comes to a configuration from another one."""
+    """Return the problems of a configuration that the arm reaches from another one."""
     found: list[tuple[Problem, str]] = []
     distance = arm.singularity(q)
     for name in _BRANCHES:

@@ -24,12 +24,12 @@ _BASE.flags.writeable = False
 
 @lru_cache(maxsize=64)
 def _table(geometry: Geometry) -> tuple[Array, ...]:
-    """Give theta [rad], the cosines and sines of alpha, a and d [m], each of shape (6,)."""
+    """Return theta [rad], the cosines and sines of alpha, a and d [m], each of shape (6,)."""
     theta, twist, a, d = (
         np.array(column, dtype=np.float64)
         for column in (geometry.theta, geometry.alpha, geometry.a, geometry.d)
     )
-    # All twists are 0 or ±π/2; rounding makes the cosines exact.
+    # All twists are 0 or ±π/2; rounding makes the cosines and sines exact.
     ca: Array = np.cos(twist).round()
     sa: Array = np.sin(twist).round()
     table = theta, ca, sa, a, d
@@ -39,7 +39,7 @@ def _table(geometry: Geometry) -> tuple[Array, ...]:
 
 
 def frames(geometry: Geometry, q: Array) -> Array:
-    """Give the frames of the base and the six links.
+    """Return the frames of the base and the six links.
 
     Args:
         geometry: the arm's lengths [m].
@@ -68,7 +68,7 @@ def frames(geometry: Geometry, q: Array) -> Array:
     chain[..., 0, :, :] = _BASE
     if angle.ndim == 1:
         for i in range(6):
-            np.dot(chain[i], step[i], out=chain[i + 1])  # of two matrices a third of matmul's time
+            np.dot(chain[i], step[i], out=chain[i + 1])  # takes a third of the time of matmul
         return chain
     for i in range(6):
         np.matmul(chain[..., i, :, :], step[..., i, :, :], out=chain[..., i + 1, :, :])
@@ -76,13 +76,13 @@ def frames(geometry: Geometry, q: Array) -> Array:
 
 
 def fkine(geometry: Geometry, q: Array) -> Array:
-    """Give the flange in the base frame for joint angles [rad] of shape (..., 6): (..., 4, 4)."""
+    """Return the flange in the base frame for joint angles [rad] of shape (..., 6): (..., 4, 4)."""
     flange: Array = frames(geometry, q)[..., 6, :, :]
     return flange
 
 
 def jacobian(geometry: Geometry, q: Array) -> Array:
-    """Give the geometric Jacobian of the flange.
+    """Return the geometric Jacobian of the flange.
 
     Args:
         geometry: the arm's lengths [m].
@@ -104,9 +104,9 @@ def _jacobian(chain: Array) -> Array:
 
 
 def bias_acceleration(geometry: Geometry, q: Array, qd: Array) -> Array:
-    """Give the acceleration of the flange while the joints turn at constant speeds.
+    """Return the acceleration of the flange while the joints turn at constant speeds.
 
-    It is the term that the Jacobian leaves out: acceleration = J·qdd + bias.
+    It is the term that the Jacobian does not include: acceleration = J·qdd + bias.
 
     Args:
         geometry: the arm's lengths [m].
@@ -130,7 +130,7 @@ def bias_acceleration(geometry: Geometry, q: Array, qd: Array) -> Array:
 
 
 def singular_values(geometry: Geometry, q: Array) -> Array:
-    """Give how far an arm is from its three singularities.
+    """Return the distances of an arm from its three singularities.
 
     The Jacobian's determinant is -a2·a3·(a2 + a3 + d5) times the product of the three.
 
@@ -139,9 +139,9 @@ def singular_values(geometry: Geometry, q: Array) -> Array:
         q: joint angles [rad]. Shape (..., 6).
 
     Returns:
-        Three numbers, each zero at its singularity and at most one. Shoulder: distance of the
-        wrist's centre from the axis of joint 1 in the arm's plane, per length of the arm. Elbow:
-        sine of joint 3. Wrist: sine of joint 5. Signed: a sign changes where the arm passes
+        Three signed numbers from -1 to 1, each zero at its singularity. Shoulder: distance of the
+        wrist's centre from the axis of joint 1 in the arm's plane, divided by the length of the
+        arm. Elbow: sine of joint 3. Wrist: sine of joint 5. The sign changes when the arm passes
         through the singularity. Shape (..., 3).
     """
     q2, q23 = q[..., 1], q[..., 1] + q[..., 2]

@@ -16,8 +16,8 @@ class Geometry(NamedTuple):
         d2: offset of the arm's plane from the axis of joint 1.
         a2: length of the upper arm.
         a3: length of the forearm.
-        d5: from joint 4 to joint 6, along the axis of joint 5.
-        d6: from joint 5 to the flange, along the axis of joint 6.
+        d5: distance from joint 4 to joint 6, along the axis of joint 5.
+        d6: distance from joint 5 to the flange, along the axis of joint 6.
     """
 
     d1: float

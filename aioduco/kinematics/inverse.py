@@ -1,14 +1,14 @@
-"""Inverse kinematics in closed form, for many poses at once; `single` is the same for one.
+"""Inverse kinematics in closed form, for many poses at once; `single` does the same for one pose.
 
 Joints 2, 3 and 4 of every DUCO arm are parallel. The arm from joint 2 to joint 5 therefore moves
 in a plane that turns with joint 1 at a distance d2 from its axis. Let `across` be the normal of
-that plane, `ahead` the horizontal in it, and `wrist` the point d6 behind the flange. Then:
+that plane, `ahead` its horizontal direction, and `wrist` the point d6 behind the flange. Then:
 
-- wrist·across = d2 gives two angles of joint 1 (shoulder),
-- the flange's axes along `across` are (sin q5·cos q6, -sin q5·sin q6, cos q5), which gives two
-  signs of joint 5 (wrist) and one joint 6 each,
-- the direction of joint 5's axis in the plane gives q2 + q3 + q4, and leaves two links to reach a
-  point of the plane: two signs of joint 3 (elbow).
+- wrist·across = d2 has two solutions for joint 1 (shoulder),
+- the components of the flange's axes along `across` are (sin q5·cos q6, -sin q5·sin q6, cos q5),
+  which gives two signs of joint 5 (wrist), each with one joint 6,
+- the direction of joint 5's axis in the plane gives q2 + q3 + q4. Then two links must reach a point
+  of the plane: two signs of joint 3 (elbow).
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ REACH = 1e-9
 
 
 def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> Array:
-    """Give all solutions for poses of the flange.
+    """Return all solutions for poses of the flange.
 
     Args:
         geometry: the arm's lengths [m].
         flange: homogeneous matrices in the base frame. Shape (..., 4, 4).
-        q6: joint 6 to take at the wrist singularity, where any is a solution [rad].
+        q6: angle of joint 6 for the wrist singularity, where any angle is a solution [rad].
             Broadcast to the leading axes.
 
     Returns:
@@ -63,7 +63,7 @@ def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> A
     # [..., shoulder]
     q1 = np.stack([toward - turn, toward - math.pi + turn], axis=-1)
     c1, s1 = np.cos(q1), np.sin(q1)
-    # The flange's axes along `across` and `ahead`: [..., shoulder, axis]
+    # Components of the flange's axes along `across` and `ahead`: [..., shoulder, axis]
     r = rotation[..., None, :, :]
     across = c1[..., None] * r[..., 1, :] - s1[..., None] * r[..., 0, :]
     ahead = c1[..., None] * r[..., 0, :] + s1[..., None] * r[..., 1, :]
@@ -75,7 +75,7 @@ def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> A
     q6_taken = np.broadcast_to(np.asarray(q6, dtype=float), flange.shape[:-2])[..., None, None]
     q6s = np.where(singular, q6_taken, q6_read)
     c6, s6 = np.cos(q6s), np.sin(q6s)
-    # With joint 6 taken, as near as joint 5 comes to the flange's axis.
+    # If joint 6 is given, joint 5 comes as near as possible to the flange's axis.
     sine5 = np.where(
         singular, c6 * across[..., 0, None] - s6 * across[..., 1, None], sign * sine[..., None]
     )
@@ -83,24 +83,25 @@ def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> A
     c5, s5 = np.cos(q5), np.sin(q5)
 
     def fourth(axes: Array) -> Array:
-        # Component of joint 5's axis: the flange's y axis turned back by joint 6.
+        # Component of joint 5's axis: the flange's y axis, without the rotation of joint 6.
         component: Array = -(s6 * axes[..., 0, None] + c6 * axes[..., 1, None])
         return component
 
     def fifth(axes: Array) -> Array:
-        # Component of the x axis of joint 4's frame, which is square to it.
+        # Component of the x axis of joint 4's frame, which is perpendicular to joint 5's axis.
         straight = c6 * axes[..., 0, None] - s6 * axes[..., 1, None]
         component: Array = c5 * straight - s5 * axes[..., 2, None]
         return component
 
-    # The frame of joint 4 is turned by q2 + q3 + q4 in the plane; two readings of one angle,
-    # summed so that neither is taken where it is small.
+    # The frame of joint 4 is turned by q2 + q3 + q4 in the plane. Both axes measure this angle;
+    # their sum avoids components that are small.
     up = np.broadcast_to(r[..., 2, :], ahead.shape)
     q234 = np.arctan2(fourth(ahead) - fifth(up), fourth(up) + fifth(ahead))
     u = np.broadcast_to((c1 * x[..., None] + s1 * y[..., None])[..., None], q234.shape)
     w = np.broadcast_to((wrist[..., 2] - g.d1)[..., None, None], q234.shape)
     if singular.any():
-        # There joint 6 and the sum of joints 2 to 4 turn about one axis, either way round.
+        # Here joint 6 and the sum of joints 2 to 4 rotate about the same axis, in the same or in
+        # opposite directions.
         turned = np.where(singular, _into_reach(g, u, w, q234) - q234, 0.0)
         q6s, q234 = q6s - c5 * turned, q234 + turned
     u, w = u - g.d5 * np.sin(q234), w - g.d5 * np.cos(q234)
@@ -121,19 +122,20 @@ def closed_form(geometry: Geometry, flange: Array, q6: Array | float = 0.0) -> A
 
 
 def _into_reach(g: Geometry, u: Array, w: Array, q234: Array) -> Array:
-    """Give the direction of joint 5's axis nearest to the given one that leaves joint 5 in reach.
+    """Return the direction of joint 5's axis, nearest to a given one, with joint 5 in reach.
 
     Args:
         g: the arm's lengths [m].
-        u: the wrist's centre in the arm's plane, ahead of joint 2 [m].
-        w: the same, above joint 2 [m].
+        u: distance of the wrist's centre ahead of joint 2, in the arm's plane [m].
+        w: height of the wrist's centre above joint 2 [m].
         q234: direction of joint 5's axis from the vertical [rad].
     """
     away = np.maximum(np.hypot(u, w), 1e-12)
     toward = np.arctan2(u, w)
 
     def opening(reach: float) -> Array:
-        # Angle between the two directions at which joint 4 is that far from joint 2.
+        # Angle between joint 5's axis and the wrist's direction if joint 4 is at this distance from
+        # joint 2.
         cosine = (away**2 + g.d5**2 - reach**2) / (2 * g.d5 * away)
         angle: Array = np.arccos(np.clip(cosine, -1.0, 1.0))
         return angle
@@ -151,7 +153,7 @@ def _arc(function: np.ufunc, ratio: Array) -> Array:
 
 
 def residual(geometry: Geometry, q: Array, flange: Array) -> Array:
-    """Give how far the flange is from where it should be: position [m], then turn [rad].
+    """Return the error of the flange's pose: position [m], then rotation [rad].
 
     Args:
         geometry: the arm's lengths [m].
@@ -172,7 +174,7 @@ def _residual(reached: Array, flange: Array) -> Array:
 
 
 def refine(geometry: Geometry, q: Array, flange: Array, rounds: int = 2) -> Array:
-    """Improve solutions by damped Newton steps; near a singularity they stay where they are.
+    """Improve solutions by damped Newton steps; near a singularity they do not change.
 
     Args:
         geometry: the arm's lengths [m].
@@ -194,7 +196,7 @@ def refine(geometry: Geometry, q: Array, flange: Array, rounds: int = 2) -> Arra
 
 
 def shortfall(geometry: Geometry, flange: Array) -> float:
-    """Give how far a pose without a solution is out of reach, at least [m].
+    """Return the minimum distance by which a pose without a solution is out of reach [m].
 
     Args:
         geometry: the arm's lengths [m].
@@ -205,13 +207,14 @@ def shortfall(geometry: Geometry, flange: Array) -> float:
     away = math.hypot(wrist[0], wrist[1])
     if away < g.d2:
         return g.d2 - away
-    # Joint 5 can stand anywhere on a circle or only at one point of it: the least that is missing.
+    # Joint 5 can be anywhere on a circle, or only at one point of it. The result is the minimum for
+    # all points of the circle.
     ahead = math.sqrt(away**2 - g.d2**2)
     distance = math.hypot(ahead, wrist[2] - g.d1)
     return max(distance - (g.a2 + g.a3 + g.d5), abs(g.a2 - g.a3) - g.d5 - distance, 0.0)
 
 
 def wrap(q: Array) -> Array:
-    """Give the same angles in [-π, π] [rad], without a loss of digits inside that range."""
+    """Return the same angles in [-π, π] [rad], without a loss of precision inside that range."""
     turned: Array = q - 2 * np.pi * np.floor((q + np.pi) / (2 * np.pi))
     return np.clip(turned, -np.pi, np.pi)

@@ -1,4 +1,4 @@
-"""Where the base of an arm is in the world."""
+"""Pose of an arm's base in the world."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ MountingLike: TypeAlias = Literal["floor", "wall", "ceiling"] | Sequence[float]
 
 
 def base_in_world(mounting: MountingLike, arm: Arm) -> Pose:
-    """Give the pose of an arm's base in the world, whose z axis is up and whose floor is at 0.
+    """Return the pose of an arm's base in the world, whose z axis is up and whose floor is at 0.
 
     Args:
-        mounting: "floor": at the origin; "wall": as high as the arm reaches with a third to
-            spare, its z axis along the world's x axis; "ceiling": twice as high as it reaches,
+        mounting: "floor": at the origin; "wall": at 4/3 of the height that the arm reaches, its z
+            axis along the world's x axis; "ceiling": at twice the height that it reaches, turned
             upside down about the x axis; or six numbers [m, rad].
         arm: the arm.
 

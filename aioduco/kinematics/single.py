@@ -1,6 +1,6 @@
 """Inverse kinematics of one pose in plain floats, where arrays take twenty times as long.
 
-The same closed form as in `inverse`, which derives it, with the solutions in the same order.
+It uses the same closed form as `inverse`, which explains it; the solutions have the same order.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ Rows: TypeAlias = "Sequence[Sequence[float]]"
 """A homogeneous matrix by its rows. Shape (4, 4)."""
 
 _TURN = 2 * math.pi
-_EDGE = 1e-10  # how far outside its limit a joint may be by rounding [turns]
+_EDGE = 1e-10  # by how much rounding may move a joint outside its limit [turns]
 
 
 def solutions(geometry: Geometry, flange: Rows, q6: float = 0.0) -> list[Configuration]:
-    """Give all solutions for a pose of the flange.
+    """Return all solutions for a pose of the flange.
 
     Args:
         geometry: the arm's lengths [m].
         flange: homogeneous matrix in the base frame, by rows.
-        q6: joint 6 to take at the wrist singularity, where any is a solution [rad].
+        q6: angle of joint 6 for the wrist singularity, where any angle is a solution [rad].
 
     Returns:
         Joint angles [rad], not wrapped, ordered by shoulder, elbow and wrist; up to eight.
@@ -50,7 +50,8 @@ def solutions(geometry: Geometry, flange: Rows, q6: float = 0.0) -> list[Configu
     found: list[Configuration] = []
     for q1 in (toward - turn, toward - math.pi + turn):
         c1, s1 = math.cos(q1), math.sin(q1)
-        # The flange's axes along the normal of the arm's plane, and along the horizontal in it.
+        # Components of the flange's axes along the normal of the arm's plane, and along the
+        # horizontal direction in it.
         ax, ay, az = c1 * r10 - s1 * r00, c1 * r11 - s1 * r01, c1 * r12 - s1 * r02
         hx, hy, hz = c1 * r00 + s1 * r10, c1 * r01 + s1 * r11, c1 * r02 + s1 * r12
         ahead = c1 * x + s1 * y
@@ -60,7 +61,7 @@ def solutions(geometry: Geometry, flange: Rows, q6: float = 0.0) -> list[Configu
         for sign in (1.0, -1.0):
             if singular:
                 q, c6, s6 = q6, math.cos(q6), math.sin(q6)
-                q5 = math.atan2(c6 * ax - s6 * ay, az)  # as near as joint 5 comes with this joint 6
+                q5 = math.atan2(c6 * ax - s6 * ay, az)  # as near as possible with this joint 6
             else:
                 q5 = sign * math.atan2(sine, az)
                 q = math.atan2(-sign * ay, sign * ax)
@@ -73,7 +74,7 @@ def solutions(geometry: Geometry, flange: Rows, q6: float = 0.0) -> list[Configu
             if singular:
                 turned = _into_reach(geometry, ahead, z, q234)
                 q, q234 = q - c5 * turned, q234 + turned
-            # Joint 4, in the arm's plane from joint 2.
+            # Position of joint 4 in the arm's plane, from joint 2.
             u, w = ahead - d5 * math.sin(q234), z - d5 * math.cos(q234)
             cosine = (u * u + w * w - a2 * a2 - a3 * a3) / (2 * a2 * a3)
             if not abs(cosine) <= 1 + REACH:
@@ -98,11 +99,12 @@ def _clip(ratio: float) -> float:
 
 
 def _into_reach(g: Geometry, u: float, w: float, q234: float) -> float:
-    """Give how far to turn joint 5's axis, at the least, to leave joint 5 in reach [rad]."""
+    """Return the smallest rotation of joint 5's axis with which joint 5 is in reach [rad]."""
     away = max(math.hypot(u, w), 1e-12)
 
     def opening(reach: float) -> float:
-        # Angle between the two directions at which joint 4 is that far from joint 2.
+        # Angle between joint 5's axis and the wrist's direction if joint 4 is at this distance from
+        # joint 2.
         return math.acos(_clip((away * away + g.d5 * g.d5 - reach * reach) / (2 * g.d5 * away)))
 
     off = math.remainder(q234 - math.atan2(u, w), _TURN)
@@ -111,7 +113,7 @@ def _into_reach(g: Geometry, u: float, w: float, q234: float) -> float:
 
 
 def miss(geometry: Geometry, q: Configuration, flange: Rows) -> float:
-    """Give how far the flange is from where it should be.
+    """Return the error of the flange's pose.
 
     Args:
         geometry: the arm's lengths [m].
@@ -127,7 +129,8 @@ def miss(geometry: Geometry, q: Configuration, flange: Rows) -> float:
     q234 = q23 + q4
     c1, s1, c, s = math.cos(q1), math.sin(q1), math.cos(q234), math.sin(q234)
     c5, s5, c6, s6 = math.cos(q5), math.sin(q5), math.cos(q6), math.sin(q6)
-    # Along the horizontal of the arm's plane, its normal, and up: the flange's axes, its position.
+    # Components of the flange's axes and position along the horizontal direction in the arm's
+    # plane, along its normal, and upwards.
     xh, xa, xu = c6 * c5 * c - s6 * s, c6 * s5, -c6 * c5 * s - s6 * c
     yh, ya, yu = -s6 * c5 * c - c6 * s, -s6 * s5, s6 * c5 * s - c6 * c
     zh, za, zu = -s5 * c, c5, s5 * s
@@ -163,7 +166,7 @@ def nearest_turns(
         upper: upper limits [rad], six.
 
     Returns:
-        Joint angles [rad]; None if no number of turns brings some joint inside its limits.
+        Joint angles [rad]; None if a joint is outside its limits with any number of turns.
     """
     wrapped = []
     for angle, close, low, high in zip(q, near, lower, upper, strict=True):
@@ -174,7 +177,7 @@ def nearest_turns(
             if fewest > most:
                 return None
             turns = min(max(round((close - angle) / _TURN), fewest), most)
-            # A joint that stands at its limit is not moved by a whole turn because of rounding.
+            # Rounding must not move a joint at its limit by a whole turn.
             best = min(max(angle + _TURN * turns, low), high)
         wrapped.append(best)
     return wrapped

@@ -1,8 +1,8 @@
 """The controller's states (manual 1.2), and the outcomes of tasks.
 
-A controller newer than the manual may send a value that is not listed here. It becomes a
-member named `UNKNOWN_<value>` instead of an error: reading a state must never fail because
-of its value.
+A controller newer than the manual may send a value that is not listed here. Such a value becomes a
+member named `UNKNOWN_<value>` and not an error: reading a state must never fail because of its
+value.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class _WireEnum(IntEnum):
         return member
 
     def __reduce_ex__(self, _protocol: object) -> tuple[type[Self], tuple[int]]:
-        # By value: Python 3.11.2 pickles members by a name that unlisted ones do not have.
+        # By value: Python 3.11.2 pickles members by name, which does not work for unlisted values.
         return type(self), (int(self),)
 
     @property
@@ -77,14 +77,14 @@ class OperationMode(_WireEnum):
 
 
 class FileKind(_WireEnum):
-    """What a name in a list of files stands for (文件类型, manual 1.3.4)."""
+    """Kind of an entry in a list of files (文件类型, manual 1.3.4)."""
 
     FOLDER = 0
     FILE = 1
 
 
 class OutputMode(IntEnum):
-    """What a digital output gives (IO 输出信号类型, manual 1.3.7)."""
+    """Signal type of a digital output (IO 输出信号类型, manual 1.3.7)."""
 
     LEVEL = 0
     PULSES = 1
@@ -150,5 +150,5 @@ class Outcome(Enum):
 
     @property
     def success(self) -> bool:
-        """Whether the arm did all that the task asked for."""
+        """Whether the arm completed the task."""
         return self in {Outcome.FINISHED, Outcome.BLENDED}

@@ -29,9 +29,9 @@ class ExternalAxisState:
 
     Attributes:
         scheme_name: name of the scheme.
-        status: the controller's number for whether it is active (激活状态); the manual does not
-            list the numbers.
-        position: where it is [rad or m, as the scheme is].
+        status: activation state as the controller's number (激活状态); the manual does not list
+            the numbers.
+        position: position [rad or m, depending on the scheme].
     """
 
     scheme_name: str
@@ -44,19 +44,19 @@ class ExternalAxis:
     """Parameters of an external axis.
 
     No document describes them: names and types are the wire's, and the units are those of the
-    controller's own page for external axes. Numbers are checked to be finite, and no more.
+    controller's own page for external axes. Numbers are only checked to be finite.
 
     Attributes:
         type: kind of axis.
-        mode: how it is driven.
+        mode: drive mode.
         ref_velo: reference speed.
         ref_acc: reference acceleration.
         ref_jerk: reference jerk.
-        max_velo: greatest speed.
-        max_acc: greatest acceleration.
+        max_velo: maximum speed.
+        max_acc: maximum acceleration.
         encoder_type: kind of encoder.
         encoder_resolution: resolution of the encoder.
-        position_bias: where its zero is.
+        position_bias: position of its zero.
         screw_lead: lead of its screw.
         invert: whether its direction is inverted.
         position_limit: limits of its position.
@@ -77,7 +77,7 @@ class ExternalAxis:
     position_limit: Sequence[float]
 
     def wire(self) -> rpc.EAxisParam:
-        """Give the struct of the wire.
+        """Return the struct of the wire.
 
         Raises:
             ParameterError: a value is of another type, or not finite.
@@ -104,14 +104,14 @@ class ExternalAxisScheme:
     """Parameters of a scheme of external axes.
 
     No document describes them: names and types are the wire's, and the units are those of the
-    controller's own page for external axes. Numbers are checked to be finite, and no more.
+    controller's own page for external axes. Numbers are only checked to be finite.
 
     Attributes:
         type: kind of scheme.
         axis_link: the axes that belong to it.
-        base: where its base is.
+        base: position of its base.
         dh: its Denavit-Hartenberg parameters, a row for each axis.
-        install: how it is mounted.
+        install: kind of mounting.
     """
 
     type: int
@@ -121,7 +121,7 @@ class ExternalAxisScheme:
     install: int
 
     def wire(self) -> rpc.EAxisSchemeParam:
-        """Give the struct of the wire.
+        """Return the struct of the wire.
 
         Raises:
             ParameterError: a value is of another type, or not finite.
@@ -136,10 +136,10 @@ class ExternalAxisScheme:
 
 
 def checked(name: str, value: object, kind: type[ExternalAxis] | type[ExternalAxisScheme]) -> None:
-    """See that a parameter is what it should be.
+    """Check the class of a parameter.
 
     Raises:
-        ParameterError: it is something else.
+        ParameterError: `value` is not a `kind`.
     """
     if not isinstance(value, kind):
         raise ParameterError(name, value, f"an {kind.__name__}")

@@ -8,7 +8,7 @@ __all__ = ["ForceFrame", "ForceLogic", "GuardedForce"]
 
 
 class ForceFrame(IntEnum):
-    """Whose directions forces are given in (末端力控参考坐标系, manual 1.3.10)."""
+    """Frame of the directions of forces (末端力控参考坐标系, manual 1.3.10)."""
 
     TOOL = 0
     WORK_OBJECT = 1

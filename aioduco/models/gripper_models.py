@@ -1,4 +1,4 @@
-"""Grippers by name: stroke, force, speed, mass, length, each with its source."""
+"""Grippers by name: stroke, force, speed, mass, length, and the source of these figures."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ __all__ = ["GRIPPERS", "GripperModel", "gripper_model"]
 
 
 class GripperModel(NamedTuple):
-    """What a maker publishes of a gripper.
+    """Published data of a gripper.
 
     Attributes:
-        name: as it is chosen here.
-        title: as its maker calls it.
-        stroke: opening between the fingers, at most [m]; 0 for suction.
-        force: least and largest force that can be set [N]; equal if it cannot be set.
-        speed: least and largest speed that can be set, of the opening [m/s]; None if it cannot be.
-        fastest: speed of the opening at its fastest [m/s].
-        mass: without a coupling [kg].
-        length: from the flange to the middle of the finger tips, closed to a part [m].
-        source: where the figures are from.
+        name: name in this package.
+        title: name that the manufacturer uses.
+        stroke: largest opening between the fingers [m]; 0 for suction.
+        force: smallest and largest force that can be set [N]; equal if it cannot be set.
+        speed: smallest and largest opening speed that can be set [m/s]; None if it cannot be set.
+        fastest: maximum opening speed [m/s].
+        mass: mass without a coupling [kg].
+        length: distance from the flange to the middle of the finger tips, closed on a part [m].
+        source: source of the figures.
     """
 
     name: str
@@ -61,7 +61,7 @@ _ALL = (
         "dh_pge", "DH PGE-50-26", 0.026, (15.0, 50.0), (0.00058, 0.058), 0.058, 0.4, 0.13, _PGE
     ),
     GripperModel("parallel", "parallel gripper", 0.080, (80.0, 80.0), None, 0.2, 0.6, 0.14, _OURS),
-    # A cup of 40 mm at 60 kPa below the air's pressure, by its area.
+    # Force of a cup of 40 mm at 60 kPa below ambient pressure, from its area.
     GripperModel("vacuum", "suction cup", 0.0, (75.0, 75.0), None, 0.0, 0.3, 0.10, _OURS),
 )  # fmt: skip
 
@@ -70,10 +70,10 @@ GRIPPERS: dict[str, GripperModel] = {model.name: model for model in _ALL}
 
 
 def gripper_model(name: str) -> GripperModel:
-    """Give a gripper by its name.
+    """Return the gripper of this name.
 
     Raises:
-        ParameterError: there is none of this name.
+        ParameterError: there is no gripper of this name.
     """
     if name not in GRIPPERS:
         raise ParameterError("gripper", name, f"one of {', '.join(GRIPPERS)}")

@@ -1,4 +1,4 @@
-"""Jogging (点动, manual 1.3.5): one joint or one Cartesian direction, on and on or by a step."""
+"""Jogging (点动, manual 1.3.5): one joint or one Cartesian direction, continuously or by a step."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ Axis: TypeAlias = Literal["x", "y", "z", "rx", "ry", "rz"]
 _AXES: tuple[str, ...] = ("x", "y", "z", "rx", "ry", "rz")
 
 _SOURCE = "1.3.5"
-#: percent of which speed, the manual does not say
+#: the manual does not say to which speed the percentage refers
 JOG_SPEED = Number(0.0, 100.0, "%", open_low=True, source=_SOURCE)
-#: as this project says it; what is sent depends on `JogDirections`
+#: this project's values; the values on the wire depend on `JogDirections`
 JOG_DIRECTION = Choice({-1: "negative", 1: "positive"}, source=_SOURCE)
 _JOINT = Integer(1, 6, source=_SOURCE)
 _STEP_ANGLE = Number(0.0, 2 * math.pi, "rad", open_low=True, source=_SOURCE)
@@ -41,11 +41,11 @@ class JogFrame(IntEnum):
 
 
 class JogDirections(Enum):
-    """What a controller understands as the direction of a jog.
+    """Numbers that a controller uses for the direction of a jog.
 
     The vendor's documents contradict each other: 1 is positive in manual 3.8, and negative in
-    manual 4.3 and in a C++ header. The value of each member is what is sent for the positive
-    and for the negative direction.
+    manual 4.3 and in a C++ header. The value of each member is the number that is sent for the
+    positive direction, then the one for the negative direction.
     """
 
     MANUAL_3_8 = (1, -1)
@@ -63,7 +63,7 @@ class Jog:
 
     Attributes:
         axis: index of the joint or the direction, from 0.
-        joint_space: whether a joint is jogged, and not a Cartesian direction.
+        joint_space: whether the jog is of a joint, and not along or about a Cartesian direction.
         direction: 1 or -1.
         vel: speed in percent.
         frame: the frame of a Cartesian jog.
@@ -115,7 +115,7 @@ class Jog:
             axis: "x", "y", "z", "rx", "ry" or "rz".
             direction: 1 or -1.
             vel: speed in percent, above 0, up to 100.
-            frame: the frame whose direction it is.
+            frame: the frame of the direction.
             step: length of one step [m, or rad about an axis], above 0; None to move until
                 `stop_manual_move`.
 
@@ -135,11 +135,11 @@ class Jog:
         )
 
     def wire(self, directions: JogDirections = JogDirections.MANUAL_3_8) -> rpc.MoveJogTaskParam:
-        """Give the struct of the wire.
+        """Return the struct of the wire.
 
         Args:
-            directions: what the controller understands as positive and negative. Where the
-                controller is newer than manual 3.8, try it with a small step at a low speed.
+            directions: numbers that the controller uses for positive and negative. If the
+                controller is newer than manual 3.8, test them with a small step at a low speed.
         """
         positive, negative = directions.value
         step = 0.0 if self.step is None else self.step
@@ -147,13 +147,13 @@ class Jog:
         return rpc.MoveJogTaskParam(
             jog_direction=positive if self.direction > 0 else negative,
             jog_type=_JOINTS if self.joint_space else _CARTESIAN,
-            # manual 3.8 speaks of an index, 4.3 of 0 to 5
+            # an index in manual 3.8, 0 to 5 in 4.3
             axis_num=self.axis,
             vel=self.vel,
             jog_coordinate=int(self.frame),
             use_step=self.step is not None,
-            # Steps about rx, ry, rz: manual 3.8 reads step_cartvalue, 4.3 step_jointValue. Both
-            # have the same unit there, so that either way the step is the one asked for.
+            # Steps about rx, ry, rz: step_cartvalue in manual 3.8, step_jointValue in 4.3. Both
+            # have the same unit, so the step is right in both cases.
             step_jointValue=step if turns else 0.0,
             step_cartvalue=0.0 if self.joint_space else step,
         )

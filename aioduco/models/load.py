@@ -1,4 +1,4 @@
-"""What an arm carries."""
+"""Load of an arm."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Where each function of the manual and of the wire is in this package.
+"""Place of each function of the manual and of the wire in this package.
 
-The page of functions (`docs/functions.py`) and the errors for a name that is asked of the wrong
-object both read it here. A test compares it with the classes and with the manual.
+The page of functions (`docs/functions.py`) and the errors for a name that is used on the wrong
+object both read these tables. A test compares them with the classes and with the manual.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from aioduco.errors import NamedElsewhere
 
 __all__ = ["BY_ITSELF", "CLIENT_SIDE", "SPELLINGS", "ManualNames", "place"]
 
-#: attribute of the robot -> the functions of the wire that it has; "": the robot itself
+#: attribute of the robot -> its functions of the wire; "": the robot itself
 _SECTIONS: Final = {
     "system": """
         power_on power_off enable disable shutdown restart switch_mode
@@ -118,14 +118,14 @@ _SECTIONS: Final = {
     """,
 }
 
-#: function of the wire -> how a program writes it
+#: function of the wire -> its notation in a program
 _PLACES: Final = {
     name: ".".join(filter(None, ("robot", section, name)))
     for section, names in _SECTIONS.items()
     for name in names.split()
 }
 
-#: what the manual, or the vendor's class, calls otherwise than the wire -> its name on the wire
+#: name in the manual or in the vendor's class, if different from the wire -> name on the wire
 SPELLINGS: Final = {
     "move1": "movel",
     "move1_eaxis": "movel_eaxis",
@@ -135,12 +135,12 @@ SPELLINGS: Final = {
     "disable_combined_motion": "disable_combine_motion",
 }
 
-#: function of the wire that this package calls by itself -> when it does
+#: function of the wire that this package calls automatically -> when it calls it
 BY_ITSELF: Final = {
     "rpc_heartbeat": "sent by itself while connected",
 }
 
-#: function of the manual that is not on the wire -> what a program writes
+#: function of the manual that is not on the wire -> its replacement in a program
 CLIENT_SIDE: Final = {
     "DucoCobot": "`aioduco.connect()`",
     "open": "`async with aioduco.connect() as robot`",
@@ -150,19 +150,19 @@ CLIENT_SIDE: Final = {
 
 
 def place(name: str) -> str | None:
-    """How a program writes a function of the manual or of the wire, such as `robot.motion.movel`.
+    """Return the notation of a function in a program, such as `robot.motion.movel`.
 
     Args:
-        name: its name on the wire, or the manual's.
+        name: name of the function on the wire or in the manual.
 
     Returns:
-        None if there is no such function, or if it is none of the robot's.
+        The notation; None if there is no such function, or if the robot does not have it.
     """
     return _PLACES.get(SPELLINGS.get(name, name))
 
 
 def _meant(name: str) -> str:
-    """What was meant by a name, in words; empty if it is none of the manual's."""
+    """Describe the place of a function; empty if the manual has no such name."""
     where = place(name)
     if where is not None:
         wire = SPELLINGS.get(name)
@@ -171,15 +171,15 @@ def _meant(name: str) -> str:
 
 
 class ManualNames:
-    """Says of a function of the manual that an object lacks where that function is."""
+    """Base class whose error for a missing attribute names the place of a manual's function."""
 
     __slots__ = ()
 
-    if not TYPE_CHECKING:  # a type checker would take every name for one that is there
+    if not TYPE_CHECKING:  # a type checker would otherwise accept every name
 
         def __getattr__(self, name: str) -> Any:
             meant = "" if name.startswith("_") or hasattr(type(self), name) else _meant(name)
             if meant:
                 raise NamedElsewhere(name, meant)
-            # raises what Python says, also what a property of this name has raised
+            # raises Python's own error, also an error that a property of this name has raised
             return object.__getattribute__(self, name)

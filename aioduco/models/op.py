@@ -1,4 +1,4 @@
-"""Outputs that a motion sets on its way (Op, manual 1.3.5): `Op`, its targets, `PointOp`.
+"""Outputs that are set during a motion (Op, manual 1.3.5): `Op`, its targets, `PointOp`.
 
     op = Op.at_start(output(3), time=0.2) | Op.near_end(output(3), False, distance=0.05)
 
@@ -32,7 +32,7 @@ __all__ = [
     "word_register",
 ]
 
-#: the index travels in a signed byte (Op.trig_io_1 to _3)
+#: the wire has a signed byte for the index (Op.trig_io_1 to _3)
 _MAX_INDEX = 127
 
 _SOURCE = "1.3.5"
@@ -53,9 +53,9 @@ class Output:
     Make one by `output`, `bool_register`, `word_register`, `float_register` or `tool_output`.
 
     Attributes:
-        kind: what it is, in words.
-        num: its number among its kind, from 1.
-        index: its number among all targets (manual 1.3.5).
+        kind: kind of output or register, in words.
+        num: number within its kind, from 1.
+        index: number among all targets (manual 1.3.5).
     """
 
     kind: str
@@ -120,13 +120,13 @@ def event(name: str) -> ControllerEvent:
 
 @dataclass(frozen=True, slots=True)
 class Trigger:
-    """What is set, and where on the way.
+    """An output or event that is set, and the point of the motion at which it is set.
 
     Attributes:
         target: the output or event.
         value: the level; without meaning for an event.
         by: whether `amount` is a time or a distance.
-        amount: in s or m, from the start or back from the end.
+        amount: time or distance after the start or before the end [s or m].
     """
 
     target: Target
@@ -162,9 +162,9 @@ def _trigger(
 
 @dataclass(frozen=True, slots=True)
 class Op:
-    """What a motion sets on its way: at most one thing after its start, around its end, on a stop.
+    """Outputs that a motion sets: at most one each after its start, around its end, and on a stop.
 
-    Combine them by `|`. An `Op()` sets nothing. Manual section 1.3.5.
+    Combine several by `|`. An `Op()` sets nothing. Manual section 1.3.5.
 
     Attributes:
         start: set some time or distance after the start.
@@ -188,11 +188,11 @@ class Op:
         """Set an output some time or some distance after the motion's start.
 
         Args:
-            target: what is set: `output(3)`, `bool_register(12)`, `event("name")`.
+            target: output or event to set: `output(3)`, `bool_register(12)`, `event("name")`.
             value: the level.
-            time: after the start [s], at least 0; 0 if neither is given.
-            distance: along the path after the start [m], at least 0. The controller takes no
-                notice of distances in joint motions.
+            time: time after the start [s], at least 0; 0 if neither is given.
+            distance: distance along the path after the start [m], at least 0. The controller
+                ignores distances in joint motions.
 
         Raises:
             ParameterError: a value out of range, or a target that the wire cannot carry.
@@ -212,11 +212,11 @@ class Op:
         """Set an output some time or some distance before the motion's end, or after it.
 
         Args:
-            target: what is set: `output(3)`, `bool_register(12)`, `event("name")`.
+            target: output or event to set: `output(3)`, `bool_register(12)`, `event("name")`.
             value: the level.
-            time: left until the end [s], negative for after the end; 0 if neither is given.
-            distance: left until the end [m], negative for after the end. The controller takes
-                no notice of distances in joint motions.
+            time: time before the end [s], negative for after the end; 0 if neither is given.
+            distance: distance before the end [m], negative for after the end. The controller
+                ignores distances in joint motions.
 
         Raises:
             ParameterError: a value out of range, or a target that the wire cannot carry.
@@ -231,9 +231,9 @@ class Op:
         The controller has no trigger by distance here.
 
         Args:
-            target: what is set: `output(3)`, `bool_register(12)`, `event("name")`.
+            target: output or event to set: `output(3)`, `bool_register(12)`, `event("name")`.
             value: the level.
-            time: left until the arm stands [s], negative for after that; 0 if not given.
+            time: time before the arm stands [s], negative for after that; 0 if not given.
 
         Raises:
             ParameterError: a value out of range, or a target that the wire cannot carry.
@@ -256,15 +256,15 @@ class Op:
         return Op(**parts)
 
     def wire(self, name: str = "op", *, joint_motion: bool = False) -> rpc.Op:
-        """Give the struct of the wire.
+        """Return the struct of the wire.
 
         Args:
             name: the parameter's name, for errors.
-            joint_motion: whether it goes with a motion of the joints, in which the controller
-                takes no notice of distances.
+            joint_motion: whether it belongs to a joint motion, in which the controller ignores
+                distances.
 
         Raises:
-            ParameterError: a trigger by distance in a motion of the joints.
+            ParameterError: a trigger by distance in a joint motion.
         """
         made = rpc.Op()
         for number, trigger in enumerate((self.start, self.end, self.stop), 1):
@@ -291,7 +291,7 @@ class Op:
 
 
 def wire_op(name: str, op: Op | None, *, joint_motion: bool = False) -> rpc.Op:
-    """Give the struct of the wire for an `Op`, or for None, which sets nothing."""
+    """Return the struct of the wire for an `Op`, or for None, which sets nothing."""
     if op is None:
         return rpc.Op()
     if not isinstance(op, Op):
@@ -301,11 +301,11 @@ def wire_op(name: str, op: Op | None, *, joint_motion: bool = False) -> rpc.Op:
 
 @dataclass(frozen=True, slots=True)
 class PointOp:
-    """A point of a spline or of the track pool, and what is set there.
+    """A point of a spline or of the track pool, and the outputs that are set there.
 
     Attributes:
         pos: a `Pose` (any six numbers become one), or a `Joints` for a track of joints.
-        op: what is set there.
+        op: outputs that are set there.
     """
 
     pos: Pose | Joints
@@ -322,6 +322,6 @@ class PointOp:
         object.__setattr__(self, "op", op or Op())
 
     def wire(self, name: str = "point") -> rpc.PointOp:
-        """Give the struct of the wire."""
+        """Return the struct of the wire."""
         joints = isinstance(self.pos, Joints)
         return rpc.PointOp(list(self.pos), self.op.wire(f"{name}.op", joint_motion=joints))

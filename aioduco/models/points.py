@@ -1,4 +1,4 @@
-"""Taught points by name, in a TOML file that no robot is needed for."""
+"""Taught points by name, stored in a TOML file; needs no robot."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _ESCAPES = {'"': '\\"', "\\": "\\\\", "\b": "\\b", "\t": "\\t", "\n": "\\n", "\f
 
 
 class TaughtPoints(MutableMapping[str, Point]):
-    """TaughtPoints by name, in the order in which they were taught: a mapping that can be saved.
+    """Points by name, in the order in which they were taught: a mapping that can be saved.
 
         points = TaughtPoints.load("cell.toml")
         points["above the bin"] = await robot.state.get_tcp_pose_coord()
@@ -36,11 +36,11 @@ class TaughtPoints(MutableMapping[str, Point]):
         ["above the bin"]
         pose = [0.4, 0.1, 0.3, 3.1416, 0.0, 0.0]
 
-    A pose is that of a tool in a work object, and the file does not say which: a program that
-    moves to it uses those with which it was taught.
+    A pose is that of a tool in a work object. The file does not contain these two: a program that
+    moves to the pose must use those with which it was taught.
 
     Args:
-        points: points by name to begin with.
+        points: initial points by name.
     """
 
     def __init__(self, points: Any = ()) -> None:
@@ -104,8 +104,9 @@ class TaughtPoints(MutableMapping[str, Point]):
             path: the file.
 
         Raises:
-            OSError: it cannot be read.
-            ParameterError: it is no TOML, or a point in it is not as described above; says which.
+            OSError: the file cannot be read.
+            ParameterError: the file is not TOML, or a point, which the error names, is not as
+                described above.
         """
         try:
             tables = tomllib.loads(Path(path).read_text(encoding="utf-8"))
@@ -114,13 +115,13 @@ class TaughtPoints(MutableMapping[str, Point]):
         return cls({name: _point(name, table) for name, table in tables.items()})
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a file: whole, or not at all. Comments of a file that was there are lost.
+        """Write a file completely or not at all. Comments of an existing file are lost.
 
         Args:
-            path: the file; one that is there is replaced.
+            path: the file; an existing one is replaced.
 
         Raises:
-            OSError: it cannot be written; what was there stays.
+            OSError: the file cannot be written; an existing one stays unchanged.
         """
         target = Path(path)
         part = target.with_name(f".{target.name}.{os.getpid()}")

@@ -29,11 +29,11 @@ __all__ = ["Joints", "JointsLike", "Pose", "PoseLike", "QuaternionOrder"]
 
 QuaternionOrder: TypeAlias = Literal["wxyz", "xyzw"]
 
-_ORTHONORMAL = 1e-6  # how far a given rotation may be from one: digits lost in a file, not more
+_ORTHONORMAL = 1e-6  # tolerance for a given rotation matrix: only for digits lost in a file
 
 
 class _Six(Sequence[float]):
-    """What `Pose` and `Joints` share: a frozen sequence of six finite floats."""
+    """Base class of `Pose` and `Joints`: a frozen sequence of six finite floats."""
 
     __slots__ = ()
 
@@ -46,7 +46,7 @@ class _Six(Sequence[float]):
                 break
 
     def _convert(self) -> None:
-        """Take other numbers than floats, or say which is none."""
+        """Convert other numbers to floats; raise an error for a value that is not a number."""
         values: tuple[Any, ...] = self._values()
         names: tuple[str, ...] = type(self).__slots__
         for name, value in zip(names, values, strict=True):
@@ -58,13 +58,13 @@ class _Six(Sequence[float]):
 
     @classmethod
     def of(cls, values: Sequence[float] | NDArray[Any]) -> Self:
-        """Take any six numbers: a list, a tuple, an array, or one of this class, returned as it is.
+        """Make one from a list, a tuple or an array; an object of this class is returned unchanged.
 
         Args:
             values: six finite numbers, in the order and the units of the class.
 
         Raises:
-            ParameterError: there are not six of them, or one is no finite number.
+            ParameterError: there are not six, or one is not a finite number.
         """
         if type(values) is cls:
             return values
@@ -75,7 +75,7 @@ class _Six(Sequence[float]):
                 raise ParameterError(name, found, cls._expected)
             values = values.tolist()
         elif isinstance(values, _Six) or not isinstance(values, Sequence):
-            # A pose is no joint vector, although both have six numbers.
+            # A pose is not a joint vector, although both have six numbers.
             raise ParameterError(name, values, cls._expected)
         if len(values) != 6:
             raise ParameterError(name, values, cls._expected)
@@ -121,22 +121,22 @@ def _short(value: float) -> str:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Pose(_Six):
-    """A position and an orientation (位姿), as the controller writes them.
+    """A position and an orientation (位姿), in the controller's notation.
 
-    The orientation is R = Rz(rz)·Ry(ry)·Rx(rx). A pose is a sequence of its six numbers, converts
-    to and from arrays, matrices, quaternions and rotation vectors, and cannot be changed.
+    The orientation is R = Rz(rz)·Ry(ry)·Rx(rx). A pose is an immutable sequence of its six numbers.
+    It can be converted to and from arrays, matrices, quaternions and rotation vectors.
     Manual section 1.3.5.
 
     Args:
         x: position along x [m].
         y: position along y [m].
         z: position along z [m].
-        rx: turn about x, made first [rad].
-        ry: turn about y, made second [rad].
-        rz: turn about z, made last [rad].
+        rx: rotation about x, applied first [rad].
+        ry: rotation about y, applied second [rad].
+        rz: rotation about z, applied last [rad].
 
     Raises:
-        ParameterError: one of them is no finite number.
+        ParameterError: one of them is not a finite number.
     """
 
     x: float
@@ -179,7 +179,7 @@ class Pose(_Six):
         return rotvec_from_matrix(self.rotation)
 
     def quaternion(self, order: QuaternionOrder) -> Array:
-        """Give the orientation as a unit quaternion.
+        """Return the orientation as a unit quaternion.
 
         Args:
             order: "wxyz" (MuJoCo, Eigen's constructor) or "xyzw" (ROS, SciPy).
@@ -192,7 +192,7 @@ class Pose(_Six):
 
     @classmethod
     def from_rotation(cls, position: Sequence[float] | NDArray[Any], rotation: Array) -> Self:
-        """Make a pose of a position [m], shape (3,), and a rotation matrix, shape (3, 3)."""
+        """Make a pose from a position [m], shape (3,), and a rotation matrix, shape (3, 3)."""
         point = _finite("position", position, (3,), "three numbers [m]")
         matrix = _finite("rotation", rotation, (3, 3), "a rotation matrix of shape (3, 3)")
         off = np.abs(matrix @ matrix.T - np.eye(3)).max()
@@ -204,13 +204,13 @@ class Pose(_Six):
 
     @classmethod
     def from_matrix(cls, matrix: Sequence[Sequence[float]] | NDArray[Any]) -> Self:
-        """Make a pose of a homogeneous matrix.
+        """Make a pose from a homogeneous matrix.
 
         Args:
             matrix: rotation and position [m]. Shape (4, 4), last row 0, 0, 0, 1.
 
         Raises:
-            ParameterError: the shape is wrong, or it holds no rotation.
+            ParameterError: the shape is wrong, or the upper left part is not a rotation.
         """
         full = _finite("matrix", matrix, (4, 4), "a homogeneous matrix of shape (4, 4)")
         if np.abs(full[3] - (0, 0, 0, 1)).max() > _ORTHONORMAL:
@@ -224,11 +224,11 @@ class Pose(_Six):
         quaternion: Sequence[float] | NDArray[Any],
         order: QuaternionOrder,
     ) -> Self:
-        """Make a pose of a position and a quaternion.
+        """Make a pose from a position and a quaternion.
 
         Args:
             position: x, y, z [m].
-            quaternion: four numbers of any length but zero; they are normalised.
+            quaternion: four numbers of any norm except zero; they are normalised.
             order: "wxyz" (MuJoCo, Eigen's constructor) or "xyzw" (ROS, SciPy).
 
         Raises:
@@ -246,35 +246,35 @@ class Pose(_Six):
     def from_rotvec(
         cls, position: Sequence[float] | NDArray[Any], rotvec: Sequence[float] | NDArray[Any]
     ) -> Self:
-        """Make a pose of a position [m] and a rotation vector, axis times angle [rad]."""
+        """Make a pose from a position [m] and a rotation vector, axis times angle [rad]."""
         turn = _finite("rotvec", rotvec, (3,), "three numbers [rad]")
         return cls.from_rotation(position, matrix_from_rotvec(turn))
 
     def __matmul__(self, other: Pose) -> Pose:
-        """Give `other`, written in this frame, in the frame in which this one is written."""
+        """Transform `other`, given in this frame, to the frame in which this pose is given."""
         if not isinstance(other, Pose):
-            # Not NotImplemented: numpy would then try it with the six numbers as an array.
+            # Not NotImplemented: numpy would then multiply by the six numbers as an array.
             raise TypeError("a Pose composes with a Pose; take .matrix to multiply by an array")
         rotation = self.rotation
         position = self.position + rotation @ other.position
         return Pose(*position.tolist(), *rpy_from_matrix(rotation @ other.rotation).tolist())
 
     def inverse(self) -> Pose:
-        """Give the pose that undoes this one: `pose @ pose.inverse()` is the identity."""
+        """Return the inverse pose: `pose @ pose.inverse()` is the identity."""
         back = self.rotation.T
         return Pose(*(-back @ self.position).tolist(), *rpy_from_matrix(back).tolist())
 
     def shifted(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Pose:
-        """Give this pose moved along the axes of the frame in which it is written [m]."""
+        """Return this pose shifted along the axes of the frame in which it is given [m]."""
         return Pose(self.x + x, self.y + y, self.z + z, self.rx, self.ry, self.rz)
 
     def interpolate(self, other: Pose, t: float) -> Pose:
-        """Give the pose a part of the way to another one.
+        """Return a pose between this one and another.
 
         Args:
             other: the pose at t = 1.
-            t: 0 to 1. The position goes straight, the orientation turns at a constant rate the
-                shorter way, as a linear move does.
+            t: 0 to 1. The position follows a straight line, and the orientation rotates at a
+                constant rate the shorter way, as in a linear move.
 
         Raises:
             ParameterError: t is outside 0 to 1.
@@ -285,13 +285,13 @@ class Pose(_Six):
         return Pose.from_rotation(position, slerp(self.rotation, other.rotation, np.array(t)))
 
     def distance(self, other: Pose) -> tuple[float, float]:
-        """Give the distance of the positions [m] and the angle between the orientations [rad]."""
+        """Return the distance of the positions [m] and the angle between the orientations [rad]."""
         return math.dist(self[:3], other[:3]), turn_between(self[3:], other[3:])
 
     def almost_equal(self, other: Pose, *, position: float = 1e-6, rotation: float = 1e-6) -> bool:
-        """Tell whether two poses are the same within tolerances.
+        """Whether two poses are equal within tolerances.
 
-        Orientations are compared, not angles: rx = π and rx = -π are the same.
+        Orientations are compared, not angles: rx = π and rx = -π are equal.
 
         Args:
             other: the pose to compare with.
@@ -304,7 +304,7 @@ class Pose(_Six):
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Joints(_Six):
-    """Six joint angles (关节角) [rad], base first. A sequence of six, which cannot be changed.
+    """Six joint angles (关节角) [rad], base first: an immutable sequence.
 
     Args:
         j1: angle of joint 1 [rad].
@@ -315,7 +315,7 @@ class Joints(_Six):
         j6: angle of joint 6 [rad].
 
     Raises:
-        ParameterError: one of them is no finite number.
+        ParameterError: one of them is not a finite number.
     """
 
     j1: float
@@ -335,7 +335,7 @@ class Joints(_Six):
 
     @classmethod
     def deg(cls, *angles: float) -> Self:
-        """Make a joint vector of six angles in degrees: `Joints.deg(30, -15, 105, 0, -90, 0)`."""
+        """Make a joint vector from six angles in degrees: `Joints.deg(30, -15, 105, 0, -90, 0)`."""
         return cls.of([math.radians(angle) for angle in angles])
 
     @property
@@ -344,15 +344,15 @@ class Joints(_Six):
         return tuple(map(math.degrees, self._values()))
 
     def distance(self, other: JointsLike) -> float:
-        """Give the largest difference of one joint [rad]. Whole turns count: 2π is not 0."""
+        """Return the largest difference of one joint [rad]. Whole turns count: 2π is not 0."""
         return max(abs(a - b) for a, b in zip(self, Joints.of(other), strict=True))
 
     def almost_equal(self, other: JointsLike, tolerance: float = 1e-6) -> bool:
-        """Tell whether no joint differs by more than `tolerance` [rad]."""
+        """Whether no joint differs by more than `tolerance` [rad]."""
         return self.distance(other) <= tolerance
 
     def interpolate(self, other: JointsLike, t: float) -> Joints:
-        """Give the joint vector a part t, 0 to 1, of the straight way in joint space."""
+        """Return the vector at fraction t, 0 to 1, of the straight joint-space line to `other`."""
         if not 0.0 <= t <= 1.0:
             raise ParameterError("t", t, "a number from 0 to 1")
         return Joints(*((1 - t) * a + t * b for a, b in zip(self, Joints.of(other), strict=True)))

@@ -1,11 +1,11 @@
-"""What each parameter may be: the manual's ranges, by name, in one place.
+"""Allowed values of each parameter: the manual's ranges, by name, in one place.
 
-A rule checks one argument and returns what goes on the wire for it:
+A rule checks one argument and returns its value on the wire:
 
     v_wire = ranges.JOINT_SPEED("v", v)
 
-Numbers are the manual's (version 3.8); each rule names its section. Where the manual prints no
-range, or an odd one, the comment says what is checked instead, and why.
+Numbers are the manual's (version 3.8); each rule names its section. If the manual prints no range,
+or an unusual one, the comment explains which range is checked instead, and why.
 """
 
 from __future__ import annotations
@@ -43,14 +43,14 @@ if TYPE_CHECKING:
 # -- shared ------------------------------------------------------------------------------------
 
 FLAG = Flag(source="1.3.2")
-#: of a tool, a work object, a track: the manual gives the 32 bytes for tools, in 1.3.7
+#: name of a tool, a work object or a track: the manual gives the 32 bytes for tools, in 1.3.7
 NAME = Text(min_bytes=1, max_bytes=32, source="1.3.7")
-#: name of a tool or a work object; empty for the one in use
+#: name of a tool or a work object; empty for the active one
 FRAME = Text(max_bytes=32, source="1.3.7")
 #: free text: log messages, values of string variables
 TEXT = Text(source="1.3.8")
 #: name of a program, a project's path, a system variable or a Modbus signal: the manual gives no
-#: length, only an empty one names nothing
+#: length; only an empty name is refused
 LONG_NAME = Text(min_bytes=1, source="1.3.4")
 PATH = Text(source="1.3.4")
 FINITE = Number(source="double on the wire")
@@ -58,34 +58,35 @@ FINITES = Vector(FINITE, source="list<double> on the wire")
 INT_32 = Integer(-(2**31), 2**31 - 1, source="i32 on the wire")
 TASK_ID = Integer(0, 2**31 - 1, source="1.3.8")
 
-#: how long this program waits for an answer
+#: time limit for an answer, in this program
 TIMEOUT = Number(0.0, unit="s", open_low=True, source="this package")
 
 # -- 1.3.1 connection --------------------------------------------------------------------------
 
-#: the manual gives no range; public applications found 200 to 60000 ms valid
+#: the manual gives no range; according to public applications 200 to 60000 ms are valid
 HEARTBEAT = Duration(0.2, 60.0, source="1.3.1")
 
 # -- 1.3.5 motion ------------------------------------------------------------------------------
 
 JOINTS = JointsRule(source="1.3.5")
 #: reference joints that choose the branch of the inverse kinematics; None for the present ones.
-#: The manual prints no range; the joints' own holds, and finds degrees
+#: The manual prints no range; the range of the joints applies, which detects values in degrees
 JOINTS_NEAR = OrCurrent(JOINTS)
-#: the manual prints ±2π for the angles of the motions' targets; here it holds for all poses, and
-#: finds degrees
+#: the manual prints ±2π for the angles of the motions' targets; here it applies to all poses, and
+#: detects values in degrees
 POSE = PoseRule(source="1.3.5")
-#: frames of cal_ikine and cal_fkine
+#: tool and work object of cal_ikine and cal_fkine
 POSE_OR_CURRENT = OrCurrent(PoseRule(source="1.3.7"))
-#: of the leading joint
+#: speed of the leading joint
 JOINT_SPEED = Number(0.01 * pi / 180, 1.25 * pi, "rad/s", source="1.3.5")
 JOINT_ACCELERATION = Number(0.01 * pi / 180, unit="rad/s²", source="1.3.5")
 LINE_SPEED = Number(0.01, 5.0, "m/s", source="1.3.5")
 LINE_ACCELERATION = Number(0.01, unit="m/s²", source="1.3.5")
-#: spline_op, the Cartesian track and speedl's acceleration start lower than the other motions
+#: spline_op, the Cartesian track and speedl's acceleration have a smaller lower bound than the
+#: other motions
 FINE_SPEED = Number(0.00001, 5.0, "m/s", source="1.3.5")
 FINE_ACCELERATION = Number(0.00001, unit="m/s²", source="1.3.5")
-#: 0 for no blending; the manual prints no largest one, but none is larger than an arm
+#: 0 for no blending; the manual prints no maximum, but no radius is larger than an arm
 BLEND_RADIUS = Number(0.0, unit="m", plausible=LONGEST_ARM, source="1.3.5")
 #: speed and acceleration of movej and movej_pose, which the manual does not describe
 PERCENT = Number(0.0, 100.0, "%", open_low=True, source="public applications")
@@ -106,7 +107,7 @@ SPIRAL_TURNS = Number(source="1.3.5")
 SPIRAL_LENGTH = Number(unit="m", source="1.3.5")
 SPIRAL_RADIUS = Number(0.0, unit="m", source="1.3.5")
 
-# the builders check these too, so they stand beside them
+# the builders check these too, so they are defined beside the builders
 JOINT_VELOCITIES = realtime.JOINT_VELOCITIES
 TWIST = realtime.TWIST
 JOG_DIRECTION = jog.JOG_DIRECTION
@@ -115,17 +116,17 @@ FRAME_TYPE = jog.FRAME_TYPE
 #: speedj and speedl: None to run until speed_stop (-1 on the wire)
 RUN_TIME = OrForever(Duration(0.001, source="1.3.5"))
 
-#: spline, spline_op: the manual prints only the 50; the curve begins where the arm is
+#: spline, spline_op: the manual prints only the 50; the curve begins at the arm's position
 SPLINE_POINTS = Points(POSE, 1, 50, source="1.3.5")
 SPLINE_COUNT = Integer(1, 50, "points", source="1.3.5")
 
-#: servo_tcp and servol: manual 3.8 calls them joint speed and acceleration, 4.3 Cartesian with
-#: [0.00001, 5] m/s; what 3.8 allows lies within both
+#: servo_tcp and servol: joint speed and acceleration in manual 3.8, Cartesian with
+#: [0.00001, 5] m/s in 4.3; the range of 3.8 lies within both
 SERVO_SPEED = Number(0.01 * pi / 180, 1.25 * pi, "rad/s or m/s", source="1.3.5")
 SERVO_ACCELERATION = Number(0.01 * pi / 180, unit="rad/s² or m/s²", source="1.3.5")
-#: the manual gives the default only (200); a negative gain drives away from the target
+#: the manual gives only the default (200); a negative gain moves the arm away from the target
 SERVO_KP = Number(0.0, source="1.3.5")
-#: the manual gives the default only (25)
+#: the manual gives only the default (25)
 SERVO_KD = Number(0.0, source="1.3.5")
 #: 1 to 100 in the manual, 1 to 10 in the vendor's code, where 10 is the default
 SERVO_SMOOTH_VELOCITY = Number(1.0, 100.0, source="1.3.5")
@@ -146,9 +147,9 @@ BLEND_AHEAD_MOVES = Integer(1, 3, "moves", source="1.3.5")
 #: the manual lists no rates
 BAUD_RATE = Integer(1, 2**31 - 1, "bit/s", source="1.3.6")
 READ_LENGTH = Integer(1, 2**31 - 1, "bytes", source="1.3.6")
-#: bytes 0 to 255, or as signed numbers, which the wire has
+#: bytes 0 to 255, or the signed numbers of the wire
 BYTES = Signed(8, "bytes", source="1.3.6")
-#: the largest identifier of an extended CAN frame has 29 bits
+#: the identifier of an extended CAN frame has 29 bits
 CAN_ID = Integer(0, 2**29 - 1, source="1.3.6")
 
 # -- 1.3.7 system functions and peripherals ----------------------------------------------------
@@ -169,18 +170,18 @@ CURRENT = Number(4.0, 20.0, "mA", source="1.3.7")
 BOOL_REGISTER = Integer(1, 64, source="1.3.7")
 WORD_REGISTER = Integer(1, 32, source="1.3.7")
 FLOAT_REGISTER = Integer(1, 32, source="1.3.7")
-#: the manual gives no range; a word has 16 bits, with or without a sign
+#: the manual gives no range; a word has 16 bits, signed or unsigned
 WORD = Integer(-(2**15), 2**16 - 1, source="1.3.7")
 
 _COORDINATE = Number(unit="m", source="1.3.7")
-#: mass in kg, then its centre in m; the manual gives no range, no mass is negative
+#: mass in kg, then its centre in m; the manual gives no range; a mass is not negative
 PAYLOAD = Vector(Number(0.0, unit="kg", source="1.3.7"), *[_COORDINATE] * 3)
 #: mass in kg up to 35, then its centre in m, in the tool's frame
 LOAD = Vector(Number(0.0, 35.0, "kg", source="1.3.7"), *[_COORDINATE] * 3)
 #: xx, xy, xz, yy, yz, zz
 INERTIA = Vector(Number(unit="kg·m²", source="1.3.7"), length=6)
 CHECK_POINTS = Points(POSE, 1, 2**31 - 1, source="1.3.7")
-#: speed() of the whole robot
+#: speed(), which applies to the whole robot
 GLOBAL_SPEED = Number(1.0, 100.0, "%", source="1.3.7")
 TEACH_SPEED = Integer(1, 100, "%", source="1.3.7")
 TRACK_MODE = Choice({0: "by position", 1: "by time"}, source="1.3.7")
@@ -191,26 +192,26 @@ SWITCH_MODE = Choice({0: "manual", 1: "automatic"}, source="1.3.7")
 
 # -- 1.3.9 Modbus ------------------------------------------------------------------------------
 
-#: a register takes 0 to 65535, a coil 0 or 1: which of them a signal is, only the controller knows
+#: 0 to 65535 for a register, 0 or 1 for a coil; this package cannot tell which a signal is
 MODBUS_VALUE = Integer(0, 65535, source="1.3.9")
 MODBUS_FREQUENCY = Integer(1, 100, "Hz", source="1.3.9")
 #: the manual gives no range; a unit's number is one byte in Modbus
 MODBUS_UNIT = Integer(0, 255, source="1.3.9")
-#: words 0 to 65535, or as signed numbers, which the wire has
+#: words 0 to 65535, or the signed numbers of the wire
 MODBUS_WORDS = Signed(16, "words", source="1.3.9")
 MODBUS_COILS = Integers(Choice({0: "off", 1: "on"}, source="1.3.9"), source="1.3.9")
 
 # -- 1.3.10 force control ----------------------------------------------------------------------
 
 DIRECTIONS = Flags(6, source="1.3.10")
-#: N in x, y, z, Nm about them; signed
+#: force in x, y, z [N], torque about them [N·m]; signed
 WRENCH = Vector(
     *[Number(-1000.0, 1000.0, "N", source="1.3.10")] * 3,
     *[Number(-1000.0, 1000.0, "N·m", source="1.3.10")] * 3,
 )
-#: dead band; the manual allows negative numbers, though it compares with an amount
+#: dead band; the manual allows negative numbers, although it is compared with a magnitude
 FORCE_DEAD_BAND = WRENCH
-#: fc_guard_act: an amount, whatever the direction; the manual gives no range
+#: fc_guard_act: a magnitude, regardless of the direction; the manual gives no range
 GUARD_WRENCH = Vector(
     *[Number(0.0, unit="N", source="1.3.10")] * 3,
     *[Number(0.0, unit="N·m", source="1.3.10")] * 3,
@@ -220,13 +221,13 @@ SENSOR_WRENCH = Vector(
     *[Number(unit="N", source="1.3.10")] * 3,
     *[Number(unit="N·m", source="1.3.10")] * 3,
 )
-#: the speed of the correction is the force's error divided by this: a negative one runs away.
-#: 0 passes for directions that are off, see `damping`
+#: the speed of the correction is the force error divided by the damping: with a negative one, the
+#: error grows. 0 is accepted for directions that are off, see `damping`
 DAMPING = Vector(
     *[Number(0.0, unit="N/(m/s)", source="1.3.10")] * 3,
     *[Number(0.0, unit="N·m/(rad/s)", source="1.3.10")] * 3,
 )
-#: the manual allows negative numbers, though it is the largest amount of a speed
+#: the manual allows negative numbers, although it is the maximum magnitude of a speed
 FORCE_SPEED = Vector(
     *[Number(-5.0, 5.0, "m/s", source="1.3.10")] * 3,
     *[Number(-5.0, 5.0, "rad/s", source="1.3.10")] * 3,
@@ -241,7 +242,7 @@ WAIT_VELOCITY = Vector(
     *[Number(-2 * pi, 2 * pi, "rad/s", source="1.3.10")] * 3,
 )
 WAIT_WRENCH = WRENCH
-#: the widths around the middle values; the manual gives no range, no width is negative
+#: widths around the middle values; the manual gives no range; a width is not negative
 WAIT_POSITION_RANGE = Vector(
     *[Number(0.0, unit="m", source="1.3.10")] * 3, *[Number(0.0, unit="rad", source="1.3.10")] * 3
 )
@@ -252,14 +253,14 @@ WAIT_VELOCITY_RANGE = Vector(
 WAIT_WRENCH_RANGE = GUARD_WRENCH
 WAIT_DURATION = Duration(source="1.3.10")
 WAIT_TIMEOUT = Duration(source="1.3.10")
-#: of position, velocity and force
+#: logic of position, velocity and force
 WAIT_LOGIC = Integers(
     Choice({0: "off", 1: "and", 2: "or"}, source="1.3.10"), length=3, source="1.3.10"
 )
 
 # -- 1.3.12 track pool -------------------------------------------------------------------------
 
-#: joints or poses, as the motion that follows takes them; the pool holds 1000
+#: joints or poses, depending on the motion that follows; the pool holds 1000
 _TRACK_POINT = Vector(FINITE, length=6, source="1.3.12")
 TRACK_POINTS = Points(_TRACK_POINT, 1, 1000, source="1.3.12")
 TRACK_JOINTS = Points(JOINTS, 1, 1000, source="1.3.12")
@@ -292,19 +293,19 @@ WEAVE_PLANE = Choice(
 WEAVE_FREQUENCY = Number(0.0, unit="Hz", open_low=True, source="1.3.13")
 WEAVE_AMPLITUDE = Number(0.0, unit="m", source="1.3.13")
 WEAVE_OFFSET = Number(unit="m", source="1.3.13")
-#: one dwell at a side; milliseconds on the wire by manual 4.3
+#: dwell time at one side; milliseconds on the wire, according to manual 4.3
 WEAVE_DWELL = Duration(source="1.3.13")
 
 # -- 1.3.14 external axes ----------------------------------------------------------------------
 
-#: up to three values in rad or m, as the scheme says
+#: up to three values in rad or m, depending on the scheme
 EAXIS_POSITION = Vector(Number(unit="rad or m", source="1.3.14"), length=3)
 #: the manual gives no range
 EAXIS_SPEED = Number(0.0, unit="rad/s or m/s", open_low=True, source="1.3.14")
-#: the manual's lower bound for movel and movec with external axes is 0, itself out
+#: for movel and movec with external axes the manual's lower bound is 0, excluded
 EAXIS_LINE_SPEED = Number(0.0, 5.0, "m/s", open_low=True, source="1.3.14")
 EAXIS_LINE_ACCELERATION = Number(0.0, unit="m/s²", open_low=True, source="1.3.14")
-#: the manual gives no range for the joints' speed with external axes: that of 1.3.5 holds
+#: the manual gives no range for the joints' speed with external axes: that of 1.3.5 applies
 EAXIS_JOINT_SPEED = JOINT_SPEED
 EAXIS_JOINT_ACCELERATION = JOINT_ACCELERATION
 EAXIS_NUMBER = Integer(0, 2**31 - 1, source="i32 on the wire")
@@ -315,9 +316,9 @@ REALTIME_MODE = Choice(
     {mode.value: mode.name.lower().replace("_", " ") for mode in realtime.RealtimeMode},
     source="1.3.15",
 )
-#: the manual gives the default only (100)
+#: the manual gives only the default (100)
 REALTIME_BANDWIDTH = Number(0.0, unit="Hz", open_low=True, source="1.3.15")
-#: the manual gives the default only (0.02); seconds on the wire as well
+#: the manual gives only the default (0.02); also seconds on the wire
 REALTIME_LOST_TIME = Number(0.0, unit="s", open_low=True, source="1.3.15")
 
 # -- only on the wire --------------------------------------------------------------------------
@@ -325,15 +326,15 @@ REALTIME_LOST_TIME = Number(0.0, unit="s", open_low=True, source="1.3.15")
 AXIS_NUMBER = Integer(0, 2**31 - 1, source="i32 on the wire")
 MATRIX = Points(FINITES, 0, 2**31 - 1, source="list<list<double>> on the wire")
 
-# -- what two parameters must be together ------------------------------------------------------
+# -- rules for two parameters together ---------------------------------------------------------
 
 
 def pulse(freq: Whole, duty_cycle: Whole) -> tuple[int, int]:
-    """Check frequency [Hz] and duty cycle [%] of pulses, which last 1 ms at least (1.3.7).
+    """Check frequency [Hz] and duty cycle [%] of pulses, which must last at least 1 ms (1.3.7).
 
     Raises:
-        ParameterError: one is out of range, or the pulse is shorter; the controller would then
-            turn the pulses off.
+        ParameterError: one is out of range, or the pulses are shorter; the controller would then
+            turn them off.
     """
     hertz, percent = PULSE_FREQUENCY("freq", freq), PULSE_DUTY("duty_cycle", duty_cycle)
     if percent * 10 < hertz:  # percent / 100 / hertz < 0.001 s
@@ -345,9 +346,9 @@ def pulse(freq: Whole, duty_cycle: Whole) -> tuple[int, int]:
 
 
 def percent_of_speed(name: str, value: Real) -> float:
-    """Check a speed in percent, and warn of one that reads like rad/s: 1.0 would be 1 %.
+    """Check a speed in percent; warn if it looks like rad/s: 1.0 would be 1 %.
 
-    A whole number, written without a point, is taken for percent.
+    An int is percent, without a warning.
 
     Raises:
         ParameterError: it is out of range.
@@ -365,7 +366,7 @@ def percent_of_speed(name: str, value: Real) -> float:
 
 
 def _callers_level() -> int:
-    """How many frames above the one that warns the program is that called this package."""
+    """Number of stack frames from the function that warns up to the program's frame."""
     frame, level = sys._getframe(1), 1
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("aioduco."):
         frame, level = frame.f_back, level + 1
@@ -373,10 +374,10 @@ def _callers_level() -> int:
 
 
 def weave_dwells(name: str, value: VectorLike) -> list[int]:
-    """Check how long a weave dwells on the left and on the right [s]; in milliseconds (1.3.13).
+    """Check the dwell times of a weave on the left and right [s]; return milliseconds (1.3.13).
 
     Raises:
-        ParameterError: they are not two, or one is out of range.
+        ParameterError: `value` has not two numbers, or one is out of range.
     """
     expected = f"two numbers, each {WEAVE_DWELL.expected}"
     items = ordered(name, value, expected)
@@ -386,11 +387,11 @@ def weave_dwells(name: str, value: VectorLike) -> list[int]:
 
 
 def damping(direction: FlagsLike, damp: VectorLike) -> tuple[list[bool], list[float]]:
-    """Check which directions give way to force, and their damping (1.3.10).
+    """Check which directions yield to force, and their damping (1.3.10).
 
     Raises:
-        ParameterError: one is out of range, or a direction that is on has no damping: the speed
-            is the force's error divided by it.
+        ParameterError: one is out of range, or a direction that is on has zero damping: the speed
+            is the force error divided by it.
     """
     on, by = DIRECTIONS("direction", direction), DAMPING("damp", damp)
     for index, (active, value) in enumerate(zip(on, by, strict=True)):

@@ -18,12 +18,12 @@ __all__ = ["RealtimeMode", "RealtimePoint"]
 _SOURCE = "1.3.15"
 _JOINTS = JointsRule(source=_SOURCE)
 _POSE = PoseRule(source=_SOURCE)
-# The manual gives no ranges in 1.3.15: those of speedj and speedl (1.3.5) hold.
-#: speedj: the manual prints the range of a speed's amount, [0.01π/180, 1.25π]; a joint may stand
-#: or turn backwards
+# The manual gives no ranges in 1.3.15: those of speedj and speedl (1.3.5) apply.
+#: speedj: the manual prints the range of a speed's magnitude, [0.01π/180, 1.25π]; a joint may also
+#: stand or turn backwards
 JOINT_VELOCITIES = Vector(Number(-1.25 * pi, 1.25 * pi, "rad/s", source="1.3.5"), length=6)
-#: speedl: the manual prints the range of a speed's amount, [0.00001, 5] m/s, and (0, 1.25π] and
-#: (0, 2π] rad/s in a row; a direction may be still or negative, and the stricter limit holds
+#: speedl: the manual prints the range of a speed's magnitude, [0.00001, 5] m/s, and both (0, 1.25π]
+#: and (0, 2π] rad/s; a component may be zero or negative, and the stricter limit applies
 TWIST = Vector(
     *[Number(-5.0, 5.0, "m/s", source="1.3.5")] * 3,
     *[Number(-1.25 * pi, 1.25 * pi, "rad/s", source="1.3.5")] * 3,
@@ -32,7 +32,7 @@ _TORQUES = Vector(Number(unit="N·m", source=_SOURCE), length=6)
 
 
 class RealtimeMode(IntEnum):
-    """What realtime control follows (manual 1.3.15)."""
+    """Kind of set-point that realtime control follows (manual 1.3.15)."""
 
     JOINT_POSITION = 0
     JOINT_VELOCITY = 1
@@ -46,7 +46,7 @@ class RealtimePoint:
     """One command of realtime control, made by the class method of its mode.
 
     Attributes:
-        mode: the mode that follows it; commands of another mode are without effect in it.
+        mode: the mode that follows the command; commands of another mode have no effect in it.
         values: six numbers in the units of the mode.
     """
 
@@ -79,7 +79,7 @@ class RealtimePoint:
 
     @classmethod
     def joint_torque(cls, torque: VectorLike) -> RealtimePoint:
-        """Command joint torques, which manual 3.8 calls reserved: a controller may ignore them.
+        """Command joint torques; manual 3.8 calls them reserved: a controller may ignore them.
 
         Args:
             torque: joint torques [N·m]. Shape (6,).
@@ -114,7 +114,7 @@ class RealtimePoint:
         return cls(RealtimeMode.TWIST, tuple(TWIST("twist", twist)))
 
     def wire(self) -> rpc.RealTimeControlData:
-        """Give the struct of the wire, marked as a fresh command."""
+        """Return the struct of the wire, marked as a new command."""
         values = list(self.values)
         match self.mode:
             case RealtimeMode.JOINT_POSITION:

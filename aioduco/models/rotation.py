@@ -1,7 +1,7 @@
 """Rotations as arrays: matrices, roll-pitch-yaw, quaternions and rotation vectors.
 
-Every function takes and returns arrays with any number of leading axes, so that a whole path is
-converted at once. Roll-pitch-yaw is the controller's convention, R = Rz(rz)·Ry(ry)·Rx(rx).
+The conversions take and return arrays with any number of leading axes, so that a whole path can be
+converted in one call. Roll-pitch-yaw is the controller's convention, R = Rz(rz)·Ry(ry)·Rx(rx).
 Quaternions are in the order w, x, y, z.
 """
 
@@ -30,11 +30,11 @@ __all__ = [
 
 Array: TypeAlias = NDArray[np.float64]
 
-_GIMBAL = 1e-12  # below this cosine of ry, rx and rz turn about one axis and only their sum counts
+_GIMBAL = 1e-12  # below this cosine of ry, rx and rz rotate about the same axis
 
 
 def matrix_from_rpy(rpy: Array) -> Array:
-    """Give the rotation matrices of roll-pitch-yaw angles.
+    """Return the rotation matrices of roll-pitch-yaw angles.
 
     Args:
         rpy: rx, ry, rz [rad]. Shape (..., 3).
@@ -58,11 +58,11 @@ def matrix_from_rpy(rpy: Array) -> Array:
 
 
 def rpy_from_matrix(matrix: Array) -> Array:
-    """Give the roll-pitch-yaw angles of rotation matrices.
+    """Return the roll-pitch-yaw angles of rotation matrices.
 
-    rz is read first and turned back before rx and ry are read. The three angles therefore give
-    the matrix again to machine precision, also close to ry = ±π/2, where each alone is ill
-    conditioned; at that singularity itself rz is zero.
+    rz is computed first, and its rotation is removed before rx and ry are computed. So the three
+    angles reproduce the matrix to machine precision, also close to ry = ±π/2, where each angle
+    alone is ill conditioned. At that singularity itself rz is zero.
 
     Args:
         matrix: rotation matrices. Shape (..., 3, 3).
@@ -83,7 +83,7 @@ def rpy_from_matrix(matrix: Array) -> Array:
 
 
 def matrix_from_quaternion(quaternion: Array) -> Array:
-    """Give the rotation matrices of unit quaternions.
+    """Return the rotation matrices of unit quaternions.
 
     Args:
         quaternion: w, x, y, z, of length one. Shape (..., 4).
@@ -106,10 +106,10 @@ def matrix_from_quaternion(quaternion: Array) -> Array:
 
 
 def quaternion_from_matrix(matrix: Array) -> Array:
-    """Give the unit quaternions of rotation matrices.
+    """Return the unit quaternions of rotation matrices.
 
     The matrix 4·q·qᵀ is linear in R. Its row with the largest diagonal element is the quaternion
-    up to a factor, and is never close to zero, so that no rotation is ill conditioned.
+    times a factor. This row is never close to zero, so no rotation is ill conditioned.
 
     Args:
         matrix: rotation matrices. Shape (..., 3, 3).
@@ -137,7 +137,7 @@ def quaternion_from_matrix(matrix: Array) -> Array:
 
 
 def rotvec_from_matrix(matrix: Array) -> Array:
-    """Give the rotation vectors (axis times angle) of rotation matrices.
+    """Return the rotation vectors (axis times angle) of rotation matrices.
 
     Args:
         matrix: rotation matrices. Shape (..., 3, 3).
@@ -153,7 +153,7 @@ def rotvec_from_matrix(matrix: Array) -> Array:
 
 
 def matrix_from_rotvec(rotvec: Array) -> Array:
-    """Give the rotation matrices of rotation vectors (axis times angle).
+    """Return the rotation matrices of rotation vectors (axis times angle).
 
     Args:
         rotvec: rotation vectors [rad]. Shape (..., 3).
@@ -170,12 +170,12 @@ def matrix_from_rotvec(rotvec: Array) -> Array:
 
 
 def slerp(start: Array, end: Array, t: Array) -> Array:
-    """Turn from one orientation to another at a constant rate, the shorter way.
+    """Interpolate between two orientations at a constant rate, the shorter way.
 
     Args:
         start: rotation matrix at t = 0. Shape (3, 3).
         end: rotation matrix at t = 1. Shape (3, 3).
-        t: fractions of the way. Shape (...,).
+        t: fractions of the rotation. Shape (...,).
 
     Returns:
         Rotation matrices. Shape (..., 3, 3).
@@ -185,7 +185,7 @@ def slerp(start: Array, end: Array, t: Array) -> Array:
 
 
 def turn_between(start: Sequence[float], end: Sequence[float]) -> float:
-    """Give the angle of the turn that leads from one orientation to another.
+    """Return the angle of the rotation from one orientation to another.
 
     Args:
         start: rx, ry, rz [rad].
@@ -194,7 +194,7 @@ def turn_between(start: Sequence[float], end: Sequence[float]) -> float:
     Returns:
         The angle, 0 to π [rad].
     """
-    # in plain floats: for one pair, arrays take ten times as long
+    # plain floats: for one pair, arrays take ten times as long
     w1, x1, y1, z1 = _quaternion(*start)
     w2, x2, y2, z2 = _quaternion(*end)
     cosine = w1 * w2 + x1 * x2 + y1 * y2 + z1 * z2

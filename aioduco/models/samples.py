@@ -1,4 +1,4 @@
-"""From what the wire carries to samples of the state."""
+"""Convert replies of the wire to samples of the state."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 
 class Samples:
-    """Makes samples of one robot, and numbers them: each kind by itself, from 0.
+    """Makes samples of one robot, and numbers each kind of sample separately, from 0.
 
-    Each takes the time at which the answer came, by `time.monotonic()`; None: it comes just now.
+    The parameter `at` is the time of `time.monotonic()` at which the answer arrived; None: now.
     """
 
     def __init__(self) -> None:
@@ -30,10 +30,10 @@ class Samples:
         self._forces = itertools.count()
 
     def states(self, wire: Sequence[int], at: float | None = None) -> RobotStates:
-        """Make a sample of what get_robot_state returned.
+        """Make a sample from the result of get_robot_state.
 
         Raises:
-            StaleState: fewer than four states came: the controller is still starting.
+            StaleState: fewer than four states arrived: the controller is still starting.
         """
         at = time.monotonic() if at is None else at
         if len(wire) < 4:
@@ -51,7 +51,7 @@ class Samples:
         )
 
     def status(self, wire: rpc.RobotStatus, at: float | None = None) -> RobotStatus:
-        """Make a sample of what getRobotStatus returned.
+        """Make a sample from the result of getRobotStatus.
 
         Raises:
             StaleState: positions are missing: the controller is still starting.
@@ -111,13 +111,13 @@ class Samples:
     def forces(
         self, tool: Sequence[float], external: Sequence[float], at: float | None = None
     ) -> ForceStatus:
-        """Make a sample of what get_tcp_force and get_ext_torque returned."""
+        """Make a sample from the results of get_tcp_force and get_ext_torque."""
         at = time.monotonic() if at is None else at
         tool_, external_ = vectors(tool, external)
         return ForceStatus(next(self._forces), at, tool_, external_)
 
     def io(self, wire: rpc.IOStatus, at: float | None = None) -> IOStatus:
-        """Make a sample of what getRobotIOStatus returned."""
+        """Make a sample from the result of getRobotIOStatus."""
         at = time.monotonic() if at is None else at
         return IOStatus(
             sequence=next(self._io),
@@ -143,7 +143,7 @@ class Samples:
 
 
 def joints(wire: Sequence[float]) -> Joints:
-    """Joint angles of the wire; external axes after the sixth are left out.
+    """Convert joint angles of the wire; external axes after the sixth are left out.
 
     Raises:
         StaleState: there are fewer than six, or some are not finite: the controller is starting.
@@ -152,7 +152,7 @@ def joints(wire: Sequence[float]) -> Joints:
 
 
 def pose(wire: Sequence[float]) -> Pose:
-    """A pose of the wire.
+    """Convert a pose of the wire.
 
     Raises:
         StaleState: there are fewer than six numbers, or some are not finite: the controller is

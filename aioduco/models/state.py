@@ -33,10 +33,10 @@ Vector = NDArray[np.float64]
 
 
 def vector(values: Sequence[float], length: int = 6) -> Vector:
-    """Return the first `length` values as a read-only array; NaN for those that are missing.
+    """Return the first `length` values as a read-only array; NaN for missing ones.
 
-    Controllers send some lists longer (external axes) or leave them out (older software). A value
-    that was not sent is not a number; it is never made up.
+    Some controllers send longer lists (external axes) or no list (older software). A value that was
+    not sent is NaN, and is never invented.
     """
     array = np.array(_fitted(values, length), dtype=np.float64)
     array.setflags(write=False)
@@ -44,7 +44,7 @@ def vector(values: Sequence[float], length: int = 6) -> Vector:
 
 
 def vectors(*lists: Sequence[float], length: int = 6) -> list[Vector]:
-    """Return each list as `vector` does; for many at once it takes a third of the time."""
+    """Return each list as `vector` does; for many lists this takes a third of the time."""
     array = np.array([_fitted(values, length) for values in lists], dtype=np.float64)
     array.setflags(write=False)
     return list(array)
@@ -58,11 +58,11 @@ def _fitted(values: Sequence[float], length: int) -> Sequence[float]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """What all samples have.
+    """Base class of all samples.
 
     Attributes:
-        sequence: number of the sample, rising by one for each sample of its kind.
-        received_at: when it was received, on the clock of `time.monotonic` [s].
+        sequence: number of the sample, which increases by one for each sample of its kind.
+        received_at: time of receipt, on the clock of `time.monotonic` [s].
     """
 
     sequence: int
@@ -99,16 +99,16 @@ class RobotStates(Sample):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotStatus(Sample):
-    """Where the arm is and how it moves (manual 1.3.7, getRobotStatus).
+    """Position and motion of the arm (manual 1.3.7, getRobotStatus).
 
     Arrays are read-only, of shape (6,); a value that the controller did not send is NaN.
-    Poses, and speeds and accelerations of the tool, are in the world frame.
+    Poses, speeds and accelerations of the tool are in the world frame.
 
     Attributes:
         joints: actual joint angles [rad].
         joint_speeds: actual joint speeds [rad/s].
         joint_accelerations: actual joint accelerations [rad/s²].
-        joint_currents: actual joint currents, in thousandths of each motor's rated current.
+        joint_currents: actual joint currents, in thousandths of the motor's rated current.
         joint_temperatures: temperatures of the joints [°C].
         driver_temperatures: temperatures of the joints' drive boards [°C].
         pose: actual pose of the tool [m, rad].
@@ -153,14 +153,14 @@ class RobotStatus(Sample):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceStatus(Sample):
-    """What pushes at the arm from outside (manual 1.3.7).
+    """External forces on the arm (manual 1.3.7).
 
     Arrays are read-only, of shape (6,); a value that the controller did not send is NaN.
 
     Attributes:
         tool: force and torque at the tool [N, N·m] (get_tcp_force); NaN without a force sensor.
-        external_torques: observed external torques of the joints [N·m] (get_ext_torque); NaN from
-            a controller whose software does not have the function.
+        external_torques: observed external torques of the joints [N·m] (get_ext_torque); NaN if
+            the controller's software does not have the function.
     """
 
     tool: Vector
@@ -171,28 +171,28 @@ class ForceStatus(Sample):
 class IOStatus(Sample):
     """Inputs, outputs and registers (manual 1.3.7, getRobotIOStatus).
 
-    Signals have the controller's numbers in `input`, `output`, `tool_input` and `tool_output`:
-    `status.input(1)` is DI1. Tuples begin with channel 1 of the cabinet or the tool, and with
-    register 1, at index 0: `status.digital_inputs[0]` is DI1, too.
+    `input`, `output`, `tool_input` and `tool_output` use the controller's numbers of signals:
+    `status.input(1)` is DI1. In the tuples, channel 1 of the cabinet or the tool, and register 1,
+    have index 0: `status.digital_inputs[0]` is also DI1.
 
     Attributes:
-        analog_current_outputs: currents put out [mA].
-        analog_voltage_outputs: voltages put out [V].
-        analog_current_inputs: currents read [mA].
-        analog_voltage_inputs: voltages read [V].
+        analog_current_outputs: output currents [mA].
+        analog_voltage_outputs: output voltages [V].
+        analog_current_inputs: input currents [mA].
+        analog_voltage_inputs: input voltages [V].
         digital_inputs: general inputs of the cabinet.
         digital_outputs: general outputs of the cabinet.
         tool_inputs: inputs of the tool.
         tool_outputs: outputs of the tool.
         tool_buttons: the buttons T and S at the tool.
-        function_inputs: function registers in.
-        function_outputs: function registers out.
-        bool_inputs: bool registers in.
-        bool_outputs: bool registers out.
-        word_inputs: word registers in.
-        word_outputs: word registers out.
-        float_inputs: float registers in.
-        float_outputs: float registers out.
+        function_inputs: input function registers.
+        function_outputs: output function registers.
+        bool_inputs: input bool registers.
+        bool_outputs: output bool registers.
+        word_inputs: input word registers.
+        word_outputs: output word registers.
+        float_inputs: input float registers.
+        float_outputs: output float registers.
     """
 
     analog_current_outputs: tuple[float, ...]
@@ -217,7 +217,7 @@ class IOStatus(Sample):
         """Whether a general input of the cabinet is on.
 
         Args:
-            num: its number on the controller, from 1.
+            num: number of the input on the controller, from 1.
 
         Raises:
             ParameterError: there is no such input.
@@ -238,7 +238,7 @@ class IOStatus(Sample):
 
 
 def _numbered(num: int, signals: tuple[bool, ...]) -> bool:
-    """The signal of a number of the controller's, which begin with 1."""
+    """Return the signal with this number on the controller, where numbers begin with 1."""
     if not 1 <= num <= len(signals):
         raise ParameterError("num", num, f"from 1 to {len(signals)}")
     return signals[num - 1]

@@ -1,8 +1,8 @@
-"""The frame that controllers push on TCP port 2001: 1468 bytes, without being asked.
+"""The frame that controllers send without a request on TCP port 2001: 1468 bytes.
 
-Where each field lies is data below. Source: two parsers in a public application for a GCR5-910
-(robot_dc, duco_2001_monitoring_extended.py and robot_data.py); the vendor does not document the
-port. Fields that one of the parsers reads otherwise say so.
+A table below has the place of each field. Source: two parsers in a public application for a
+GCR5-910 (robot_dc, duco_2001_monitoring_extended.py and robot_data.py); the vendor does not
+document the port. If one of the parsers reads a field differently, its description says so.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from aioduco.errors import ProtocolError
 __all__ = ["FRAME_SIZE", "PORT", "RATE", "StatusFrame"]
 
 PORT: Final = 2001
-#: frames a second, about
+#: approximate number of frames per second
 RATE: Final = 10.0
 #: length of a frame [bytes]
 FRAME_SIZE: Final = 1468
@@ -25,10 +25,10 @@ FRAME_SIZE: Final = 1468
 Numbers = tuple[float, ...]
 Whole = tuple[int, ...]
 
-_BIGGEST = 3.4028234663852886e38  # that a number of four bytes holds
+_BIGGEST = 3.4028234663852886e38  # largest finite float of four bytes
 
 
-#: by field, where it begins and its format, as the struct module writes it, little-endian
+#: by field, its offset [bytes] and its format in the notation of the struct module, little-endian
 _WHERE: Final = {
     "joint_position": (0, "7f"),
     "joint_velocity": (28, "7f"),
@@ -89,29 +89,29 @@ _WHERE: Final = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StatusFrame:
-    """The state of a controller at one instant, as its status port tells it.
+    """The state of a controller at one instant, as sent by its status port.
 
-    A frame that was received has every number. Lists of joints have seven, of which an arm without
-    an external axis uses six. Those of signals have one number, 0 or 1, for each.
+    A received frame has every number. Lists of joints have seven numbers; an arm without an
+    external axis uses six of them. Lists of signals have one number, 0 or 1, for each signal.
 
     Attributes:
-        joint_position, joint_velocity, joint_acceleration: actual joints [rad, s].
+        joint_position, joint_velocity, joint_acceleration: actual values of the joints [rad, s].
         joint_torque: actual torques [N m].
-        joint_position_expected, joint_velocity_expected, joint_acceleration_expected: what the
-            drives are to follow [rad, s].
-        joint_torque_expected: torques for it [N m].
+        joint_position_expected, joint_velocity_expected, joint_acceleration_expected: set-points
+            of the drives [rad, s].
+        joint_torque_expected: torques for these set-points [N m].
         joint_temperature: temperatures [°C].
         joint_current: thousandths of the rated currents.
-        driver_error, driver_state: of the drives.
-        tcp_position, tcp_velocity, tcp_acceleration: the tool's tip [m, rad, s].
+        driver_error, driver_state: errors and states of the drives.
+        tcp_position, tcp_velocity, tcp_acceleration: actual values of the tool's tip [m, rad, s].
         tcp_force: force and torque at the tip; the parsers doubt their units [N, N m].
-        tcp_position_expected, tcp_velocity_expected, tcp_acceleration_expected: what the tip is
-            to do [m, rad, s].
-        tcp_force_expected: force and torque that it is to meet [N, N m].
-        base_force, base_force_expected: at the base [N, N m].
-        tool, work_object: the frames in use [m, rad].
-        blended_speed: of the path [m/s or rad/s].
-        global_speed, jog_speed: percent.
+        tcp_position_expected, tcp_velocity_expected, tcp_acceleration_expected: set-points of the
+            tip [m, rad, s].
+        tcp_force_expected: expected force and torque at the tip [N, N m].
+        base_force, base_force_expected: force and torque at the base [N, N m].
+        tool, work_object: the active frames [m, rad].
+        blended_speed: speed of the path [m/s or rad/s].
+        global_speed, jog_speed: speeds [%].
         function_digital_in, function_digital_out: 8 signals each.
         digital_in, digital_out: 16 signals each.
         analog_in, analog_out: 8 channels each.
@@ -127,7 +127,7 @@ class StatusFrame:
         mode: operation mode, see `OperationMode`.
         robot, program, safety: see `RobotState`, `ProgramState`, `SafetyState`.
         collision: 1 while a collision is signalled.
-        collision_axis: its joint, 1 to 6, or 0.
+        collision_axis: joint of the collision, 1 to 6, or 0.
         error: error code of the robot.
     """
 
@@ -188,7 +188,7 @@ class StatusFrame:
 
     @classmethod
     def decode(cls, data: bytes) -> StatusFrame:
-        """Read a frame.
+        """Decode a frame.
 
         Args:
             data: its 1468 bytes.
@@ -208,7 +208,7 @@ class StatusFrame:
         return cls(**values)
 
     def encode(self) -> bytes:
-        """The 1468 bytes of the frame; lists that are too short are filled with zeros."""
+        """Return the 1468 bytes of the frame; lists that are too short are filled with zeros."""
         frame = bytearray(FRAME_SIZE)
         for name, offset, one, count in _LAYOUT:
             given = getattr(self, name)
@@ -221,11 +221,11 @@ class StatusFrame:
 
 
 def _single(value: float) -> float:
-    """What a number of four bytes can hold of a value."""
+    """Convert a value to the range of a float of four bytes; larger ones become infinite."""
     return value if abs(value) <= _BIGGEST or math.isnan(value) else math.copysign(math.inf, value)
 
 
-#: by field: its name, offset and format, and how many numbers it has, 0 for a single one
+#: for each field: name, offset, format, and number of elements, 0 for a single number
 _LAYOUT: Final = tuple(
     (name, offset, struct.Struct(f"<{form}"), int(form[:-1] or 0))
     for name, (offset, form) in _WHERE.items()

@@ -1,4 +1,4 @@
-"""The way into SI units: `deg`, `mm`."""
+"""Conversion to SI units: `deg`, `mm`."""
 
 from __future__ import annotations
 

@@ -14,29 +14,29 @@ _NUMBERS = re.compile(r"\d+(?:\.\d+)*")
 class ControllerVersion:
     """A version of the controller's software (控制器版本).
 
-    Versions are ordered by their numbers; one that is not known comes before all others.
+    Versions are ordered by their numbers; an unknown version comes before all others.
 
         if robot.version.controller.at_least(3, 4, 1): ...
 
     Attributes:
-        text: what the controller calls it; empty if it does not say.
+        text: version text from the controller; empty if the controller sends none.
     """
 
     text: str
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        """The first numbers in the text that are joined by dots: 3, 4, 1 in "V3.4.1-r2"."""
+        """The first numbers in the text that are separated by dots: 3, 4, 1 in "V3.4.1-r2"."""
         found = _NUMBERS.search(self.text)
         return tuple(map(int, found[0].split("."))) if found else ()
 
     @property
     def known(self) -> bool:
-        """Whether there are numbers."""
+        """Whether the text contains numbers."""
         return bool(self.numbers)
 
     def at_least(self, *numbers: int) -> bool:
-        """Tell whether it is this version or a later one; false if it is not known."""
+        """Whether it is this version or a later one; false if it is unknown."""
         return self._padded(len(numbers)) >= numbers if self.known else False
 
     def __lt__(self, other: ControllerVersion) -> bool:
@@ -56,7 +56,7 @@ class ControllerVersion:
         return self.text or "unknown"
 
     def _padded(self, length: int) -> tuple[int, ...]:
-        """The numbers, 3.4 as 3.4.0; those of an unknown version are below all others."""
+        """Return the numbers, 3.4 as 3.4.0; those of an unknown version are below all others."""
         if not self.known:
             return (-1,)
         return self.numbers + (0,) * (length - len(self.numbers))

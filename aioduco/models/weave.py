@@ -1,4 +1,4 @@
-"""The weave that combined motion lays over a path (复合运动, manual 1.3.13)."""
+"""The weave that combined motion adds to a path (复合运动, manual 1.3.13)."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""The arm and what is around it in 3D, served by viser on a port of its own.
+"""The arm and its surroundings in 3D, served by viser on a port of its own.
 
-Pages only look at it: it has no controls, and what they send to it has no effect. Shapes are those
-of `aioduco.kinematics`: lengths of the arm, thickness as on photographs, nothing of the vendor's.
+Pages only view it: it has no controls, and messages of pages to it have no effect. The shapes are
+those of `aioduco.kinematics`: lengths of the arm, thickness from photographs, no vendor's meshes.
 """
 
 from __future__ import annotations
@@ -39,14 +39,14 @@ _TOLD: Final = (255, 170, 40)
 _AIM: Final = (60, 190, 120)
 _KEEP_OUT: Final = (215, 60, 60)
 _KEEP_IN: Final = (70, 150, 230)
-#: of joints, below which two arms are drawn as one [rad]
+#: difference of joints below which two arms are drawn as one [rad]
 _SAME: Final = 0.01
-#: edges of a round thing
+#: number of edges of a round shape
 _ROUND: Final = 24
 
 
 class _SilentViser(viser.ViserServer):
-    """Viser that prints nothing, and opens no way to it from the internet."""
+    """Viser server that prints nothing, and opens no tunnel from the internet."""
 
     def __init__(self, host: str, port: int) -> None:
         with contextlib.redirect_stdout(io.StringIO()):  # its banner, whatever `verbose` says
@@ -62,14 +62,14 @@ class _SilentViser(viser.ViserServer):
 
 
 class ArmScene:
-    """Draws one arm for every page that looks.
+    """Draws one arm for all pages.
 
     Args:
         arm: the arm.
         host: address of this computer to listen on.
         port: the first port to try; the next free one is taken.
-        scene: what stands around it; None for nothing.
-        envelope: its zones; None for none.
+        scene: objects around the arm; None for nothing.
+        envelope: envelope whose zones are drawn; None for none.
     """
 
     def __init__(
@@ -117,9 +117,9 @@ class ArmScene:
         """Draw the arm.
 
         Args:
-            joints: where it is [rad], six.
-            told: where it was told to be [rad], six; drawn where that is elsewhere.
-            aim: where the sliders point [rad], six; None for nowhere.
+            joints: actual joints [rad], six.
+            told: commanded joints [rad], six; drawn if they differ from the actual ones.
+            aim: joints of the sliders [rad], six; None to draw none.
         """
         with self._server.atomic():
             self._turn("is", joints)
@@ -127,10 +127,10 @@ class ArmScene:
             self._turn("aim", None if aim is None or _near(joints, aim) else aim)
 
     def close(self) -> None:
-        """End it: pages see it no more."""
+        """Stop the server: pages no longer show the scene."""
         self._server.stop()
 
-    # -- how it is drawn -------------------------------------------------------------------------
+    # -- drawing ---------------------------------------------------------------------------------
 
     def _turn(self, which: str, joints: Sequence[float] | None) -> None:
         root, links = self._arms[which]
@@ -145,7 +145,7 @@ class ArmScene:
     def _add_arm(
         self, arm: Arm, which: str, colour: Colour | None, opacity: float | None
     ) -> tuple[Any, list[Any]]:
-        """A frame for each link in that of the link before, and its parts in it."""
+        """Add a frame for each link in that of the previous link, and the link's parts in it."""
         draw = self._server.scene
         path = f"/base/{which}"
         root = draw.add_frame(path, show_axes=False, visible=colour is None)
@@ -171,7 +171,7 @@ class ArmScene:
         return root, links
 
     def _add_body(self, path: str, body: ET.Element) -> None:
-        """A thing as MJCF gives it: bodies in bodies, and simple shapes in them."""
+        """Add an object from MJCF: nested bodies with simple shapes."""
         draw = self._server.scene
         draw.add_frame(path, show_axes=False, **_placed(body))
         for number, child in enumerate(body):
@@ -193,7 +193,7 @@ class ArmScene:
     def _add_zone(self, path: str, zone: Zone) -> None:
         draw = self._server.scene
         colour = _KEEP_IN if zone.keep == "in" else _KEEP_OUT
-        # double-sided: one stands in a zone to be kept in
+        # double-sided: the camera may be inside a zone to keep in
         look: dict[str, Any] = {"color": colour, "opacity": 0.14, "side": "double",
                                 "cast_shadow": False, "receive_shadow": False}  # fmt: skip
         if zone.shape == "sphere":
@@ -218,13 +218,13 @@ def _floats(element: ET.Element, name: str) -> list[float]:
 
 
 def _placed(element: ET.Element) -> dict[str, Any]:
-    """Where an element of MJCF is, as viser takes it."""
+    """Pose of an MJCF element, in viser's arguments."""
     position, quaternion = _floats(element, "pos"), _floats(element, "quat")
     return {"position": position or (0.0, 0.0, 0.0), "wxyz": quaternion or (1.0, 0.0, 0.0, 0.0)}
 
 
 def _quaternion(rotation: Array) -> Array:
-    """As viser takes it: w, x, y, z. Shape (4,)."""
+    """A rotation as viser's quaternion: w, x, y, z. Shape (4,)."""
     return np.asarray(transforms.SO3.from_matrix(rotation).wxyz, dtype=np.float64)
 
 
@@ -234,7 +234,7 @@ def _about_z(angle: float) -> Array:
 
 
 def _towards(axis: Array) -> Array:
-    """A rotation whose z axis points that way. Shape (3, 3)."""
+    """A rotation whose z axis points along `axis`. Shape (3, 3)."""
     z = axis / np.linalg.norm(axis)
     x = np.cross([0.0, 1.0, 0.0] if abs(z[1]) < 0.9 else [1.0, 0.0, 0.0], z)
     x /= np.linalg.norm(x)

@@ -1,11 +1,12 @@
-"""Who commands the arm from the panel, and for how long: a state machine without I/O or a clock.
+"""Which page commands the arm, and for how long: a state machine without I/O or a clock.
 
 Guarantees:
-- At most one page commands: the one that showed the token while nobody else did.
-- Nothing moves but while a button is held down. A hold lives for `hold_limit` after the moment that
-  the page last confirmed to have seen: a page that is silent, slow, or late by more ends it.
-- What ends a lease ends what moves by it, and no lease is given before that is seen through.
-- A stop is never refused, and what was held is not taken up again after it.
+- At most one page commands: the page that presented the token while no other page commanded.
+- The arm moves only while a button is held down. A hold is valid for `hold_limit` after the sending
+  time of the newest state that the page confirmed: a page that is silent, slow or late by more ends
+  the motion.
+- The end of a lease ends its motion. No new lease is given until that is completed.
+- A stop is never refused, and the held motion does not resume after it.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ __all__ = [
 
 
 class LeasePhase(enum.Enum):
-    """What has become of the lease."""
+    """State of the lease."""
 
     FREE = "free"
     OPENING = "opening"
@@ -40,12 +41,12 @@ class LeasePhase(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class RefusePage:
-    """Nothing is done; the page is told why.
+    """Do nothing, and send the page the reason.
 
     Attributes:
         page: the page.
-        reason: what it is told.
-        wrong_token: whether it showed a wrong token, which is logged.
+        reason: text for the page.
+        wrong_token: whether the page presented a wrong token, which is logged.
     """
 
     page: int
@@ -55,17 +56,17 @@ class RefusePage:
 
 @dataclass(frozen=True, slots=True)
 class BeginLease:
-    """Open a robot to command: a page holds the lease."""
+    """Open a robot for commands: a page holds the lease."""
 
     page: int
 
 
 @dataclass(frozen=True, slots=True)
 class EndLease:
-    """Stop what moves by the lease, and close its robot.
+    """Stop the motion of the lease, and close its robot.
 
     Attributes:
-        reason: why, as pages are told.
+        reason: text for the pages.
     """
 
     reason: str
@@ -73,17 +74,17 @@ class EndLease:
 
 @dataclass(frozen=True, slots=True)
 class BeginMotion:
-    """Start what a button is held down for."""
+    """Start the motion of a button that is held down."""
 
     motion: HoldMotion
 
 
 @dataclass(frozen=True, slots=True)
 class EndMotion:
-    """End what a button was held down for.
+    """End the motion of a button.
 
     Attributes:
-        reason: why, as pages are told; empty where the button was let go.
+        reason: text for the pages; empty if the button was released.
     """
 
     reason: str = ""
@@ -98,14 +99,16 @@ class ControlLease:
     """The lease of one panel.
 
     Args:
-        token: what a page has to show to command; empty if none may.
-        hold_limit: seconds for which a hold lives on what the page last confirmed to have seen.
-        page_limit: seconds without a sign of its page after which a lease ends.
+        token: secret that a page must present to command; empty if no page may command.
+        hold_limit: seconds for which a hold is valid after the sending time of the newest state
+            that the page confirmed.
+        page_limit: seconds without a keep-alive message or a button press of its page after which a
+            lease ends.
 
     Attributes:
-        phase: what has become of the lease.
-        holder: the page that has it; None for nobody.
-        motion: what a button is held down for, until its end is seen; None for nothing.
+        phase: state of the lease.
+        holder: the page that has the lease; None for no page.
+        motion: the motion of the held button, until its end is observed; None for none.
     """
 
     def __init__(self, token: str, *, hold_limit: float, page_limit: float) -> None:
@@ -130,12 +133,12 @@ class ControlLease:
 
         Args:
             page: the page.
-            token: what it shows; compared in a time that does not depend on it.
+            token: the token that it presents; compared in constant time.
             now: the time [s].
         """
         if not self._token:
             return RefusePage(page, "this panel only watches")
-        # as bytes: of strings, only ASCII would be compared
+        # as bytes: `compare_digest` accepts only ASCII strings
         if not hmac.compare_digest(token.encode("utf-8", "replace"), self._token):
             return RefusePage(page, "wrong token: nothing was moved", wrong_token=True)
         if self.phase is LeasePhase.ENDING:
@@ -152,16 +155,16 @@ class ControlLease:
             self.phase = LeasePhase.HELD
 
     def give_back(self, page: int, reason: str = "control was given back") -> LeaseEffect | None:
-        """A page gives the lease back, or is gone."""
+        """A page gives the lease back, or was closed."""
         return self._end(reason) if page == self.holder else None
 
     def closed(self) -> None:
-        """What moved by the lease stands, and its robot is closed."""
+        """The motion of the lease has stopped, and its robot is closed."""
         self.phase, self.holder, self.motion = LeasePhase.FREE, None, None
         self._ending_motion = False
 
     def lost(self, reason: str) -> LeaseEffect | None:
-        """The robot of the lease cannot go on."""
+        """The robot of the lease has failed."""
         return self._end(reason)
 
     def _end(self, reason: str) -> EndLease | None:
@@ -172,10 +175,10 @@ class ControlLease:
         self._ending_motion = self.motion is not None
         return EndLease(reason)
 
-    # -- what its page does ----------------------------------------------------------------------
+    # -- requests of its page --------------------------------------------------------------------
 
     def refusal(self, page: int) -> RefusePage | None:
-        """Why a page may not command now; None if it may."""
+        """Refusal for a page that may not command now; None if it may."""
         if page != self.holder:
             return RefusePage(page, _NOT_YOURS)
         if self.phase is not LeasePhase.HELD:
@@ -187,8 +190,8 @@ class ControlLease:
 
         Args:
             page: the page.
-            motion: what the button is for.
-            seen_at: when that was sent which the page last saw [s].
+            motion: the motion of the button.
+            seen_at: when the state that the page saw last was sent [s].
             now: the time [s].
         """
         refused = self.refusal(page)
@@ -205,11 +208,11 @@ class ControlLease:
         return BeginMotion(motion)
 
     def beat(self, page: int, seen_at: float, now: float, *, down: bool) -> LeaseEffect | None:
-        """A page gives a sign of life.
+        """A keep-alive message of a page arrives.
 
         Args:
             page: the page.
-            seen_at: when that was sent which the page last saw [s].
+            seen_at: when the state that the page saw last was sent [s].
             now: the time [s].
             down: whether its button is still held down.
         """
@@ -222,11 +225,11 @@ class ControlLease:
         return None
 
     def let_go(self, page: int) -> LeaseEffect | None:
-        """A page lets its button go."""
+        """A page reports that its button was released."""
         return self._end_motion("") if page == self.holder else None
 
     def motion_ended(self) -> None:
-        """What a button was held down for has ended: the arm stands, or was told to."""
+        """The motion of the button has ended: the arm stands, or a stop was sent."""
         self.motion, self._ending_motion = None, False
 
     def _end_motion(self, reason: str) -> EndMotion | None:
@@ -235,23 +238,23 @@ class ControlLease:
         self._ending_motion = True
         return EndMotion(reason)
 
-    # -- stops, and the time ---------------------------------------------------------------------
+    # -- stops and time-outs ---------------------------------------------------------------------
 
     def stop(self) -> LeaseEffect | None:
-        """Anybody stops the arm: until `stop_ended`, nothing starts.
+        """A page stops the arm, with or without the lease. Nothing starts until `stop_ended`.
 
         Returns:
-            The end of what a button is held down for, if one is.
+            The end of the button's motion, if there is one.
         """
         self._stops += 1
         return self._end_motion("the arm was stopped")
 
     def stop_ended(self) -> None:
-        """A stop was seen through, or failed."""
+        """A stop was completed, or failed."""
         self._stops -= 1
 
     def due(self, now: float) -> LeaseEffect | None:
-        """What the time has brought about.
+        """Apply the time-outs.
 
         Args:
             now: the time [s].

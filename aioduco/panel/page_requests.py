@@ -1,4 +1,4 @@
-"""What a page may ask for: its messages as checked values. No I/O."""
+"""Requests of a page: its messages as checked values. No I/O."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ JOINT_ACCELERATION: Final = 1.0
 #: tool speed of a motion to a target at 100 % [m/s], and its acceleration [m/s²]
 LINE_SPEED: Final = 0.25
 LINE_ACCELERATION: Final = 0.5
-#: no message of the page is longer [bytes]
+#: length of the longest message of the page [bytes]
 LONGEST: Final = 4096
 
 _AXES: Final = ("x", "y", "z", "rx", "ry", "rz")
@@ -61,11 +61,11 @@ class JogMotion:
 
 @dataclass(frozen=True, slots=True)
 class JointMotion:
-    """To joint angles, as long as the button is held down.
+    """Move to joint angles, as long as the button is held down.
 
     Attributes:
         joints: the target [rad], six.
-        speed: of the joints [rad/s].
+        speed: speed of the joints [rad/s].
     """
 
     joints: tuple[float, ...]
@@ -77,11 +77,11 @@ class JointMotion:
 
 @dataclass(frozen=True, slots=True)
 class LineMotion:
-    """To a pose on a line, as long as the button is held down.
+    """Move to a pose on a line, as long as the button is held down.
 
     Attributes:
         pose: the target of the tool in the work object [m, rad], six.
-        speed: of the tool [m/s].
+        speed: speed of the tool [m/s].
     """
 
     pose: tuple[float, ...]
@@ -104,7 +104,7 @@ class TakeControl:
     """Give this page the lease. Its `repr` does not show the token.
 
     Attributes:
-        token: what the page shows for it.
+        token: the token that the page presents.
     """
 
     token: str
@@ -123,7 +123,7 @@ class Press:
     """A button that moves the arm is held down.
 
     Attributes:
-        motion: what it is for.
+        motion: the motion of the button.
         seen: number of the state that the page saw last.
     """
 
@@ -133,12 +133,12 @@ class Press:
 
 @dataclass(frozen=True, slots=True)
 class LetGo:
-    """It was let go."""
+    """The button was released."""
 
 
 @dataclass(frozen=True, slots=True)
 class PageBeat:
-    """A sign of life.
+    """A keep-alive message of the page.
 
     Attributes:
         seen: number of the state that the page saw last.
@@ -151,7 +151,7 @@ class PageBeat:
 
 @dataclass(frozen=True, slots=True)
 class PageAim:
-    """Show where the sliders point.
+    """Show the arm at the joints of the sliders.
 
     Attributes:
         joints: the angles [rad], six; None to show nothing.
@@ -162,7 +162,7 @@ class PageAim:
 
 @dataclass(frozen=True, slots=True)
 class RobotAction:
-    """Lead the arm's states."""
+    """Change the state of the arm: bring up, recover, pause, resume."""
 
     verb: RobotVerb
 
@@ -172,8 +172,8 @@ class SetOutput:
     """Set a digital output.
 
     Attributes:
-        num: its number, from 1.
-        on: whether it is to be on.
+        num: number of the output, from 1.
+        on: whether to switch it on.
         tool: whether it is one of the tool, rather than of the cabinet.
     """
 
@@ -184,7 +184,7 @@ class SetOutput:
 
 @dataclass(frozen=True, slots=True)
 class SimulatorLine:
-    """What a person at a simulated machine does, as `aioduco sim-do` takes it."""
+    """An action of a person at a simulated machine, in the syntax of `aioduco sim-do`."""
 
     line: str
 
@@ -207,14 +207,14 @@ def page_request(text: str | bytes) -> PageRequest:
     """Read a message of a page.
 
     Args:
-        text: an object of JSON; its `ask` says what for.
+        text: a JSON object; its `ask` names the request.
 
     Raises:
-        ParameterError: it is none, or a value is not of its kind or range.
+        ParameterError: the message is no request, or a value has a wrong type or range.
     """
     try:
         return _read(text)
-    except RecursionError:  # of the text that says what is wrong, too
+    except RecursionError:  # also raised by formatting the error message
         raise ParameterError("message", "…", "an object of JSON") from None
 
 
@@ -234,7 +234,7 @@ def _read(text: str | bytes) -> PageRequest:
 
 def _token(data: dict[str, Any]) -> TakeControl:
     token = data.get("token")
-    if not isinstance(token, str):  # and its value is never told
+    if not isinstance(token, str):  # the error never contains the value
         raise ParameterError("token", "…", "a string")
     return TakeControl(token)
 

@@ -1,10 +1,10 @@
-"""Serves the panel's page, and carries its messages: HTTP and WebSocket on one port.
+"""Serve the panel's page and transport its messages: HTTP and WebSocket on one port.
 
 Guarantees:
-- A page of another site gets no connection: its browser names that site, and it is refused.
-- A message of a page is handed over as it comes, behind no other page's and behind nothing that is
-  awaited. Nothing waits for a page: what a slow one does not take is left out, and one that takes
-  nothing is cut off.
+- A page of another site gets no connection: its browser names that site, and the server refuses it.
+- A message of a page is passed on as soon as it arrives. It waits neither for messages of other
+  pages nor for anything that is awaited. The server never waits for a page: messages that a slow
+  page does not read are skipped, and a page that reads nothing is disconnected.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ __all__ = ["PageServer"]
 
 _log = logging.getLogger("aioduco.panel")
 
-#: for what websockets says: browsers open connections that they do not use, and break others off
+#: logger for websockets: browsers open connections that they do not use, and break off others
 _SILENT: Final = logging.Logger("aioduco.panel.pages", logging.CRITICAL)
-#: bytes that wait for a page beyond which it is left out of what is told to all
+#: bytes in a page's send buffer above which further messages to it are skipped
 _FULL: Final = 65_536
-#: messages in a row that a page was left out of, after which it is cut off
+#: number of skipped messages in a row after which a page is disconnected
 _MOST_LEFT_OUT: Final = 200
 _KINDS: Final = {
     "html": "text/html; charset=utf-8",
@@ -50,31 +50,31 @@ _KINDS: Final = {
 _FILES: Final = {"/": "panel.html", "/panel.css": "panel.css", "/panel.js": "panel.js"}
 _SCENE: Final = "/scene"
 _SOCKET: Final = "/socket"
-#: what viser's page gets besides
+#: files that are added to viser's page
 _ADDED: Final = ("scene.css", "scene.js")
-#: this computer by its names, at any port
+#: names of this computer, at any port
 _HERE: Final = "'self' http://127.0.0.1:* http://localhost:*"
-#: No other site may show the panel in a frame, and have clicks fall on its buttons.
+#: No other site may show the panel in a frame and redirect clicks to its buttons.
 _OWN: Final = (
     "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
     f"frame-src {_HERE}; frame-ancestors 'self'"
 )
-#: The picture is shown by the panel, by the other name of this computer; nothing in it commands.
+#: The panel shows the 3D picture under the other name of this computer; it has no commands.
 _SHOWN_BY: Final = f"frame-ancestors {_HERE}"
 
 
 class PageServer:
-    """Pages that look at one panel.
+    """Serves the pages of one panel.
 
     Args:
         host: address of this computer to listen on.
         port: the port; 0 for a free one.
-        hello: gives what a page is told first, by its number; on the event loop.
-        take: called with a page's number and its message, as it comes; it must not block.
-        left: called with a page's number once it is gone.
+        hello: returns the first message to a page, from its number; called on the event loop.
+        take: called with a page's number and each of its messages; it must not block.
+        left: called with a page's number after it has disconnected.
 
     Attributes:
-        port: the port that it listens on, once it does.
+        port: the port that it listens on, while it is listening.
     """
 
     def __init__(
@@ -96,24 +96,24 @@ class PageServer:
 
     @property
     def pages(self) -> int:
-        """How many pages are open."""
+        """Number of open pages."""
         return len(self._pages)
 
     def address_of(self, page: int) -> str:
-        """Where a page comes from, for the log."""
+        """Address of a page, for the log."""
         connection = self._pages.get(page)
         where = None if connection is None else connection.remote_address
         return f"{where[0]}:{where[1]}" if where else "a page that is gone"
 
     @asynccontextmanager
     async def listening(self) -> AsyncIterator[None]:
-        """Listen until the block is left; pages that are open then are closed.
+        """Listen until the block exits; pages that are still open are closed then.
 
         Raises:
-            OSError: the port is taken, or the address is none of this computer.
+            OSError: the port is taken, or the address is not one of this computer.
         """
-        # A page is told something many times a second, and says something as often: that it is
-        # there needs no pings of its own. Compression would cost more than it saves.
+        # Messages go many times a second in both directions, so that no pings are needed.
+        # Compression would cost more than it saves.
         async with serve(
             self._page, self.host, self.port, process_request=self._answer, compression=None,
             max_size=LONGEST, max_queue=64, ping_interval=None, close_timeout=0.5, logger=_SILENT,
@@ -123,7 +123,7 @@ class PageServer:
             yield
 
     def tell_all(self, message: dict[str, Any]) -> None:
-        """Tell every page; one that does not take what it was told is left out."""
+        """Send a message to every page, except pages whose send buffer is full."""
         if not self._pages:
             return
         text = _text(message)
@@ -131,7 +131,7 @@ class PageServer:
             self._send(page, connection, text)
 
     def tell(self, page: int, message: dict[str, Any]) -> None:
-        """Tell one page."""
+        """Send a message to one page."""
         connection = self._pages.get(page)
         if connection is not None:
             self._send(page, connection, _text(message))
@@ -156,8 +156,8 @@ class PageServer:
             async for message in connection:
                 self._take(page, message)
         except ConnectionClosed:
-            pass  # it was lost, and not closed: to this server that is the same
-        except Exception:  # of this program's: websockets, which is silent, would say so
+            pass  # lost instead of closed: the same for this server
+        except Exception:  # an error of this program: websockets' own logger is silent
             _log.exception("a page of the panel was cut off")
             raise
         finally:
@@ -168,11 +168,11 @@ class PageServer:
     # -- HTTP ------------------------------------------------------------------------------------
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
-        """What is not a WebSocket of this page gets a file, or is refused."""
+        """Answer a request: accept a WebSocket of this page (None), return a file, or refuse it."""
         named = request.headers.get_all("Host")
         asked = named[0] if len(named) == 1 else ""
         if _is_loopback(self.host) and not _names_loopback(asked):
-            # The name of a site may lead to this computer, so that the site passes for this page.
+            # A site's name may resolve to this computer, so that the site is taken for this page.
             return _plain(http.HTTPStatus.FORBIDDEN, "this panel is for its own computer")
         path = urlsplit(request.path).path
         if path == _SOCKET:
@@ -194,7 +194,7 @@ class PageServer:
 
 
 def _page_of_viser() -> Response:
-    """Viser's page without its control panel, which has nothing in it."""
+    """Viser's page without its control panel, which is empty."""
     client = resources.files("viser") / "client" / "build" / "index.html"
     text = client.read_text(encoding="utf-8")
     folder = resources.files("aioduco.panel") / "page"

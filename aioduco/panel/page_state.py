@@ -1,4 +1,4 @@
-"""What pages are told of an arm: plain values for JSON, made from samples of its state. No I/O.
+"""Messages to pages about an arm: plain values for JSON, from samples of its state. No I/O.
 
 Lengths are in metres and angles in radians; a value that the controller did not send is null.
 """
@@ -31,7 +31,7 @@ _WARNINGS: Final = (events.SafetyStateChanged, events.ErrorsChanged, events.Hear
 
 
 def page_sample(sample: Snapshot) -> dict[str, Any]:
-    """What is told of a sample, many times a second."""
+    """The message about a sample, sent many times a second."""
     status, io, states = sample.status, sample.io, sample.states
     forces = sample.read_forces
     speeds = (*status.joint_speeds.tolist(), *status.tool_speed.tolist())
@@ -57,12 +57,12 @@ def page_sample(sample: Snapshot) -> dict[str, Any]:
 
 
 def alarm_text(sample: Snapshot | None, silent_after: float, age: float) -> str:
-    """What is wrong, in capitals; empty if nothing is.
+    """The alarm, in capitals; empty if there is none.
 
     Args:
-        sample: the newest one; None before the first.
+        sample: the newest sample; None before the first.
         silent_after: seconds after which a sample is old [s].
-        age: how old this one is [s].
+        age: age of the sample [s].
     """
     if sample is None:
         return "NO ANSWER FROM THE CONTROLLER YET"
@@ -79,21 +79,21 @@ def alarm_text(sample: Snapshot | None, silent_after: float, age: float) -> str:
 
 
 def event_severity(event: Event) -> str:
-    """How much an event matters: "alarm", "warning" or "info"."""
+    """Severity of an event: "alarm", "warning" or "info"."""
     if isinstance(event, _ALARMS):
         return "alarm"
     return "warning" if isinstance(event, _WARNINGS) else "info"
 
 
 def history_point(told: dict[str, Any]) -> list[Any]:
-    """What the plots of the last minute need of a sample.
+    """Values of a sample for the plots of the last minute.
 
     Args:
-        told: as `page_sample` gives it.
+        told: message from `page_sample`.
 
     Returns:
-        Joint speeds [rad/s], six; the tool's speed [m/s]; the force at the tool [N]; the distance
-        of the joint that is farthest from where it was told to be [rad].
+        Joint speeds [rad/s], six; the tool's speed [m/s]; the force at the tool [N]; the largest
+        difference of a joint from its commanded angle [rad].
     """
     force = None if told["force"] is None else _length(told["force"][:3])
     late = [
@@ -115,5 +115,5 @@ def _length(values: Iterable[float | None]) -> float | None:
 
 
 def _bits(values: Iterable[bool]) -> str:
-    """Signals as a word of 0 and 1, the first one first."""
+    """Signals as a string of 0 and 1, the first one first."""
     return "".join("1" if value else "0" for value in values)

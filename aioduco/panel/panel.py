@@ -1,10 +1,10 @@
-"""The panel: pages, a lease, and two robots: one that looks on, one for the time of a lease.
+"""The panel: pages, a lease, and two robots: an observer, and one for the duration of a lease.
 
 Guarantees:
-- The robot that looks on sends no heartbeat and moves nothing: who moves the arm keeps its
-  supervision. A stop goes by its stop lane, for whoever asks, and waits behind nothing of a page.
-- The robot of a lease is opened with it and closed with it, and closing stops what it moves. Its
-  heartbeat has the controller stop the arm if this program dies or hangs.
+- The observing robot sends no heartbeat and moves nothing: the program that moves the arm keeps its
+  supervision. A stop from any page uses its stop lane, and waits for no other request of a page.
+- The robot of a lease is opened and closed with the lease, and closing stops its motion. Its
+  heartbeat makes the controller stop the arm if this program dies or hangs.
 """
 
 from __future__ import annotations
@@ -73,45 +73,48 @@ __all__ = ["Panel"]
 
 _log = logging.getLogger("aioduco.panel")
 
-#: seconds between two questions for what changes seldom
+#: seconds between two reads of values that change seldom
 _SELDOM: Final = 1.0
-#: events that are kept for pages that open later
+#: number of events that are kept for pages that open later
 _KEPT: Final = 200
-#: seconds of the plots
+#: time span of the plots [s]
 _MINUTE: Final = 60.0
-#: points a second that are kept for pages that open later
+#: points per second that are kept for pages that open later
 _KEPT_RATE: Final = 5.0
-#: seconds without a sample after which pages are told that nobody answers
+#: seconds without a sample after which pages show that the controller does not answer
 _SILENT: Final = 1.0
-#: the model that an arm is drawn as if its controller does not tell one that is known
+#: model that is drawn if the controller does not report a known one
 _DRAWN_AS: Final = "gcr5_910"
 
 
 class Panel:
     """An arm in the browser: `async with Panel("192.168.1.10") as panel: print(panel.link)`.
 
-    Watching is free to whoever reaches the page, and so is stopping. To command takes the token
-    and the lease, which one page holds at a time. Nothing moves but while a button is held down,
-    and the lease ends with its page: what it moves then stands.
+    Everyone who can reach the page may watch and stop the arm. A page that commands needs the token
+    and the lease, which one page holds at a time. The arm moves only while a button is held down.
+    The lease ends when its page is closed, and its motion is stopped.
 
     Args:
         host: name or address of the controller.
         port: its TCP port.
         listen: port of the page; 0 for a free one. The 3D picture has the next free port above.
-        bind: address of this computer to listen on. Anything but loopback lets everybody in that
-            network watch, and stop the arm.
-        token: what a page shows to command; None for a new one, "" to let nobody command.
-        name: what the page calls the robot; empty for its address.
-        model: the arm that is drawn, such as "gcr5_910"; None for what the controller tells.
-        scene: what stands around the arm, to be drawn; None for nothing.
+        bind: address of this computer to listen on. Any address but loopback lets everybody in
+            that network watch, and stop the arm.
+        token: secret that a page must present to command; None for a new one, "" if no page may
+            command.
+        name: name of the robot on the page; empty for its address.
+        model: the arm that is drawn, such as "gcr5_910"; None for the one that the controller
+            reports.
+        scene: objects around the arm, to be drawn; None for nothing.
         envelope: limits within which the panel keeps the arm; its zones are drawn. None for none.
         simulator_port: a simulator's port for commands, on this computer; None for none.
-        rate: states a second that pages are told, 2 to 50 [Hz].
-        hold_limit: seconds for which a motion goes on after the moment that its page last confirmed
-            to have seen, 0.1 to 600.
-        page_limit: seconds without a sign of its page after which a lease ends, 0.5 to 600.
-        directions: what the controller understands as the directions of a jog.
-        options: others of `connect`, for both robots, such as `clock`.
+        rate: states per second that are sent to pages, 2 to 50 [Hz].
+        hold_limit: seconds for which a motion continues after the sending time of the newest state
+            that its page confirmed, 0.1 to 600.
+        page_limit: seconds without a keep-alive message or a button press of its page after which a
+            lease ends, 0.5 to 600.
+        directions: how the controller interprets the directions of a jog.
+        options: further options of `connect`, for both robots, such as `clock`.
 
     Raises:
         ParameterError: an argument is out of range.
@@ -180,7 +183,7 @@ class Panel:
         self._seldom: dict[str, Any] = {"tell": "seldom"}
         self._numbers = itertools.count(1)
         self._sent: dict[int, float] = {}
-        #: states whose time of sending is known: any that is older is too old
+        #: number of states whose sending time is stored; older ones are too old for a motion
         self._numbered = math.ceil(rate * (hold_limit + 1.0))
         self._history: deque[list[Any]] = deque(maxlen=int(_MINUTE * _KEPT_RATE))
         self._events: deque[dict[str, Any]] = deque(maxlen=_KEPT)
@@ -190,16 +193,16 @@ class Panel:
 
     @property
     def url(self) -> str:
-        """Where the page is, for whoever watches."""
+        """Address of the page, for observers."""
         host = self._server.host
         shown = f"[{host}]" if ":" in host else host
         return f"http://{shown}:{self._server.port}/"
 
     @property
     def link(self) -> str:
-        """Where the page is, with the token, for whoever commands.
+        """Address of the page with the token, for the person who commands.
 
-        It stands behind a #: a browser does not send that, and the page takes it out of sight.
+        The token follows a #: a browser does not send that part, and the page hides it.
         """
         return f"{self.url}#token={self.token}" if self.token else self.url
 
@@ -208,7 +211,7 @@ class Panel:
 
         Raises:
             ConnectError: there is no controller.
-            OSError: the port is taken, or the address is none of this computer.
+            OSError: the port is taken, or the address is not one of this computer.
         """
         async with contextlib.AsyncExitStack() as stack:
             await stack.enter_async_context(self._onlooker)
@@ -229,17 +232,17 @@ class Panel:
         exc: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """End it: what moves by a lease is stopped and seen to stand; other motions go on."""
+        """End it: stop a lease's motion and wait until the arm stands; other motions continue."""
         await self._stack.__aexit__(exc_type, exc, traceback)
 
     @staticmethod
     async def _end_work(group: TaskGroup) -> None:
-        """End what runs; an error of the caller's block stays what it is."""
+        """Cancel all tasks; an error of the caller's block stays unchanged."""
         group.cancel_scope.cancel()
         await group.__aexit__(None, None, None)
 
     async def _look_around(self) -> None:
-        """See which arm it is, and whether there is a simulator."""
+        """Find out which arm it is, and whether there is a simulator."""
         told = await _asked(self._onlooker.version.get_robot_type)
         arm = "" if told is None else arm_named(told)
         version = self._onlooker.version.controller
@@ -259,15 +262,15 @@ class Panel:
                 self._simulator_port = None
 
     def _make_scene(self) -> ArmScene:
-        """On a thread: viser takes a while to load and to start."""
+        """Make the scene; run on a thread, because viser takes a while to load and to start."""
         from aioduco.panel.arm_scene import ArmScene  # noqa: PLC0415
 
         around, envelope = self._scene_around, self._envelope
-        # above the page's own, so that one may forward both
+        # above the port of the page, so that both can be forwarded
         above = self._server.port + 1 if self._server.port < 65535 else 1024
         return ArmScene(self._arm, self._server.host, above, around, envelope)
 
-    # -- what pages ask for, on the event loop: nothing here waits ---------------------------------
+    # -- requests of pages, on the event loop: nothing here waits ----------------------------------
 
     def _hello(self, page: int) -> dict[str, Any]:
         scene = self._scene
@@ -291,13 +294,13 @@ class Panel:
         }
 
     def _take(self, page: int, message: str | bytes) -> None:
-        """Do what a message of a page asks for, or refuse it."""
+        """Carry out a message of a page, or refuse it."""
         try:
             request = page_request(message)
         except ParameterError as error:
             self._server.tell(page, {"tell": "refused", "reason": str(error)})
             return
-        if isinstance(request, PageStop):  # before all else
+        if isinstance(request, PageStop):  # before all other requests
             self._begin_stop()
             return
         now = time.monotonic()
@@ -323,14 +326,14 @@ class Panel:
                 self._begin_action(request)
 
     def _seen_at(self, number: int) -> float:
-        """When a state was sent [s]; for one of long ago, and for none, ever so long ago."""
+        """When a state was sent [s]; minus infinity for an old or unknown state."""
         return self._sent.get(number, -math.inf)
 
     def _left(self, page: int) -> None:
         self._apply(self._lease.give_back(page, "its page is gone"))
 
     def _apply(self, effect: LeaseEffect | None) -> None:
-        """Do what the lease decided."""
+        """Carry out a decision of the lease."""
         if isinstance(effect, RefusePage):
             self._server.tell(effect.page, {"tell": "refused", "reason": effect.reason})
             if effect.wrong_token:
@@ -350,7 +353,7 @@ class Panel:
             self._work.start_soon(self._move, effect.motion, scope)
         elif isinstance(effect, EndMotion):
             self._let_go.set()
-            # A jog is ended, where its button was let go; all else is stopped.
+            # A jog whose button was released is ended in order; every other motion is cancelled.
             if effect.reason or self._jog is None:
                 self._cancel_motion()
             if effect.reason:
@@ -360,7 +363,7 @@ class Panel:
         if self._motion_scope is not None:
             self._motion_scope.cancel()
 
-    # -- what is done ----------------------------------------------------------------------------
+    # -- actions ---------------------------------------------------------------------------------
 
     def _begin_stop(self) -> None:
         if self._all is None:
@@ -398,7 +401,7 @@ class Panel:
                         work.cancel_scope.cancel()
                 finally:
                     self._commander = self._work = None
-                    if self._resumed:  # it is no motion of this robot, but moves by this lease
+                    if self._resumed:  # not a motion of this robot, but this lease resumed it
                         self._resumed = False
                         with anyio.CancelScope(shield=True):
                             await robot.stop()
@@ -410,14 +413,14 @@ class Panel:
             self._note("nobody commands")
 
     async def _hear(self, robot: Robot) -> None:
-        """What the robot that looks on does not see."""
+        """Note events that the observing robot does not report."""
         with robot.events.subscribe("drop_oldest") as stream:
             async for event in stream:
                 if isinstance(event, events.EnvelopeLeft | events.HeartbeatChanged):
                     self._note(event.line(), event_severity(event))
 
     async def _move(self, motion: HoldMotion, scope: anyio.CancelScope) -> None:
-        """Carry out what a button is held down for."""
+        """Carry out the motion of a button."""
         robot = self._commander
         assert robot is not None, "motions begin within a lease"
         done = "ended"
@@ -442,7 +445,7 @@ class Panel:
             self._lease.motion_ended()
 
     def _begin_action(self, request: PageRequest) -> None:
-        """Begin what is neither a motion nor a stop; for the page that commands."""
+        """Begin a request that is neither a motion nor a stop, for the page that commands."""
         robot, work = self._commander, self._work
         if robot is None or work is None or self._all is None:
             return
@@ -466,7 +469,7 @@ class Panel:
             "resume": (robot.resume, "resumed"),
         }
         step, said = steps[verb]
-        # Until it is known not to move, it counts as moving.
+        # The arm counts as moving until it is known to stand.
         self._resumed = self._resumed or verb == "resume"
         if await self._carry_out(verb, step, said) and verb != "resume":
             self._resumed = False
@@ -491,7 +494,7 @@ class Panel:
         severity = "warning" if answer.startswith("error") else "info"
         self._note(f"simulator: {line}: {answer}", severity)
 
-    # -- what pages are told ---------------------------------------------------------------------
+    # -- messages to pages -----------------------------------------------------------------------
 
     def _note(self, text: str, severity: str = "info") -> None:
         """Show a line among the events of every page."""
@@ -527,7 +530,7 @@ class Panel:
             await anyio.sleep_until(due)
 
     async def _tell(self) -> None:
-        """Tell every page the state, at a steady rate; and let the lease see the time."""
+        """Send the state to every page at a steady rate, and apply the time-outs of the lease."""
         period, due = 1.0 / self.rate, anyio.current_time()
         shown, kept_at = None, 0.0
         while True:
@@ -577,7 +580,7 @@ class Panel:
 
 
 async def _asked(ask: Callable[[], Awaitable[Any]]) -> Any:
-    """An answer, or None from a controller that has none to give."""
+    """The answer to a request; None after an error."""
     try:
         return await ask()
     except DucoError:

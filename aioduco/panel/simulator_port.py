@@ -1,4 +1,4 @@
-"""Asks a simulated controller's port for commands, as `aioduco sim-do` does."""
+"""Send commands to a simulator's command port, as `aioduco sim-do` does."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ import anyio
 __all__ = ["ask_simulator"]
 
 _HOST = "127.0.0.1"
-#: seconds in which it answers
+#: seconds within which it must answer
 _PATIENCE = 10.0
 
 
 async def ask_simulator(port: int, line: str) -> str:
-    """Have a simulator of this computer do something.
+    """Send a command to a simulator of this computer.
 
     Args:
-        port: its port for commands.
-        line: such as "push 0 0 50".
+        port: command port of the simulator.
+        line: the command, such as "push 0 0 50".
 
     Returns:
-        What it says; "error: …" if it was not done.
+        The answer; "error: …" if the command failed.
 
     Raises:
         OSError: no simulator takes commands there, or it does not answer.

@@ -7,8 +7,8 @@
     async with Planner(scene) as planner:
         plan = await planner.plan(start, goal, v=1.0, a=2.0)
 
-It stands above the kinematics, the simulator's physics and the streams' joint trajectories, and
-knows no robot: `robot.motion.execute` carries a plan out.
+It uses the kinematics, the simulator's physics and the streams' joint trajectories, but no robot:
+`robot.motion.execute` carries out a plan.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How far an arm is from what is nearest."""
+"""Distance of an arm from the nearest thing."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ FURTHEST = 0.1
 
 
 class Clearance(NamedTuple):
-    """How far the arm is from the nearest thing, itself included.
+    """Distance of the arm from the nearest thing, itself included.
 
     Attributes:
-        distance: below zero for how deep two bodies are in each other; at most 0.1 [m].
+        distance: distance, at most 0.1; below zero, the depth by which two bodies overlap [m].
         pair: names of the two bodies; None if nothing is within 0.1 m.
-        point: between the two, in the world's frame [m].
+        point: a point between the two, in the world's frame [m].
     """
 
     distance: float

@@ -1,4 +1,4 @@
-"""Collisions of an arm in its scene, by MuJoCo and the simulator's model of the arm."""
+"""Collision checks of an arm in its scene, by MuJoCo and the simulator's model of the arm."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ else:
 __all__ = ["CollisionChecker", "build"]
 
 _PREFIXES = ("scene/", "tool/")
-_THING, _ARM, _FLOOR = 1, 2, 4  # what may touch, by bits
+_THING, _ARM, _FLOOR = 1, 2, 4  # bits of what may touch
 
 
 def build(
@@ -46,16 +46,17 @@ def build(
 
     Args:
         arm: the arm.
-        mounting: of its base in the world.
+        mounting: pose of its base in the world.
         pedestal: whether it stands on a column there.
         around: scene as MJCF, or a file of it.
         tool: what the flange carries, likewise.
         things: more of the scene, as MJCF.
-        attached: by name, bodies of the scene that the flange holds, and where. Shape (4, 4) each.
+        attached: poses in the flange's frame of the bodies of the scene that it holds, by name.
+            Shape (4, 4) each.
         allowed: pairs of bodies that may touch.
 
     Raises:
-        SceneError: MuJoCo does not take it, or there is no such body.
+        SceneError: MuJoCo rejects the scene, or there is no such body.
     """
     spec = assemble(mjcf(arm, 0.001, mounting, pedestal=pedestal), around, tool)
     spec.attach(part("scene", things, spec), prefix="scene/", frame=spec.worldbody.add_frame())
@@ -84,16 +85,16 @@ def _body(spec: Any, name: str) -> str:
 
 
 class CollisionChecker:
-    """Tells whether an arm in a configuration touches its scene or itself. Of one thread.
+    """Tells whether an arm in a configuration touches its scene or itself. For use in one thread.
 
     Args:
-        model: of MuJoCo, as `build` gives it; it is changed.
+        model: MuJoCo model, as `build` gives it; it is modified.
         padding: distance below which bodies count as touching [m].
-        positions: of what is loose in the scene; None for where it was put.
+        positions: positions of the loose things in the scene; None for where they were put.
 
     Attributes:
         radii: how far a turn of each joint can move a point, at most [m/rad]. Shape (6,).
-        count: configurations that were looked at.
+        count: number of configurations that were checked.
     """
 
     def __init__(self, model: Any, padding: float, positions: Vector | None = None) -> None:
@@ -105,8 +106,8 @@ class CollisionChecker:
         moving = np.array([_belongs(model, body, arm) for body in range(model.nbody)])
         still = ~moving[model.geom_bodyid]
         solid = (model.geom_contype | model.geom_conaffinity).astype(bool)
-        # Things of the scene are not compared with one another. Nor is link 1 with what the arm
-        # stands on: it turns above that at one height.
+        # Things of the scene are not checked against one another. Link 1 is not checked against
+        # what the arm stands on: it turns above that at a constant height.
         model.geom_contype[still & solid], model.geom_conaffinity[still] = _THING, 0
         model.geom_contype[~still & solid] = _ARM
         model.geom_conaffinity[~still & solid] = _ARM | _THING | _FLOOR
@@ -131,7 +132,7 @@ class CollisionChecker:
         self._within(padding)
 
     def free(self, q: Any) -> bool:
-        """Tell whether nothing is within the padding of anything.
+        """Tell whether the arm is further than the padding from everything, itself included.
 
         Args:
             q: six joint angles [rad]: an array, or anything with an index.
@@ -146,10 +147,10 @@ class CollisionChecker:
 
     @contextlib.contextmanager
     def looking_within(self, within: float) -> Iterator[Callable[[Any], float]]:
-        """Give a quick way to ask for distances alone.
+        """Give a fast function for distances alone.
 
         Args:
-            within: distance up to which is looked [m].
+            within: largest distance that is measured [m].
 
         Returns:
             A function that takes six joint angles [rad] and gives the distance of the arm from the
@@ -167,7 +168,7 @@ class CollisionChecker:
 
     @property
     def loose(self) -> Vector:
-        """Positions of what is loose in the scene."""
+        """Positions of the loose things in the scene."""
         found: Vector = self._data.qpos[6:]
         return found
 
@@ -180,7 +181,7 @@ class CollisionChecker:
 
         Args:
             q: joint angles [rad]. Shape (6,).
-            within: distance up to which is looked [m].
+            within: largest distance that is measured [m].
             itself: whether distances between parts of the arm count too.
         """
         self._within(within)
@@ -202,11 +203,11 @@ class CollisionChecker:
             self._within(self._padding)
 
     def place(self, q: Vector, name: str) -> NDArray[np.float64]:
-        """Where a body is in the flange's frame.
+        """Give the pose of a body in the flange's frame.
 
         Args:
             q: joint angles [rad]. Shape (6,).
-            name: of a thing in the scene.
+            name: name of a thing in the scene.
 
         Returns:
             Shape (4, 4).
@@ -222,7 +223,7 @@ class CollisionChecker:
         return found
 
     def _within(self, distance: float) -> None:
-        # MuJoCo adds those of the two; bodies have what is the most of their geoms'.
+        # MuJoCo adds the margins of two geoms; a body's margin is the largest of its geoms'.
         self._model.geom_margin[:] = self._model.body_margin[:] = 0.5 * distance
 
     def _name(self, geom: int) -> str:
@@ -248,7 +249,7 @@ def _belongs(model: Any, body: int, arm: set[int]) -> bool:
 
 
 def _radii(model: Any) -> Vector:
-    """By joint, the furthest that a point beyond it can be from its axis, at most."""
+    """For each joint, an upper bound of the distance of the points that it moves from its axis."""
     furthest = np.zeros(model.nbody)
     for body in range(model.nbody - 1, 0, -1):
         first = int(model.body_geomadr[body])

@@ -24,25 +24,25 @@ Curve: TypeAlias = "BSpline[Any]"
 """Points over a length; the first and the last of its knots `t` are its ends."""
 
 _DEGREE = 3
-_WIDEST = 0.3  # spans of the curve where nothing is near [m of the arm's furthest point, about]
+_WIDEST = 0.3  # longest spans, where nothing is near [m of the arm's furthest point, about]
 _NARROWEST = 0.004
-_SEEN = 0.06  # distance up to which is looked along a curve [m]
+_SEEN = 0.06  # largest distance that is measured along a curve [m]
 _FIT = 0.01  # between two configurations that a curve of joints goes through [m, about]
 
 
 def rounded(corners: Points, space: PathSpace, checker: CollisionChecker) -> Curve | None:
-    """Give a smooth curve along a way with corners, as round as the scene allows.
+    """Give a smooth curve along a path with corners, as round as the scene allows.
 
     Each corner is cut by a cubic B-spline, which keeps straight parts straight. Where the curve
-    would touch something its spans are halved, which takes it closer to the corner.
+    would touch something, its spans are halved, which brings it closer to the corner.
 
     Args:
-        corners: of the way. Shape (n, dimensions).
-        space: what the way is in.
-        checker: of the scene.
+        corners: corners of the path. Shape (n, dimensions).
+        space: space of the path.
+        checker: collision checker of the scene.
 
     Returns:
-        A curve of points; None if not even the way with its corners is free.
+        A curve of points; None if not even the path with its corners is free.
     """
     steps = np.linalg.norm(np.diff(corners, axis=0), axis=1)
     corners = corners[np.concatenate([[True], steps > 1e-9])]
@@ -57,7 +57,7 @@ def rounded(corners: Points, space: PathSpace, checker: CollisionChecker) -> Cur
         curve = BSpline(knots, control, _DEGREE)
         halved: set[int] = set()
         for span in range(len(inner) - 1):
-            # The span follows from these knots alone: what was seen of it once holds.
+            # The span depends on these knots alone, so an earlier result is still valid.
             key = tuple(knots[span + 1 : span + 7].tolist())
             if key not in known:
                 known[key] = certain(curve, space, checker, inner[span], inner[span + 1])
@@ -75,17 +75,17 @@ def rounded(corners: Points, space: PathSpace, checker: CollisionChecker) -> Cur
 def certain(
     curve: Any, space: PathSpace, checker: CollisionChecker, begin: float, end: float
 ) -> bool:
-    """Tell whether a part of a curve is free, also between the places that are looked at.
+    """Tell whether a part of a curve is free, also between the places that are checked.
 
-    At each place nothing is within the padding. Two that follow each other are so close that no
-    point of the arm moves further than twice the padding, or than leaves the padding of the
-    distances that were found at both: where nothing is near, few places are looked at.
+    At each checked place nothing is within the padding. Between two consecutive places no point of
+    the arm moves further than twice the padding, or than the sum of the distances measured at both
+    minus twice the padding. So few places are checked where nothing is near.
 
     Args:
-        curve: of points of the space, over a length.
+        curve: curve of points of the space, over a length.
         space: the space.
-        checker: of the scene.
-        begin, end: the part.
+        checker: collision checker of the scene.
+        begin, end: ends of the part.
     """
     padding = checker.padding
     reach = 1.9 * padding
@@ -108,7 +108,7 @@ def certain(
         if min(first, last) <= padding:
             return False
         todo = deque([(0, first, count - 1, last)])
-        # The widest gap first: what is in the way is found soonest by looks that are far apart.
+        # The widest gap first: checks that are far apart find an obstacle soonest.
         while todo:
             low, before, high, after = todo.popleft()
             way = moved[high] - moved[low]
@@ -123,14 +123,14 @@ def certain(
 
 
 def joint_curve(curve: Any, space: PathSpace) -> Curve | None:
-    """Give a curve of points as one of joints [rad], over the same length.
+    """Convert a curve of points to one of joints [rad], over the same length.
 
     Args:
-        curve: of points of the space.
+        curve: curve of points of the space.
         space: the space.
 
     Returns:
-        None if the arm does not reach all of it.
+        The curve; None if the arm does not reach all of it.
     """
     if isinstance(space, JointPathSpace):
         return BSpline(curve.t, space.joints(curve.c), _DEGREE)
@@ -141,10 +141,10 @@ def joint_curve(curve: Any, space: PathSpace) -> Curve | None:
 
 
 def through(at: Points, q: Points) -> Curve:
-    """Give the curve through configurations, of fifth order.
+    """Give the curve of fifth degree through configurations.
 
     Args:
-        at: rising. Shape (n,), n from 6.
+        at: lengths, rising. Shape (n,), n from 6.
         q: joints [rad]. Shape (n, 6).
     """
     return make_interp_spline(at, q, k=5)

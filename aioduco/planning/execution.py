@@ -1,4 +1,4 @@
-"""Carrying a plan out: supervised, and with an eye on a scene that changes meanwhile."""
+"""Supervised execution of a plan, also in a scene that changes meanwhile."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ if TYPE_CHECKING:
 
 __all__ = ["MotionSection", "ReadJoints", "execute"]
 
-_NEAR = 0.01  # how far a joint may be from where the plan begins [rad]
+_NEAR = 0.01  # largest distance of a joint from the start of the plan [rad]
 _REPLANS = 5  # at most, in one execution
-_FASTEST = 3.93  # of a joint, that streams allow [rad/s]
-_ROOM = 1.5  # for the stream's own limit of acceleration, so that it rounds nothing
+_FASTEST = 3.93  # largest speed of a joint that streams allow [rad/s]
+_ROOM = 1.5  # factor for the stream's own limit of acceleration, so that the stream rounds nothing
 
 ReadJoints: TypeAlias = "Callable[[], Awaitable[Sequence[float]]]"
 """Reads where the arm is [rad]."""
 
 
 class MotionSection(Protocol):
-    """What is used of `robot.motion`."""
+    """The part of `robot.motion` that is used here."""
 
     async def follow_joint_trajectory(
         self,
@@ -72,11 +72,11 @@ async def execute(
     feedback: Callable[[Feedback], object] | None = None,
     options: LaneOptions | None = None,
 ) -> TrajectoryResult | None:
-    """Carry a plan out: see `robot.motion.execute`.
+    """Carry out a plan: see `robot.motion.execute`.
 
     Raises:
         FirstPointTooFar: the arm is not where the plan begins; nothing was sent.
-        PlanObstructed: it would touch something in the scene that is watched.
+        PlanObstructed: the arm would touch something in the scene that is watched.
     """
     if planner is not None and watch is None:
         raise ParameterError("planner", planner, "given with a scene to watch")
@@ -137,7 +137,7 @@ async def _check(plan: Plan, scene: Scene, after: float) -> PlanCheck:
 
 
 class _Followed:
-    """One plan on the stream, that ends at rest once its way is not free any more."""
+    """Follows one plan by the stream; brings the arm to rest if the path is no longer free."""
 
     def __init__(
         self, plan: Plan, scene: Scene | None, feedback: Callable[[Feedback], object] | None
@@ -150,7 +150,7 @@ class _Followed:
         self.obstructed: PlanCheck | None = None
 
     async def run(self, motion: MotionSection, **options: Any) -> TrajectoryResult | None:
-        """Follow it; None if it ended on the way."""
+        """Follow the plan; None if it ended before the goal."""
         limits = self._plan.limits
         result: TrajectoryResult | None = None
         async with anyio.create_task_group() as tasks:
@@ -186,7 +186,7 @@ class _Followed:
             assert self._scene is not None
             try:
                 found = await _check(self._plan, self._scene, self._time)
-            except Exception as error:  # a scene that cannot be made: the arm is not to go on
+            except Exception as error:  # the scene cannot be compiled: the arm must not continue
                 self._error = error
             else:
                 self.obstructed = None if found else found

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MotionLimits"]
 
-_JERK = 10.0  # of the acceleration, as streams have it
+_JERK = 10.0  # jerk over acceleration, as for streams [1/s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,10 +44,10 @@ class MotionLimits:
         a: float | Sequence[float],
         jerk: float | Sequence[float] | None,
     ) -> MotionLimits:
-        """Take limits for all joints alike or for each.
+        """Make limits from one number for all joints, or from one number for each.
 
         Args:
-            arm: whose own limits of speed hold besides: what is beyond them is cut.
+            arm: arm whose own limits of speed apply, too: higher speeds are cut to them.
             v: largest joint speed, 0.000175 to 3.93 [rad/s].
             a: largest joint acceleration, from 0.000175 [rad/s²].
             jerk: largest jerk, above 0 [rad/s³]; None: 10 times the acceleration, per second.

@@ -1,4 +1,4 @@
-"""A plan: joints over time, checked on the way, as a value."""
+"""A plan as a value: joints over time, with the clearance along the path."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ if TYPE_CHECKING:
 
 __all__ = ["Plan", "PlanCheck"]
 
-_TURN, _MOVE = np.deg2rad(0.2), 0.001  # between two looks of a check [rad, m]
-_FINEST = 0.002  # of the times at which the way between two looks is measured [s]
-_NEAR = 0.02  # within which distances are measured at each look [m]
+_TURN, _MOVE = np.deg2rad(0.2), 0.001  # between two samples of a check [rad, m]
+_FINEST = 0.002  # between times at which the motion between two samples is measured [s]
+_NEAR = 0.02  # within which distances are measured at each sample [m]
 _GHOSTS = 6  # arms in a picture of a plan
 _SEEN = 24  # difference of colours that counts as the arm
 
 
 @dataclass(frozen=True, slots=True)
 class PlanCheck:
-    """What a check of a plan found.
+    """Result of a check of a plan.
 
     Attributes:
         clearance: the least distance to anything, with the names of the two bodies; below zero
             where the arm touches something.
-        time: when that is on the plan [s].
-        joints: and where the arm is then.
-        looks: configurations that were looked at.
+        time: time of the plan at which that occurs [s].
+        joints: configuration of the arm at that time.
+        looks: number of configurations that were checked.
     """
 
     clearance: Clearance
@@ -66,22 +66,22 @@ class PlanCheck:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """Joints over time that lead from a start to a goal; nothing moves by it (规划结果).
+    """Joints over time that lead from a start to a goal; the plan itself moves nothing (规划结果).
 
     Attributes:
         arm: the arm that it is for.
         trajectory: joint positions, velocities and accelerations with their times.
-        limits: that no joint exceeds.
+        limits: limits that no joint exceeds.
         tip: the tool's tip in the flange's frame. Shape (4, 4).
-        corners: configurations between which the way is about straight in joint space, the start
+        corners: configurations between which the path is about straight in joint space, the start
             and the goal included [rad]. Shape (n, 6).
         looked: times at which the clearance was measured [s].
         clearances: distances to the nearest thing then, at most 0.1 [m].
         radii: how far a turn of each joint can move a point of the arm [m/rad]. Shape (6,).
         padding: distance that is kept all the way [m].
-        fraction: how much of a line or an arc it is, 0 to 1; 1 for other plans.
-        searching: processor time that was taken for the path [s].
-        timing: and for its times [s].
+        fraction: share of a line or an arc that it covers, 0 to 1; 1 for other plans.
+        searching: processor time that the path took [s].
+        timing: processor time that its times took [s].
     """
 
     arm: Arm
@@ -99,7 +99,7 @@ class Plan:
 
     @classmethod
     def of(cls, problem: PlanningProblem, solution: Solution) -> Plan:
-        """Make it of what the planner's process answered."""
+        """Make a plan from the answer of the planner's process."""
         trajectory = JointTrajectory(
             solution.positions, solution.times, solution.velocities, solution.accelerations
         )
@@ -127,7 +127,7 @@ class Plan:
 
     @property
     def duration(self) -> float:
-        """How long it takes [s]."""
+        """Duration of the plan [s]."""
         return self.trajectory.duration
 
     @property
@@ -137,34 +137,34 @@ class Plan:
 
     @property
     def start(self) -> Joints:
-        """Where it begins."""
+        """Joints at the start."""
         return Joints.of(self.trajectory.positions[0])
 
     @property
     def end(self) -> Joints:
-        """Where it ends."""
+        """Joints at the end."""
         return Joints.of(self.trajectory.positions[-1])
 
     def at(self, time: float) -> Joints:
-        """Where the arm is at a time [s]; before and after the plan its ends."""
+        """Joints at a time [s]; before and after the plan, those of its start and end."""
         return Joints.of(self._curve().at(np.array([time]))[0])
 
     def pose(self, time: float) -> Pose:
-        """Where the tool's tip is at a time, in the base frame."""
+        """Pose of the tool's tip at a time [s], in the base frame."""
         return Pose.from_matrix(self.arm.fkine(self.at(time)) @ self.tip)
 
     def check(self, scene: Scene, *, after: float = 0.0) -> PlanCheck:
-        """Look at all of the way again, closely, in a scene as it is now.
+        """Check the whole path again, in small steps, in a scene as it is now.
 
-        It looks at least each 0.2° of any joint and each 1 mm of the tool's tip and the flange. It
-        takes the trajectory as it will be sent, and nothing of how it was made.
+        It takes samples at least every 0.2° of any joint and every 1 mm of the tool's tip and the
+        flange. It uses the trajectory as it will be sent, and nothing of how it was made.
 
         Args:
             scene: the scene, of the same arm.
-            after: time on the plan from which it is looked at [s].
+            after: time of the plan from which on it is checked [s].
 
         Returns:
-            What was found: true if the arm touches nothing.
+            The result: true if the arm touches nothing.
         """
         times, q = self._looks(after)
         checker = scene.checker()
@@ -189,9 +189,9 @@ class Plan:
 
         Args:
             scene: the scene.
-            width: of the picture, at most 1920 [pixels].
-            height: of the picture, at most 1080 [pixels].
-            camera: from where; None for one that sees the whole arm.
+            width: width of the picture, at most 1920 [pixels].
+            height: height of the picture, at most 1080 [pixels].
+            camera: the camera; None for one that sees the whole arm.
 
         Returns:
             Red, green, blue. Shape (height, width, 3).
@@ -218,10 +218,10 @@ class Plan:
         return drawn
 
     def waypoints(self) -> list[tuple[Joints, float]]:
-        """Joints for blended motions of the controller, with a blend radius each [m].
+        """Joints for blended motions of the controller, each with a blend radius [m].
 
-        Between them the joints go straight. Straight parts and blends stay so close to the plan
-        that no point of the arm moves by more than the padding that the plan keeps.
+        Between them the joints move straight. Straight parts and blends stay so close to the plan
+        that no point of the arm leaves its path by more than the padding that the plan keeps.
         """
         q = self.trajectory.positions
         rows = _kept(q * self.radii, 0.45 * self.padding)
@@ -240,7 +240,7 @@ class Plan:
     async def run_on(
         self, motion: MotionSection, read_joints: ReadJoints, **options: Any
     ) -> TrajectoryResult | None:
-        """Carry it out: what `robot.motion.execute` asks of it."""
+        """Carry out the plan; `robot.motion.execute` calls this."""
         from aioduco.planning.execution import execute  # noqa: PLC0415 - it names this class
 
         return await execute(motion, read_joints, self, **options)
@@ -249,7 +249,7 @@ class Plan:
         return self.trajectory.curve(self.trajectory.positions[0].tolist())
 
     def _looks(self, after: float) -> tuple[Points, Points]:
-        """Times and joints, so close that neither a joint nor the tool moves far between."""
+        """Times and joints, so close together that no joint and no tool moves far between them."""
         begin = min(after, self.duration)
         count = max(int(np.ceil((self.duration - begin) / _FINEST)), 1)
         curve = self._curve()
@@ -269,7 +269,7 @@ class Plan:
 
 
 def _kept(points: Points, tolerance: float) -> list[int]:
-    """Rows of points of which straight parts come within a tolerance of all (Douglas-Peucker)."""
+    """Rows of points whose connecting lines stay within a tolerance of all (Douglas-Peucker)."""
     kept, todo = {0, len(points) - 1}, [(0, len(points) - 1)]
     while todo:
         first, last = todo.pop()

@@ -1,4 +1,4 @@
-"""The planner: asks a process of its own, so that planning delays nothing of the program."""
+"""The planner: it plans in a separate process, so that planning does not delay the program."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 __all__ = ["Planner"]
 
 _NEEDS = ("mujoco", "ompl", "scipy", "toppra")
-_GRACE = 5.0  # after a problem's own time-out the process is ended: to time a path, say [s]
-#: what the process imports for them; toppra imports matplotlib, and MuJoCo mostly OpenGL
+_GRACE = 5.0  # from a problem's time-out until its process is killed, such as to time a path [s]
+#: packages that the process imports; toppra imports matplotlib, and MuJoCo mostly OpenGL
 _PACKAGES = (
     *_NEEDS,
     *(
@@ -51,21 +51,21 @@ _PACKAGES = (
 
 
 class Planner:
-    """Plans ways of an arm through a scene (规划器).
+    """Plans paths of an arm through a scene (规划器).
 
         async with Planner(scene) as planner:
             plan = await planner.plan(here, Pose(0.4, 0.3, 0.5, math.pi, 0, 0), v=1.0, a=2.0)
             await robot.motion.execute(plan)
 
-    The work is done by a process of its own, which starts with the first plan. It is ended when a
-    plan is cancelled or overdue, and starts again with the next. A planner that is not entered
-    works too; its process ends with `close`, or with the program.
+    A separate process does the work; it starts with the first plan. The planner kills it when a
+    plan is cancelled or overdue, and starts it again for the next plan. A planner also works
+    without `with`; its process then ends with `close`, or with the program.
 
     Args:
-        scene: what is planned in; it may change between plans.
-        tool: the tool's tip in the flange's frame [m, rad], whose poses goals are; None for the
-            flange itself.
-        seed: of the search, from 1; the same problems in the same order give the same ways.
+        scene: scene to plan in; it may change between plans.
+        tool: the tool's tip in the flange's frame [m, rad]; poses as goals are poses of this tip.
+            None for the flange itself.
+        seed: seed of the search, from 1; the same problems in the same order give the same paths.
 
     Raises:
         MissingExtra: something of `aioduco[plan]` is not installed.
@@ -125,29 +125,29 @@ class Planner:
         upright: bool = False,
         timeout: float = 5.0,
     ) -> Plan:
-        """Find a way to a goal that touches nothing.
+        """Find a path to a goal on which the arm touches nothing.
 
         Cancelling this ends the search at once.
 
         Args:
             start: where the arm is, six joint angles [rad].
             goal: `Joints`, a `Pose` of the tool in the base frame, a `Region`, or several of
-                these, of which the way to any will do. Of a pose every configuration is a goal.
+                these; a path to any of them is enough. For a pose, every configuration is a goal.
             v: largest speed of each joint, 0.000175 to 3.93, one number or six [rad/s].
             a: largest acceleration of each joint, from 0.000175 [rad/s²].
             jerk: largest jerk of each joint [rad/s³]; None: 10 times the acceleration, per s.
-            upright: whether the tool may turn about the vertical only, as an open cup; the goals
-                must have it upright as the start has.
-            timeout: for the search, 0.001 to 600 [s].
+            upright: whether the tool may turn about the vertical only, like an open cup; it must
+                be upright at the goals as at the start.
+            timeout: time-out of the search, 0.001 to 600 [s].
 
         Returns:
             The plan, a value; nothing moves.
 
         Raises:
             StartInCollision: the arm touches something at the start.
-            GoalInCollision: it would at each goal.
+            GoalInCollision: the arm would touch something at each goal.
             GoalOutOfReach: no goal can be reached.
-            NoPathFound: no way was found in time.
+            NoPathFound: no path was found in time.
             ParameterError: an argument is out of range.
         """
         problem = self._free(start, goal, v, a, jerk, upright, timeout)
@@ -166,43 +166,43 @@ class Planner:
         partial: bool = False,
         timeout: float = 5.0,
     ) -> Plan:
-        """Take the tool along a straight line, or an arc, on one branch of the arm.
+        """Plan a straight line or an arc of the tool, on one branch of the arm.
 
         Args:
             start: where the arm is, six joint angles [rad].
             to: pose of the tool at the end, in the base frame [m, rad].
-            via: a pose on the way: then it is the arc through it; its orientation is not used.
+            via: a pose on the path, which is then the arc through it; its orientation is not used.
             speed: largest speed of the tool, from 0.0001 [m/s].
             v: largest speed of each joint [rad/s].
             a: largest acceleration of each joint [rad/s²].
             jerk: largest jerk of each joint [rad/s³]; None: 10 times the acceleration, per s.
-            partial: whether a plan of a part of the way is wanted if not all of it is free and
-                within reach; `Plan.fraction` tells how much it is.
-            timeout: 0.001 to 600 [s].
+            partial: whether to plan a part of the path if not all of it is free and within reach;
+                `Plan.fraction` is the share of the path.
+            timeout: time-out, 0.001 to 600 [s].
 
         Returns:
             The plan, a value; nothing moves.
 
         Raises:
             StartInCollision: the arm touches something at the start.
-            PathIncomplete: the way is free and within reach for a part only.
+            PathIncomplete: only a part of the path is free and within reach.
             ParameterError: an argument is out of range.
         """
         problem = self._line(start, to, via, speed, v, a, jerk, partial, timeout)
         return await self._ask(problem)
 
     def plan_blocking(self, start: JointsLike, goal: GoalLike, **options: Any) -> Plan:
-        """Find a way to a goal, for programs without an event loop: see `plan`.
+        """Find a path to a goal, for programs without an event loop: see `plan`.
 
         Args:
             start: where the arm is, six joint angles [rad].
-            goal: where to.
+            goal: the goal.
             options: the other arguments of `plan`.
         """
         return self._solve(self._free(start, goal, **{**_FREE, **options}))
 
     def line_blocking(self, start: JointsLike, to: PoseLike, **options: Any) -> Plan:
-        """Take the tool along a line or an arc, without an event loop: see `line`.
+        """Plan a line or an arc of the tool, for programs without an event loop: see `line`.
 
         Args:
             start: where the arm is, six joint angles [rad].
@@ -242,7 +242,7 @@ class Planner:
             raise ParameterError("speed", speed, "from 0.0001 m/s")
         goals = (Pose.of(to),) if via is None else (Pose.of(via), Pose.of(to))
         if via is not None:
-            # Says of three points on a line that they are no arc.
+            # Raises if the three points are on a line, which is not an arc.
             first = self.scene.arm.fkine(start) @ self._tip
             poses_along(first, goals[0].matrix, goals[-1].matrix)
         return self._problem(
@@ -281,7 +281,7 @@ class Planner:
         try:
             return await anyio.to_thread.run_sync(self._solve, problem, abandon_on_cancel=True)
         except anyio.get_cancelled_exc_class():
-            # The thread reads the end of the process's answers, and ends.
+            # The thread then reads the end of the channel, and ends.
             process = self._cancelled = self._process
             if process is not None:
                 process.popen.kill()
@@ -308,7 +308,7 @@ class Planner:
         overdue = threading.Timer(problem.timeout + _GRACE, end)
         try:
             if self._sent is None:
-                # It has loaded what it needs, which is no part of a problem's time.
+                # Wait until it has loaded its packages, which is not part of a problem's time.
                 process.channel.receive()
                 process.channel.send(self._seed)
             if self._sent != self.scene.revision:
@@ -338,7 +338,7 @@ class Planner:
         return process
 
     def close(self) -> None:
-        """End the process; returns when it has ended. The planner can be used again."""
+        """End the process; return when it has exited. The planner can be used again."""
         process, self._process = self._process, None
         if process is not None:
             process.close()

@@ -1,4 +1,4 @@
-"""What is asked of a planner, and what it answers: values that go from process to process."""
+"""Requests to a planner and its answers: values that are sent from process to process."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Region:
-    """Poses around one: anywhere in a box, and turned by up to some angles.
+    """Poses around a given one: positions in a box, and turns by up to given angles.
 
     Attributes:
         at: the pose of the tool in the middle, in the base frame [m, rad].
@@ -59,7 +59,7 @@ GoalLike: TypeAlias = "Goal | Sequence[Goal]"
 
 
 def goals_of(goal: GoalLike) -> tuple[Goal, ...]:
-    """Take one goal or several.
+    """Make a tuple of one goal or several.
 
     Raises:
         ParameterError: something else was given, such as six numbers that could be either.
@@ -74,8 +74,8 @@ class WorkerScene(NamedTuple):
     """The scene of the problems that follow.
 
     Attributes:
-        model: of MuJoCo.
-        positions: of what is loose in it.
+        model: MuJoCo model.
+        positions: positions of the loose things in it.
     """
 
     model: Any
@@ -84,20 +84,20 @@ class WorkerScene(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlanningProblem:
-    """From where to where, how, and how fast.
+    """Start, goals, constraints and limits of a plan.
 
     Attributes:
-        start: where the arm is [rad]. Shape (6,).
-        goals: any of which will do.
-        shape: "free" for any way; "line" or "arc" for the tool's way to the last pose.
-        limits: of the joints.
-        tip: of the tool in the flange's frame. Shape (4, 4).
+        start: configuration of the arm [rad]. Shape (6,).
+        goals: goals, of which any is enough.
+        shape: "free" for any path; "line" or "arc" for the tool's path to the last pose.
+        limits: limits of the joints.
+        tip: the tool's tip in the flange's frame. Shape (4, 4).
         upright: whether the tool may only turn about the vertical.
         up: the vertical in the base's frame. Shape (3,).
-        partial: whether a part of a line or arc will do.
+        partial: whether a part of a line or arc is enough.
         rate: largest speed of the tool along a line or arc [m/s].
         padding: distance to keep [m].
-        timeout: for the search [s].
+        timeout: time-out of the search [s].
     """
 
     arm: Arm
@@ -116,18 +116,18 @@ class PlanningProblem:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Solution:
-    """What was found.
+    """Solution of a problem.
 
     Attributes:
-        times, positions, velocities, accelerations: of the joints [s, rad].
-        corners: configurations between which the way is about straight [rad]. Shape (n, 6).
+        times, positions, velocities, accelerations: those of the joints [s, rad].
+        corners: configurations between which the path is about straight [rad]. Shape (n, 6).
         looked: times at which the clearance was measured [s].
-        clearances: the distance to the nearest thing then, at most 0.1 [m].
+        clearances: distances to the nearest thing then, at most 0.1 [m].
         radii: how far a turn of each joint can move a point [m/rad]. Shape (6,).
         padding: distance that was kept [m].
-        fraction: how much of a line or arc it is.
+        fraction: share of a line or arc that it covers.
         searching: processor time for the path [s].
-        timing: and for its times [s].
+        timing: processor time for its times [s].
     """
 
     times: Points

@@ -1,4 +1,4 @@
-"""The scene that is planned in: an arm, what it carries, and what stands around it."""
+"""A planning scene: an arm, what it carries, and the things around it."""
 
 from __future__ import annotations
 
@@ -39,23 +39,23 @@ class Scene:
         scene = Scene("gcr5_910", [Box(at=(0.5, 0, 0.3), size=(0.04, 0.6, 0.6), name="wall")])
         scene.clearance(joints)
 
-    Places are in the world's frame, as in `aioduco.sim.scene`: z is up, the floor is at 0, and an
-    arm on the floor has its base at the origin. Things stand where they are put; their masses are
-    without effect.
+    Positions are in the world's frame, as in `aioduco.sim.scene`: z is up, the floor is at 0, and
+    an arm on the floor has its base at the origin. Things stay where they are put; their masses
+    have no effect.
 
     Args:
         model: the arm, such as "gcr5_910", or an `Arm`.
         things: what stands around it.
-        around: more of it: the path of an MJCF file, or MJCF as text.
+        around: more things: the path of an MJCF file, or MJCF as text.
         tool: what the flange carries, in its frame: things, or MJCF.
         mounting: where the base is: "floor", "wall", "ceiling", or a pose [m, rad].
         pedestal: height of a column under an arm on the floor [m].
-        padding: distance that plans keep from everything [m], from 0.0005. It is taken less where
-            the start or the goal of a plan is closer.
+        padding: distance that plans keep from everything [m], from 0.0005. It is reduced if the
+            start or the goal of a plan is closer.
 
     Raises:
         ParameterError: there is no such model, or `padding` is out of range.
-        SceneError: the mounting is none, or things have the same name.
+        SceneError: the mounting is not valid, or two things have the same name.
     """
 
     def __init__(
@@ -84,16 +84,16 @@ class Scene:
         self._model: Any = None
         self._checker: CollisionChecker | None = None
         self._revision = 0
-        #: what carries a plan out looks at the scene in another thread
+        #: the execution of a plan reads the scene in another thread
         self._lock = threading.RLock()
         self.add(*things)
 
     @classmethod
     def from_simulator(cls, simulator: Simulator, *, padding: float = 0.005) -> Scene:
-        """Give the scene of a running simulator, with everything loose where it is now.
+        """Give the scene of a running simulator, with all loose things where they are now.
 
         Args:
-            simulator: the simulator; it is only looked at.
+            simulator: the simulator; it is not changed.
             padding: distance that plans keep from everything [m].
 
         Raises:
@@ -121,12 +121,12 @@ class Scene:
 
     @property
     def revision(self) -> int:
-        """How often the scene was changed."""
+        """Number of changes of the scene so far."""
         return self._revision
 
     @property
     def attached(self) -> tuple[str, ...]:
-        """Names of what the flange holds."""
+        """Names of the things that the flange holds."""
         return tuple(self._attached)
 
     # -- changes -------------------------------------------------------------------------------
@@ -138,7 +138,7 @@ class Scene:
             things: each with a name of its own; one without gets a number.
 
         Raises:
-            SceneError: there is one of this name already, or it is no thing.
+            SceneError: there is a thing of this name already, or an argument is not a thing.
         """
         named = dict(self._things)
         for thing in things:
@@ -153,10 +153,10 @@ class Scene:
             self._changed()
 
     def remove(self, name: str) -> None:
-        """Take a thing out of the scene, one that is held included.
+        """Remove a thing from the scene, also one that is held.
 
         Raises:
-            SceneError: there is none of this name.
+            SceneError: there is no thing of this name.
         """
         self._known(name)
         with self._lock:
@@ -166,14 +166,14 @@ class Scene:
             self._changed()
 
     def move(self, name: str, at: Sequence[float]) -> None:
-        """Put a thing somewhere else.
+        """Move a thing to another position.
 
         Args:
-            name: of the thing.
+            name: name of the thing.
             at: x, y, z [m], or a pose of six numbers [m, rad].
 
         Raises:
-            SceneError: there is none of this name.
+            SceneError: there is no thing of this name.
         """
         moved = dataclasses.replace(self._known(name), at=tuple(at))
         with self._lock:
@@ -182,17 +182,17 @@ class Scene:
             self._changed()
 
     def attach(self, name: str, joints: JointsLike) -> None:
-        """Let the flange hold a thing from where it is, as a gripper that closes does.
+        """Attach a thing to the flange where it is, as a closing gripper does.
 
-        From now on it moves with the arm. It may touch the tool, the flange and the two links
-        before it.
+        From now on the thing moves with the arm. It may touch the tool, the flange and the last
+        two links.
 
         Args:
-            name: of the thing, also one of a simulator's scene.
-            joints: where the arm is when it takes hold [rad].
+            name: name of the thing, also one of a simulator's scene.
+            joints: configuration of the arm when it grips the thing [rad].
 
         Raises:
-            SceneError: there is none of this name.
+            SceneError: there is no thing of this name.
         """
         place = self._own.place(Joints.of(joints).array, self._body(name))
         with self._lock:
@@ -201,14 +201,14 @@ class Scene:
             self._changed()
 
     def detach(self, name: str, joints: JointsLike) -> None:
-        """Let the flange leave a thing where it is.
+        """Detach a thing from the flange; it stays where it is.
 
         Args:
-            name: of what is held.
-            joints: where the arm is when it lets go [rad].
+            name: name of the held thing.
+            joints: configuration of the arm when it releases the thing [rad].
 
         Raises:
-            SceneError: nothing of this name is held, or it is a simulator's.
+            SceneError: nothing of this name is held, or the thing is from a simulator's scene.
         """
         if name not in self._attached:
             raise SceneError(f"nothing called {name!r} is held; held: {', '.join(self._attached)}")
@@ -224,7 +224,7 @@ class Scene:
 
         Args:
             one: name of a thing, "link1" to "link6", "flange", "tool", "base" or "floor".
-            other: likewise.
+            other: name of the other body, likewise.
         """
         pair = self._body(one), self._body(other)
         with self._lock:
@@ -232,7 +232,7 @@ class Scene:
             self._changed()
 
     def forbid(self, one: str, other: str) -> None:
-        """Take back what `allow` allowed."""
+        """Undo `allow` for two bodies."""
         with self._lock:
             self._allowed -= {(one, other), (other, one)}
             self._changed()
@@ -249,12 +249,12 @@ class Scene:
             The distance [m], below zero in a collision, and the names of the two bodies.
 
         Raises:
-            SceneError: MuJoCo does not take the scene.
+            SceneError: MuJoCo rejects the scene.
         """
         return self._own.clearance(Joints.of(joints).array)
 
     def collides(self, joints: JointsLike) -> bool:
-        """Tell whether the arm touches something, padding left aside.
+        """Tell whether the arm touches something, without padding.
 
         Args:
             joints: joint angles [rad]. Shape (6,).
@@ -273,9 +273,9 @@ class Scene:
 
         Args:
             joints: joint angles [rad]. Shape (6,).
-            width: of the picture, at most 1920 [pixels].
-            height: of the picture, at most 1080 [pixels].
-            camera: from where; None for one that sees the whole arm.
+            width: width of the picture, at most 1920 [pixels].
+            height: height of the picture, at most 1080 [pixels].
+            camera: the camera; None for one that sees the whole arm.
 
         Returns:
             Red, green, blue. Shape (height, width, 3).
@@ -309,7 +309,7 @@ class Scene:
     # -- inside --------------------------------------------------------------------------------
 
     def compiled(self) -> Any:
-        """MuJoCo's model of the arm in its scene. It is not to be changed."""
+        """MuJoCo's model of the arm in its scene. Callers must not change it."""
         try:
             from aioduco.planning.collision import build  # noqa: PLC0415 - needs an extra
         except ModuleNotFoundError as error:
@@ -330,7 +330,7 @@ class Scene:
             return self._model
 
     def checker(self) -> CollisionChecker:
-        """A new one that tells of collisions in the scene as it is now, for one thread."""
+        """Make a new collision checker of the scene as it is now, for one thread."""
         with self._lock:
             model = self.compiled()
             from aioduco.planning.collision import CollisionChecker  # noqa: PLC0415
@@ -346,14 +346,14 @@ class Scene:
 
     @property
     def loose(self) -> NDArray[np.float64]:
-        """Positions of what is loose in a simulator's scene; empty if nothing is."""
+        """Positions of the loose things in a simulator's scene; empty if there are none."""
         if self._loose is not None:
             return self._loose
         rest: NDArray[np.float64] = np.array(self.compiled().qpos0[6:])
         return rest
 
     def _loose_without(self, name: str) -> NDArray[np.float64]:
-        """Positions of what is loose, less those of one body."""
+        """Positions of the loose things, without those of one body."""
         model, loose = self.compiled(), self._loose
         assert loose is not None
         first = int(model.body(f"scene/{name}").jntadr[0])

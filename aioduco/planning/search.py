@@ -1,7 +1,7 @@
-"""A free way from a start to one of several goals: OMPL's RRT-Connect, and shorter afterwards.
+"""Search of a free path from a start to one of several goals: OMPL's RRT-Connect, then shortening.
 
-OMPL's bindings hold references and say so when the interpreter ends: this module is for the
-process of `worker` alone.
+OMPL's bindings keep references, and print messages about them when the interpreter ends: so only
+the process of `worker` uses this module.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ __all__ = ["STEP", "search", "seed"]
 
 STEP = 0.03
 """Between two looks at a way, at first [m of the arm's furthest point, about]."""
-_RANGE = 0.5  # of one step of a search [m, likewise]
-_PATIENCE = 0.2  # with one search, at first [s]
+_RANGE = 0.5  # length of one step of a search [m, likewise]
+_PATIENCE = 0.2  # time for the first search [s]
 _SHORTCUTS = 60  # attempts at shortening
 
 
 def seed(number: int) -> None:
-    """Let the searches of this process repeat: call it before the first.
+    """Make the searches of this process repeatable: call it before the first one.
 
     Args:
-        number: from 1.
+        number: seed, from 1.
     """
     util.setLogLevel(util.LogLevel.LOG_NONE)
     util.RNG.setSeed(number)
@@ -54,19 +54,19 @@ def search(
     direct: int = 1,
     step: float = STEP,
 ) -> Points | None:
-    """Find a way.
+    """Find a path.
 
     Args:
-        space: what is searched.
+        space: space to search.
         start: a free point of it.
         goals: free points, the best first.
-        deadline: when to end at the latest, of `time.monotonic` [s].
-        direct: to how many of the goals the straight way is tried.
-        step: between two looks at a way [m of the arm's furthest point, about].
+        deadline: time at which the search ends at the latest, of `time.monotonic` [s].
+        direct: number of goals to which the straight path is tried.
+        step: distance between two checks of a path [m of the arm's furthest point, about].
 
     Returns:
-        Corners of the way, from the start to one of the goals. Shape (n, dimensions); None if none
-        was found in time.
+        Corners of the path, from the start to one of the goals. Shape (n, dimensions); None if no
+        path was found in time.
     """
     for goal in goals[:direct]:
         if straight(space.free, start, goal, step):
@@ -102,7 +102,7 @@ def search(
     planner.setRange(_RANGE)
     planner.setProblemDefinition(problem)
     planner.setup()
-    # Times of such searches have a long tail: to begin anew is faster than to go on.
+    # Durations of such searches have a long tail: starting anew is faster than continuing.
     patience = _PATIENCE
     while not problem.hasExactSolution():
         left = deadline - time.monotonic()
@@ -122,9 +122,9 @@ def search(
 
 
 def straight(free: Callable[[Any], bool], start: Points, goal: Points, step: float) -> bool:
-    """Tell whether the straight way between two points is free: the middle first, then finer."""
+    """Tell whether the straight path between two points is free: check the middle, then finer."""
     count = max(int(np.ceil(np.linalg.norm(goal - start) / step)), 1)
     shares = np.arange(1, count) / count
-    # What is in the way is found soonest by looks that are far apart.
+    # Checks that are far apart find an obstacle soonest.
     order = np.argsort([int(f"{i:016b}"[::-1], 2) for i in range(1, count)])
     return all(free(start + shares[i] * (goal - start)) for i in order)

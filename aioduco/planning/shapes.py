@@ -1,4 +1,4 @@
-"""What a planning scene may hold besides the things of `aioduco.sim.scene`."""
+"""Things of a planning scene, besides those of `aioduco.sim.scene`."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ __all__ = ["Ground", "Mesh", "PointCloud"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ground(Thing):
-    """An endless plane: all that is below it is solid.
+    """An infinite plane; everything below it is solid.
 
     Attributes:
-        at: a point of it, or a pose; it is square to the pose's z axis.
+        at: a point of the plane, or a pose; the plane is perpendicular to the pose's z axis.
     """
 
     def _sizes(self) -> tuple[str, ...]:
@@ -37,12 +37,12 @@ class Ground(Thing):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mesh(Thing):
-    """The convex hull of a mesh. What is hollow is given as several meshes.
+    """The convex hull of a mesh. Give a hollow thing as several meshes.
 
     Attributes:
         file: path of an STL or OBJ file; or
         vertices: the corners [m]. Shape (n, 3), n from 4.
-        scale: of what the file says, to metres.
+        scale: factor from the numbers of the file, or of `vertices`, to metres.
     """
 
     file: str | Path | None = None
@@ -52,7 +52,7 @@ class Mesh(Thing):
     scale: float = 1.0
 
     def __post_init__(self) -> None:
-        # Written out: a class with slots is made anew, and `super()` without arguments then fails.
+        # `super()` without arguments fails, because `dataclass(slots=True)` makes a new class.
         Thing.__post_init__(self)
         if (self.file is None) == (self.vertices is None):
             raise ParameterError("file", self.file, "given, or else vertices, and not both")
@@ -65,14 +65,14 @@ class Mesh(Thing):
         return ("scale",)
 
     def assets(self) -> list[ET.Element]:
-        """What MJCF has to say of it outside of the world."""
+        """The elements of MJCF for the mesh outside of the world."""
         mesh = ET.Element("mesh", name=self._asset, inertia="convex")
         if self.file is not None:
             mesh.set("file", str(Path(self.file).resolve()))
             mesh.set("scale", " ".join([f"{self.scale:.9g}"] * 3))
         else:
             corners = _points("vertices", self.vertices, least=4) * self.scale
-            # MuJoCo would move a mesh to its centre of mass; the geom puts it back.
+            # MuJoCo moves a mesh to its centre of mass; the geom moves it back.
             mesh.set("vertex", " ".join(f"{value:.9g}" for value in corners.ravel().tolist()))
         return [mesh]
 
@@ -91,8 +91,8 @@ class PointCloud(Thing):
 
     Attributes:
         points: in the frame of `at` [m]. Shape (n, 3).
-        radius: of each sphere [m]: half of the distance between the points at least, so that
-            nothing passes between them.
+        radius: radius of each sphere [m]; at least half of the distance between the points, so
+            that nothing passes between them.
     """
 
     points: Sequence[Sequence[float]] | NDArray[np.float64] = field(compare=False, repr=False)

@@ -1,4 +1,4 @@
-"""From a problem to its solution: goals, search, rounding, times. In the worker's process."""
+"""From a problem to its solution: goals, search, rounding, times. Runs in the worker's process."""
 
 from __future__ import annotations
 
@@ -41,21 +41,21 @@ __all__ = ["solve"]
 
 _LEAST_PADDING = 0.0003  # [m]
 _SAMPLES = 24  # poses of a region that are tried
-_SOON = 0.3  # time for the nearest goals, before those a turn away and those closer to things [s]
-_DIRECT = 8  # goals to which the straight way is tried, the nearest first
-_CORNERS = 9  # told of a way that has none in joint space
-_LOOKS = 40  # at the clearance along the way
+_SOON = 0.3  # time before goals a turn away, and goals closer to things, are tried too [s]
+_DIRECT = 8  # goals to which the straight path is tried, the nearest first
+_CORNERS = 9  # corners to report for a path that has none in joint space
+_LOOKS = 40  # measurements of the clearance along the path
 
 
 def solve(problem: PlanningProblem, checker: CollisionChecker) -> Solution:
     """Find a plan.
 
     Args:
-        problem: what is asked.
-        checker: of the scene.
+        problem: the problem.
+        checker: collision checker of the scene.
 
     Raises:
-        PlanningError: there is none; the subclass says why.
+        PlanningError: no plan was found; the subclass says why.
     """
     begin, used = time.monotonic(), time.process_time()
     start = problem.start
@@ -101,7 +101,7 @@ def solve(problem: PlanningProblem, checker: CollisionChecker) -> Solution:
 def _free(
     problem: PlanningProblem, checker: CollisionChecker, deadline: float
 ) -> tuple[Curve, Points]:
-    """A way to any of the goals, as a curve of joints, and its corners."""
+    """Find a path to any of the goals, as a curve of joints, and its corners."""
     start, arm = problem.start, problem.arm
     space: PathSpace = JointPathSpace(arm, checker)
     branch = None
@@ -122,7 +122,7 @@ def _free(
     least = min(each.distance for each in clearances if each.distance > 0.0)
     padding = max(_LEAST_PADDING, min(checker.padding, 0.9 * room))
     closer = max(_LEAST_PADDING, min(padding, 0.9 * least))
-    # What is nearest, and as far from everything as was asked, may have no way where others have.
+    # The nearest goals, with all of the padding, may have no path where other goals have one.
     exact = [goal.array for goal in problem.goals if isinstance(goal, Joints)]
     further = [
         (other, c)
@@ -161,7 +161,7 @@ def _way_to(
     checker: CollisionChecker,
     deadline: float,
 ) -> tuple[Curve, Points] | None:
-    """A rounded way to any of the goals, and its corners in what is searched; None: too late."""
+    """Find a rounded path to any of the goals, and its corners in `space`; None if out of time."""
     points = [space.point(q) for q in goals]
     direct, step = _DIRECT, STEP
     while time.monotonic() < deadline:
@@ -172,7 +172,7 @@ def _way_to(
         joints = None if curve is None else joint_curve(curve, space)
         if joints is not None:
             return joints, corners
-        direct, step = 0, 0.5 * step  # what was seen from afar as free was not: look closer
+        direct, step = 0, 0.5 * step  # coarse checks missed a collision: check more finely
     return None
 
 
@@ -222,7 +222,7 @@ def _poses(goal: Pose | Region) -> list[Points]:
     poses: list[Points] = []
     for _ in range(_SAMPLES):
         offset = np.eye(4)
-        # The middle first, then anywhere.
+        # The middle first, then random poses.
         share = random.uniform(-1.0, 1.0, 6) if poses else np.zeros(6)
         offset[:3, 3] = 0.5 * share[:3] * goal.size
         offset[:3, :3] = matrix_from_rpy(share[3:] * goal.turn)
@@ -231,7 +231,7 @@ def _poses(goal: Pose | Region) -> list[Points]:
 
 
 def _along(problem: PlanningProblem, checker: CollisionChecker) -> tuple[Curve, float]:
-    """A line or an arc, as far as it goes."""
+    """Plan a line or an arc, as far as it is free and within reach."""
     arm, start = problem.arm, problem.start
     poses = [goal.matrix for goal in problem.goals if isinstance(goal, Pose)]
     way = poses_along(
@@ -240,7 +240,7 @@ def _along(problem: PlanningProblem, checker: CollisionChecker) -> tuple[Curve, 
     back = np.linalg.inv(problem.tip).astype(np.float64)
     q, why = followed(arm, way.poses, back, start)
     wanted, pair, place = len(way.poses), None, q[-1]
-    # Free as far as which pose: the padding is kept, or what of it there is at either end.
+    # Find the last pose that is free. Keep the padding, or less of it if an end is closer.
     ends = checker.clearance(q[-1]).distance
     checker.padding = max(_LEAST_PADDING, min(checker.padding, 0.9 * ends))
     space = JointPathSpace(arm, checker)

@@ -1,6 +1,6 @@
-"""What is searched for a way: the arm's joints, or what its tool may do under a constraint.
+"""Spaces in which paths are searched: the arm's joints, or the tool's motions under a constraint.
 
-A space's unit is the metre: a step of one moves no point of the arm by much more than that.
+A space's unit is the metre: a step of one metre moves no point of the arm by much more than that.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ if TYPE_CHECKING:
 
 __all__ = ["JointPathSpace", "PathSpace", "UprightPathSpace"]
 
-_UPRIGHT = 0.02  # how far the tool may tilt at a goal, against the start [rad]
+_UPRIGHT = 0.02  # largest tilt of the tool at a goal, against the start [rad]
 
 
 class PathSpace(Protocol):
-    """What a way is looked for in.
+    """A space in which a path is searched.
 
     Attributes:
         lower, upper: bounds of its points.
-        margin: how far beyond start and goals a search goes.
+        margin: distance beyond start and goals to which a search is limited.
     """
 
     lower: Points
@@ -42,7 +42,7 @@ class PathSpace(Protocol):
     margin: Points
 
     def free(self, point: Any) -> bool:
-        """Tell whether the arm touches nothing there."""
+        """Tell whether the arm touches nothing at a point."""
         ...
 
     def point(self, q: Points) -> Points:
@@ -50,12 +50,12 @@ class PathSpace(Protocol):
         ...
 
     def joints(self, points: Points) -> Points | None:
-        """The configurations of points that follow each other; None if one has none."""
+        """The configurations of consecutive points; None if a point has none."""
         ...
 
 
 class JointPathSpace:
-    """The joints, each in proportion to how far it moves the arm."""
+    """The joints, each scaled by how far it moves the arm."""
 
     def __init__(self, arm: Arm, checker: CollisionChecker) -> None:
         self._checker = checker
@@ -66,7 +66,7 @@ class JointPathSpace:
         self.margin: Points = np.pi * self._radii
 
     def free(self, point: Any) -> bool:
-        """Tell whether the arm touches nothing there."""
+        """Tell whether the arm touches nothing at a point."""
         a, b, c, d, e, f = self._inverse
         return self._checker.free(
             (point[0] * a, point[1] * b, point[2] * c, point[3] * d, point[4] * e, point[5] * f)
@@ -82,14 +82,14 @@ class JointPathSpace:
 
 
 class UprightPathSpace:
-    """Places of the tool, and turns about the vertical: the tool is never tilted.
+    """Positions of the tool, and its turns about the vertical: the tool is never tilted.
 
-    The arm keeps its branch, and no joint goes further than half a turn from the start.
+    The arm keeps its branch, and no joint moves further than half a turn from the start.
 
     Args:
         arm: the arm.
-        checker: of its scene.
-        start: where it begins [rad]. Shape (6,).
+        checker: collision checker of its scene.
+        start: configuration at the start [rad]. Shape (6,).
         up: the vertical in the base's frame. Shape (3,).
         tip: the tool's tip in the flange's frame. Shape (4, 4).
     """
@@ -102,7 +102,7 @@ class UprightPathSpace:
         self._branch = self._branch_of(self._near)
         self._tip, self._back = tip, np.linalg.inv(tip)
         self._turn: Points = (arm.fkine(start) @ tip)[:3, :3]
-        #: a turn counts as far as it moves what is this far from the axis
+        #: a turn counts as the length by which it moves a point at this distance from the axis [m]
         self._radius = float(np.linalg.norm(tip[:3, 3])) + 0.5 * arm.reach
         reach = arm.reach + arm.geometry.d5 + arm.geometry.d6 + float(np.linalg.norm(tip[:3, 3]))
         middle = np.array([0.0, 0.0, arm.geometry.d1, 0.0])
@@ -133,12 +133,12 @@ class UprightPathSpace:
         return self._branch_of(q) == self._branch
 
     def free(self, point: Any) -> bool:
-        """Tell whether the arm reaches the point on its branch, and touches nothing there."""
+        """Tell whether the arm reaches a point on its branch, and touches nothing at it."""
         q = self._solve((point[0], point[1], point[2], point[3]))
         return q is not None and self._checker.free(q)
 
     def joints(self, points: Points) -> Points | None:
-        """The configurations of points that follow each other; None if one has none."""
+        """The configurations of consecutive points; None if a point has none."""
         found = np.empty((len(points), 6))
         for row, point in enumerate(points):
             q = self._solve(point)
@@ -158,7 +158,7 @@ class UprightPathSpace:
         return None
 
     def _branch_of(self, q: Sequence[float]) -> tuple[bool, bool, bool]:
-        """Signs of what is zero at the singularities of shoulder, elbow and wrist."""
+        """Signs of the values that are zero at the singularities of shoulder, elbow and wrist."""
         g, q23 = self._arm.geometry, q[1] + q[2]
         ahead = g.a2 * math.sin(q[1]) + g.a3 * math.sin(q23) + g.d5 * math.sin(q23 + q[3])
         return ahead > 0.0, math.sin(q[2]) > 0.0, math.sin(q[4]) > 0.0

@@ -1,15 +1,15 @@
-"""The fastest way through a path in time: an interior-point method, from a law that is slower.
+"""The fastest timing of a path: an interior-point method that starts from a slower time law.
 
-A law gives the place on the path over a time. It is passed at another pace: with `b`, the square of
+A law gives the position on the path over time. It is run at another pace: with `b`, the square of
 the pace over that time, speed, acceleration and jerk of each joint are
 
     q' √b,    q'' b + q' b'/2,    √b (q''' b + 3/2 q'' b' + q' b''/2)
 
-where q', q'', q''' are those of the law itself. The ends are at rest for any pace, as the law is.
-`b` is a cubic spline; its coefficients are moved by Newton's method on the duration with barriers
-at the limits, which are made steeper from step to step. Each step costs what grows with the
-number of nodes, not more. Within, arrays have the nodes last: numpy sums over six joints of a
-thousand nodes several times as fast that way.
+where q', q'', q''' are those of the law itself. The ends are at rest at any pace, since the law's
+ends are at rest. `b` is a cubic spline. Newton's method finds its coefficients: it minimizes the
+duration plus barriers at the limits, which are made steeper from step to step. The cost of a step
+grows linearly with the number of nodes. Internally, the last axis of arrays is the nodes: numpy
+then sums over six joints of a thousand nodes several times as fast.
 """
 
 from __future__ import annotations
@@ -31,20 +31,20 @@ __all__ = ["PaceSpline", "PathNodes", "faster"]
 _STEPS = 40  # of Newton's method, at most
 _SOFT, _HARD = 0.025, 2.5e-3  # weight of the barriers of all nodes, at first and at last
 _STEEPER = 0.15
-_INSIDE = 0.97  # of the limits, at which it begins
-_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # of derivatives
-_ENOUGH = 5e-3  # of the duration that a step may still gain
-_BASES = 4  # of a cubic spline that are not zero at one place
+_INSIDE = 0.97  # share of the limits at which the method begins
+_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # pairs of derivatives
+_ENOUGH = 5e-3  # share of the duration that a step may still gain at the end
+_BASES = 4  # basis functions of a cubic spline that are not zero at one place
 
 
 class PathNodes(NamedTuple):
-    """Places of a law at which the limits are kept.
+    """Points of a law at which the limits are enforced.
 
     Attributes:
         times: rising, from 0 [s]. Shape (n,).
         first, second, third: derivatives of the joints over the time. Shape (n, 6) each.
-        rates: of the path's length over the time. Shape (n,).
-        tighter: how many times lower speed, acceleration and jerk have to be than their limits.
+        rates: derivatives of the path's length over the time. Shape (n,).
+        tighter: factors by which speed, acceleration and jerk have to be lower than their limits.
             Shape (n, 3).
     """
 
@@ -60,9 +60,9 @@ class PaceSpline:
     """The square of a pace over the time of a law.
 
     Args:
-        end: of the law [s].
-        spans: of the spline.
-        coefficients: Shape (spans + 3,); None for a pace of one.
+        end: end of the law [s].
+        spans: number of spans of the spline.
+        coefficients: coefficients of the spline. Shape (spans + 3,); None for a pace of one.
     """
 
     def __init__(self, end: float, spans: int, coefficients: Points | None = None) -> None:
@@ -78,7 +78,7 @@ class PaceSpline:
         return _weighed(bases, self.coefficients[_rows(first)])
 
     def bases(self, times: Points) -> tuple[Any, Points]:
-        """The first coefficient that counts at each time, and what it and the next count.
+        """The first coefficient with an effect at each time, and the factors of it and the next.
 
         Returns:
             Shapes (n,) and (4, 3, n): value and two derivatives.
@@ -99,7 +99,7 @@ class PaceSpline:
         return first, found
 
     def passed(self, times: Points) -> Points:
-        """When the law's times are reached at this pace [s]. Shape (n,)."""
+        """Give the times at which the law's times are reached at this pace [s]. Shape (n,)."""
         # Gauss's rule of three points in each interval.
         off, weights = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)]), np.array([5.0, 8.0, 5.0]) / 18
         widths = np.diff(times)
@@ -110,13 +110,13 @@ class PaceSpline:
 
 
 class _Barriers:
-    """The duration with barriers at the limits, over the spline's coefficients.
+    """The duration plus barriers at the limits, as a function of the spline's coefficients.
 
     Args:
-        nodes: where the limits are kept.
-        pace: whose coefficients are moved.
-        limits: of the joints.
-        rate: how fast the path's length may be passed.
+        nodes: points at which the limits are enforced.
+        pace: spline whose coefficients are changed.
+        limits: limits of the joints.
+        rate: largest derivative of the path's length over time.
     """
 
     def __init__(
@@ -136,7 +136,7 @@ class _Barriers:
         self._shares = 0.5 * shares / times[-1]
         hard = tighter[1] / acceleration
         sharp = tighter[2] / jerk
-        # What value and derivatives of b count in acceleration and jerk, as shares of the limits.
+        # Factors of b and its derivatives in acceleration and jerk, as shares of the limits.
         self._hard = two * hard, 0.5 * one * hard
         self._sharp = three * sharp, 1.5 * two * sharp, 0.5 * one * sharp
         self._fast = np.maximum(
@@ -145,7 +145,7 @@ class _Barriers:
         first_of, other = np.triu_indices(_BASES)
         rows = (_BASES - 1 - other + first_of) * self._count + other
         self._places = (rows[:, None] + first).ravel()
-        # What each second derivative by value and derivatives of b counts for two coefficients.
+        # Factors of each second derivative by b and its derivatives, for pairs of coefficients.
         left, right = self._bases[first_of], self._bases[other]
         self._curves = np.empty((len(first_of), len(_PAIRS), len(times)))
         for column, (i, j) in enumerate(_PAIRS):
@@ -158,7 +158,7 @@ class _Barriers:
         return _weighed(self._bases, coefficients[self._rows])
 
     def worst(self, b: Points) -> float:
-        """How many times the square of the pace is too large."""
+        """Factor by which the square of the pace is too large."""
         hard, unscaled = self.shares(b)
         sharpest = float((np.abs(unscaled).max(axis=0) * np.sqrt(b[0])).max())
         fastest = float((self._fast * b[0]).max())
@@ -170,7 +170,7 @@ class _Barriers:
         return hard, self._sharp[0] * b[0] + self._sharp[1] * b[1] + self._sharp[2] * b[2]
 
     def value(self, square: Points, hard: Points, unscaled: Points, weight: float) -> float:
-        """What is made least; infinite outside of the limits."""
+        """The function to minimize; infinite outside of the limits."""
         if square.min() <= 0.0:
             return float("inf")
         room = 1.0 - hard * hard
@@ -182,7 +182,7 @@ class _Barriers:
         return float((self._shares / np.sqrt(square)).sum() - weight * barriers)
 
     def furthest(self, square: Points, hard: Points, change: Points, of_hard: Points) -> float:
-        """How far a step may go, at most 1, within the limits of speed and acceleration."""
+        """Largest share of a step, at most 1, within the limits of speed and acceleration."""
         with np.errstate(divide="ignore"):
             ends = [
                 (np.abs(of_hard) / (1.0 - np.where(of_hard > 0.0, hard, -hard))).max(),
@@ -194,10 +194,10 @@ class _Barriers:
     def step(
         self, value: Points, hard: Points, unscaled: Points, weight: float
     ) -> tuple[Points, float]:
-        """Newton's step of the coefficients, and by how much it is to lower the value.
+        """Newton's step of the coefficients, and the decrease of the value that it predicts.
 
         Raises:
-            LinAlgError: there is none.
+            LinAlgError: there is no such step.
         """
         root = np.sqrt(value)
         sharp = unscaled * root
@@ -214,7 +214,7 @@ class _Barriers:
             slope[i] += (push * share).sum(axis=0)
         slope *= 2.0 * weight
         slope[0] += weight * self._fast / left - 0.5 * self._shares * value**-1.5
-        # Of the second derivatives the part that is never negative (Gauss and Newton's).
+        # Only the part of the second derivatives that is never negative (Gauss-Newton).
         stiff, stiffer = (1.0 + hard**2) / hard_room**2, (1.0 + sharp**2) / sharp_room**2
         curves = np.empty((len(_PAIRS), len(value)))
         for column, (i, j) in enumerate(_PAIRS):
@@ -240,13 +240,13 @@ def faster(
     rate: float,
     soft: float = _SOFT,
 ) -> PaceSpline:
-    """Give the pace at which a law is passed soonest within all limits.
+    """Give the pace at which a law is fastest within all limits.
 
     Args:
-        nodes: where the limits are kept.
-        pace: to begin with; it is scaled so far that it is within the limits.
-        limits: of the joints.
-        rate: how fast the path's length may be passed [its unit per second].
+        nodes: points at which the limits are enforced.
+        pace: pace to begin with; it is first scaled to be within the limits.
+        limits: limits of the joints.
+        rate: largest derivative of the path's length over time [its unit per second].
         soft: weight of all barriers at first; less for a pace that is nearly the best.
     """
     barriers = _Barriers(nodes, pace, limits, rate)

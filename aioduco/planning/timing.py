@@ -1,9 +1,9 @@
-"""When the arm is where on a curve: as fast as speed, acceleration and jerk of the joints allow.
+"""Timing of a curve: as fast as the limits of speed, acceleration and jerk of the joints allow.
 
 TOPP-RA finds the fastest time law for speed and acceleration. Its acceleration jumps; a moving
-average of the speed over the time that the jerk needs makes it continuous. That law is passed at
-the pace that makes it the fastest within all limits (`time_law`), and the whole is scaled by the
-little that the interpolation between the points is beyond a limit, or has left.
+average of the speed over the time that the jerk needs makes it continuous. Then `time_law` finds
+the pace at which this law is fastest within all limits. Last, the times are scaled a little,
+because the interpolation between the points slightly exceeds a limit, or leaves some room.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ _GRID = 0.02  # between two nodes of TOPP-RA's law [rad of the joint that moves 
 _LEAST = 40
 _TICK = 0.008  # between two points of the result, at most [s]
 _FINEST = 0.002  # and at least, if the jerk may be high [s]
-_TICKS = 40  # at least, of a short path
+_TICKS = 40  # least number of points of a short path, about
 _ORDER = 5
 _SPAN = 2  # ticks in a span of the pace
-_EDGE = 6  # ticks at either end that are looked at twice as closely
-_PLACES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # in an interval at which speeds are looked at
+_EDGE = 6  # ticks at either end where points are twice as close
+_PLACES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # samples in an interval, as shares of it
 _ROUNDS = 3
-_CLOSE = 1.004  # times too fast that is not worth another round
+_CLOSE = 1.004  # times too fast: below this, another round is not worthwhile
 _SOFT = 8e-3  # weight of the barriers in another round
 
 
@@ -67,13 +67,13 @@ def timed(curve: Curve, limits: MotionLimits, rate: float = np.inf) -> TimedPath
 
     Args:
         curve: of joints [rad].
-        limits: what no joint exceeds.
-        rate: how fast the curve's length may be passed [its unit per second].
+        limits: limits that no joint exceeds.
+        rate: largest derivative of the curve's length over time [its unit per second].
 
     Raises:
         PlanningError: no time law was found.
     """
-    logging.getLogger("toppra").setLevel(logging.CRITICAL)  # what it warns of is raised here
+    logging.getLogger("toppra").setLevel(logging.CRITICAL)  # failures that it logs are raised here
     law, ramp = _slower(curve, limits, rate)
     end = float(law.t[-1 - _ORDER])
     tick = min(max(0.08 * ramp, _FINEST), _TICK, end / _TICKS)
@@ -87,7 +87,7 @@ def timed(curve: Curve, limits: MotionLimits, rate: float = np.inf) -> TimedPath
         found = _along(curve, law, times, pace)
         beyond = _beyond(found, limits)
         excess = float((beyond ** (1.0, 1.0 / 2.0, 1.0 / 3.0)).max())
-        # Slower by what is beyond a limit; faster by what is left, but not along a line.
+        # Slower if a limit is exceeded; faster if there is room left, but not along a line.
         slower = max(excess, 1.0) if np.isfinite(rate) else excess
         if best is None or slower * found.times[-1] < best.times[-1]:
             best = TimedPath(
@@ -98,7 +98,7 @@ def timed(curve: Curve, limits: MotionLimits, rate: float = np.inf) -> TimedPath
             )
         if slower < _CLOSE:
             break
-        # Where a limit is exceeded, less is asked for the next time.
+        # Where a limit is exceeded, the next round uses a lower one.
         more = np.maximum(beyond, 1.0)
         tighter[:-1] *= more
         tighter[1:] *= np.where(tighter[1:] < tighter[:-1], more, 1.0)
@@ -119,7 +119,7 @@ def _slower(curve: Curve, limits: MotionLimits, rate: float) -> tuple[BSpline[An
     if rates is None or not np.isfinite(rates).all():
         raise PlanningError("no speeds were found along the path within the limits")
     rates = np.asarray(rates)
-    # The rate over time is straight between two nodes.
+    # The rate is linear over time between two nodes.
     steps = 2.0 * np.diff(grid) / np.maximum(rates[1:] + rates[:-1], 1e-9)
     times = np.concatenate([[0.0], np.cumsum(steps)])
     ramp = float((acceleration / jerk).max())
@@ -127,7 +127,7 @@ def _slower(curve: Curve, limits: MotionLimits, rate: float) -> tuple[BSpline[An
 
 
 class _Path:
-    """A curve as TOPP-RA wants it."""
+    """A curve with the interface that TOPP-RA expects."""
 
     def __init__(self, curve: Curve) -> None:
         self._curve = curve
@@ -140,9 +140,9 @@ class _Path:
 
 
 def _smooth(grid: Points, times: Points, rates: Points, window: float) -> BSpline[Any]:
-    """Give the place over time after a moving average of the rate, from rest to rest.
+    """Give the position over time after a moving average of the rate, from rest to rest.
 
-    It is a spline of fifth order, whose derivatives are exact.
+    It is a spline of fifth degree, whose derivatives are exact.
     """
     count = max(int(np.ceil(times[-1] / _TICK)), 2)
     tick = float(times[-1]) / count
@@ -159,14 +159,14 @@ def _smooth(grid: Points, times: Points, rates: Points, window: float) -> BSplin
 def _ticks(curve: Curve, law: BSpline[Any], end: float, tick: float) -> Points:
     """Times of the law for the points of the result.
 
-    Where the curve's third derivative jumps, at its knots, there is a point.
+    There is a point at each knot of the curve, where its third derivative jumps.
     """
     times = np.linspace(0.0, end, int(np.ceil(end / tick)) + 1)
     if curve.k >= _ORDER:
         return times
     places = np.unique(curve.t)[1:-1]
     jumps = np.interp(places, law(times), times)
-    # Closer by some steps of Newton's method than by straight parts.
+    # Two steps of Newton's method make the linear interpolation more exact.
     for _ in range(2):
         jumps = np.clip(jumps - (law(jumps) - places) / np.maximum(law(jumps, 1), 1e-6), 0.0, end)
     jumps = jumps[(jumps > tick) & (jumps < end - tick)]
@@ -178,7 +178,7 @@ def _ticks(curve: Curve, law: BSpline[Any], end: float, tick: float) -> Points:
 def _nodes(
     curve: Curve, law: BSpline[Any], times: Points, tighter: Points, tick: float
 ) -> PathNodes:
-    """Give what the limits ask at the points, closer at the ends and on both sides of a jump."""
+    """Give the nodes for the limits: all points, more at the ends, and both sides of a jump."""
     half = 0.5 * (times[:-1] + times[1:])
     near = half[(half < _EDGE * tick) | (half > times[-1] - _EDGE * tick)]
     uneven = np.diff(times) < 0.99 * np.diff(times).max()
@@ -200,7 +200,7 @@ def _nodes(
 
 
 def _along(curve: Curve, law: BSpline[Any], times: Points, pace: PaceSpline) -> TimedPath:
-    """Give the joints where a law is passed at a pace."""
+    """Give the joints over time for a law at a pace."""
     place = np.clip(law(times), curve.t[0], curve.t[-1])
     place[[0, -1]] = curve.t[0], curve.t[-1]
     one, two = law(times, 1), law(times, 2)
@@ -215,7 +215,7 @@ def _along(curve: Curve, law: BSpline[Any], times: Points, pace: PaceSpline) -> 
 
 
 def _beyond(found: TimedPath, limits: MotionLimits) -> Points:
-    """By interval, how many times each limit is reached. Shape (n - 1, 3)."""
+    """For each interval, speed, acceleration and jerk over their limits. Shape (n - 1, 3)."""
     step = np.diff(found.times)[:, None]
     p, v, a = (part * step**i for i, part in enumerate(_starts(found)))
     way = found.positions[1:] - p
@@ -227,7 +227,7 @@ def _beyond(found: TimedPath, limits: MotionLimits) -> Points:
     u = np.array(_PLACES)[:, None, None]
     one = v + u * (a + u * (3 * third + u * (4 * fourth + u * 5 * fifth)))
     two = a + u * (6 * third + u * (12 * fourth + u * 20 * fifth))
-    # The jerk is a parabola of u: its extreme besides its ends.
+    # The jerk is a parabola of u: check its extremum and both ends.
     with np.errstate(divide="ignore", invalid="ignore"):
         top = np.nan_to_num(np.clip(-0.2 * fourth / fifth, 0.0, 1.0))
     three = np.stack([6 * third + at * (24 * fourth + at * 60 * fifth) for at in (0.0, top, 1.0)])
@@ -244,16 +244,16 @@ def _starts(found: TimedPath) -> tuple[Points, Points, Points]:
 
 
 class _Bounds(toppra.constraint.LinearConstraint):  # type: ignore[misc]  # TOPP-RA has no types
-    """The limits at each node, and a lower rate where the curve bends more and more sharply."""
+    """The limits at each node, and a lower rate where the curve's third derivative is large."""
 
     def __init__(self, limits: MotionLimits, rate: float) -> None:
         super().__init__()
         self._limits, self._rate = limits, min(rate, 1e3)
         self.identical = True
-        self.set_discretization_type(1)  # between the nodes too
+        self.set_discretization_type(1)  # applies the limits between the nodes, too
 
     def compute_constraint_params(self, path: Any, grid: Points, *_: Any) -> tuple[Any, ...]:
-        """Coefficients of the limits, as TOPP-RA wants them."""
+        """Coefficients of the limits, as TOPP-RA expects them."""
         speed, acceleration, jerk = self._limits.arrays
         along, bend, change = (path(grid, order) for order in (1, 2, 3))
         with np.errstate(divide="ignore"):

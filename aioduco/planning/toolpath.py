@@ -1,4 +1,4 @@
-"""Lines and arcs of the tool: poses along the way, and configurations on one branch."""
+"""Lines and arcs of the tool: poses along the path, and configurations on one branch."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 __all__ = ["ToolPath", "followed", "poses_along"]
 
 _STEP, _TURN = 0.004, 0.02  # between two poses [m, rad]
-_LEVER = 0.2  # length that a turn counts as, of a tool that turns more than it moves [m/rad]
-_JUMP = 0.2  # furthest turn of a joint between two poses on one branch [rad]
+_LEVER = 0.2  # length that a turn counts as, for a tool that turns more than it moves [m/rad]
+_JUMP = 0.2  # largest turn of a joint between two poses on one branch [rad]
 
 
 class ToolPath(NamedTuple):
-    """Poses of the tool's tip along a way, at equal distances.
+    """Poses of the tool's tip along a path, at equal distances.
 
     Attributes:
-        length: of the way [m].
+        length: length of the path [m].
         poses: in the base frame. Shape (n, 4, 4).
     """
 
@@ -36,13 +36,13 @@ class ToolPath(NamedTuple):
 
 
 def poses_along(start: Points, via: Points | None, end: Points) -> ToolPath:
-    """Give the poses on a line, or on an arc if there is a point between.
+    """Give the poses on a line, or on an arc if `via` is given.
 
     The tool turns evenly from the first orientation to the last.
 
     Args:
         start: the first pose. Shape (4, 4).
-        via: a pose whose position is on the arc; its orientation is not looked at.
+        via: a pose whose position is on the arc; its orientation is not used.
         end: the last pose. Shape (4, 4).
 
     Raises:
@@ -68,7 +68,7 @@ def poses_along(start: Points, via: Points | None, end: Points) -> ToolPath:
 
 
 def _arc(one: Points, two: Points, three: Points) -> tuple[Points, Points, float, Points]:
-    """Centre, first spoke, angle, and the spoke a quarter further, of a circle's arc."""
+    """Centre, first radius vector, angle, and the radius vector a quarter further, of an arc."""
     a, b = two - one, three - one
     normal = np.cross(a, b)
     size = float(normal @ normal)
@@ -83,16 +83,16 @@ def _arc(one: Points, two: Points, three: Points) -> tuple[Points, Points, float
 
 
 def followed(arm: Arm, poses: Points, back: Points, start: Points) -> tuple[Points, str]:
-    """Give the configurations along a way, on the branch of the start, as far as they go.
+    """Give the configurations along a path, on the branch of the start, as far as there are any.
 
     Args:
         arm: the arm.
-        poses: of the tool's tip. Shape (n, 4, 4).
+        poses: poses of the tool's tip. Shape (n, 4, 4).
         back: the flange in the tip's frame. Shape (4, 4).
         start: the first configuration [rad]. Shape (6,).
 
     Returns:
-        Joints [rad], of as many poses as can be followed, and why it is not all of them.
+        Joints [rad] of the first poses, as many as can be followed, and why not all can be.
     """
     found = [start]
     for pose in poses[1:]:

@@ -1,9 +1,9 @@
 """The process that plans, started by a `Planner`.
 
-It says that it has begun. Then it gets values over its channel: the seed of the search first, then
-MuJoCo's model of a scene with the positions in it, or a problem. The answer to a problem is a
-solution, or the error that says why there is none. It ends when its channel does; OMPL's bindings
-then have no chance to complain of what they leave behind.
+First it reports that it has started. Then it receives values over its channel: first the seed of
+the search, then scenes (MuJoCo's model, with positions) and problems. It answers a problem with a
+solution, or with the error that says why there is none. It exits when its channel closes, by
+`os._exit`, so that OMPL's bindings do not print messages about objects that they leave behind.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ __all__ = ["main", "serve"]
 
 
 def serve(channel: ValueChannel) -> None:
-    """Answer until the channel ends."""
+    """Answer problems until the channel closes."""
     channel.send(None)
     seed(channel.receive())
     checker: CollisionChecker | None = None
@@ -44,7 +44,7 @@ def serve(channel: ValueChannel) -> None:
 
 
 def main(arguments: list[str]) -> int:
-    """Serve the program that started this process, and end it."""
+    """Serve the program that started this process, then exit."""
     with contextlib.suppress(KeyboardInterrupt, EOFError, OSError):
         serve(ValueChannel.of(arguments))
     os._exit(0)

@@ -1,14 +1,14 @@
-"""Motions that are kept: recordings that an arm goes through again, and waypoints that were taught.
+"""Stored motions: recordings that an arm replays, and taught waypoints.
 
     path = RecordedPath.of(aioduco.recording.read("run.mcap"))
     await play(robot, path)
 
     await run_waypoints(robot, WaypointFile.read("cell.toml"))
 
-`recorded_path` makes a path of a recording, `path_check` says what speaks against it, `waypoints`
-is the file of waypoints, `envelope_file` that of limits: all four without a robot. `player` moves a
-robot by them, through its public interface alone. For programs that wait there are
-`aioduco.sync.play` and `run_waypoints`.
+`recorded_path` makes a path from a recording, `path_check` checks it, `waypoints` is the file of
+waypoints, `envelope_file` the file of limits: all four without a robot. `player` moves a robot with
+them, through its public interface alone. Blocking programs use `aioduco.sync.play` and
+`aioduco.sync.run_waypoints`.
 """
 
 from __future__ import annotations

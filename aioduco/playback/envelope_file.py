@@ -1,4 +1,4 @@
-"""Limits of an arm in a TOML file: an operating envelope that no program has to spell out.
+"""Limits of an arm in a TOML file: an operating envelope that is not part of a program.
 
     arm = "gcr5_910"
 
@@ -56,13 +56,13 @@ def read_envelope(path: str | os.PathLike[str], *, arm: str | None = None) -> En
 
     Args:
         path: the file.
-        arm: the name of the arm's model; None for what the file says by `arm`.
+        arm: name of the arm's model; None for the `arm` of the file.
 
     Returns:
         The envelope, for `robot.envelope`.
 
     Raises:
-        ParameterError: the file cannot be read, or a field is wrong; it says which.
+        ParameterError: the file cannot be read, or a field is wrong; the message names it.
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
@@ -96,7 +96,7 @@ def _limit(number: int, block: Any) -> EnvelopeLimit:
         raise ParameterError(f"kind of {where}", kind, f"one of {', '.join(_KINDS)}")
     try:
         return _KINDS[kind](**fields)
-    except TypeError as exc:  # a field that there is not, or one that is missing
+    except TypeError as exc:  # an unknown field, or a missing one
         raise ParameterError(f"{where}, {kind}", fields, f"what it takes: {exc}") from exc
     except ParameterError as exc:
         raise ParameterError(f"{exc.parameter} of {where}", exc.value, exc.expected) from exc

@@ -1,4 +1,4 @@
-"""What speaks against a path before an arm follows it: limits, speeds, the envelope, incidents."""
+"""Check a path before an arm follows it: limits, speeds, the envelope, incidents."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ if TYPE_CHECKING:
 
 __all__ = ["PathFinding", "check_path", "check_waypoints", "fastest", "sharpest"]
 
-_LOOK = 0.004  # seconds between two looks at the path
-_WINDOW = 8  # looks over which an acceleration is taken: 32 ms
-_ACCELERATION = 15.0  # of a joint that is replayed, at most [rad/s²]
-_FASTEST = 3.93  # of a joint that streams allow [rad/s]
+_LOOK = 0.004  # time between two samples of the path [s]
+_WINDOW = 8  # samples over which an acceleration is computed: 32 ms
+_ACCELERATION = 15.0  # largest acceleration of a joint in a replay [rad/s²]
+_FASTEST = 3.93  # largest joint speed that streams allow [rad/s]
 
 
 @dataclass(frozen=True, slots=True)
 class PathFinding:
-    """What speaks against a path.
+    """A reason against following a path.
 
     Attributes:
         kind: "arm", "joint limit", "speed", "acceleration", "envelope" or "incident".
-        time: where in the recording [s].
-        text: what, in a sentence.
+        time: time in the recording [s].
+        text: the reason, in a sentence.
     """
 
     kind: str
@@ -55,18 +55,22 @@ def check_path(
     v: float | None = None,
     a: float = _ACCELERATION,
 ) -> tuple[PathFinding, ...]:
-    """Say what speaks against leading an arm along a path: the first place of each kind.
+    """Find reasons against leading an arm along a path.
+
+    All incidents are listed. Of each other kind, one place is listed: the first one beyond a joint
+    limit or the envelope, the largest excess of a speed or acceleration. After a joint limit,
+    nothing further is checked.
 
     Args:
         path: the path.
-        arm: the arm that is to follow it.
-        envelope: the limits that it is to keep to; None for none.
-        tool: the tool's tip in the frame of the flange [m, rad], for the envelope.
-        v: largest speed of each joint [rad/s]; None for those of the arm.
+        arm: the arm that will follow it.
+        envelope: the limits that the path must keep; None for none.
+        tool: pose of the tool's tip in the frame of the flange [m, rad], for the envelope.
+        v: largest speed of each joint [rad/s]; None for the arm's.
         a: largest acceleration of each joint, over 32 ms [rad/s²].
 
     Returns:
-        What was found; empty if nothing.
+        The findings; empty if there are none.
     """
     found = [PathFinding("incident", at, f"the recorded arm had {what}")
              for at, what in path.incidents]  # fmt: skip
@@ -96,13 +100,13 @@ def check_waypoints(
     envelope: Envelope | None = None,
     tool: Sequence[float] = (0.0,) * 6,
 ) -> list[str]:
-    """Say which waypoints are beyond the limits of the joints, or beyond an envelope.
+    """List the waypoints that are beyond the limits of the joints, or beyond an envelope.
 
     Args:
         waypoints: the file.
-        arm: the arm that is to go there.
-        envelope: the limits that they are to keep to; None for none.
-        tool: the tool's tip in the frame of the flange [m, rad], for the envelope.
+        arm: the arm that will move there.
+        envelope: the limits that the waypoints must keep; None for none.
+        tool: pose of the tool's tip in the frame of the flange [m, rad], for the envelope.
     """
     found = []
     checker = None if envelope is None else EnvelopeChecker(envelope.packed(tool))
@@ -130,7 +134,7 @@ def _looks(path: RecordedPath) -> tuple[NDArray[np.float64], NDArray[np.float64]
 
 
 def _accelerations(q: NDArray[np.float64]) -> NDArray[np.float64]:
-    """By three places that lie half a window apart each."""
+    """Joint accelerations, from three places half a window apart [rad/s²]. Shape (m, 6)."""
     half = _WINDOW // 2
     if len(q) <= 2 * half:
         return np.zeros((1, 6))

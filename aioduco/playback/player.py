@@ -1,10 +1,11 @@
-"""Leads a robot along a recorded path, and through waypoints.
+"""Lead a robot along a recorded path, and through waypoints.
 
 Guarantees:
-- What speaks against it is found before anything is sent.
-- A path is followed by a stream, which brings the arm to rest when this is cancelled or the program
-  dies; waypoints are motions, which are stopped then. So the arm stands, whatever ends this.
-- No output is set after this was cancelled.
+- A path or file is checked before anything is sent.
+- A path is followed by a stream, which brings the arm to rest when the call is cancelled or the
+  program dies. Waypoints are motions, which are stopped in that case. So the arm always stands
+  afterwards.
+- No output is set after a cancellation.
 """
 
 from __future__ import annotations
@@ -59,9 +60,9 @@ __all__ = [
     "run_waypoints",
 ]
 
-_NEAR = 0.01  # how far a joint may be from the path's begin [rad]
-_ROOM = 1.5  # for the stream's limits, so that it rounds nothing
-_FASTEST, _LEAST = 3.93, 0.5  # limits of speed and acceleration that a stream is given
+_NEAR = 0.01  # largest distance of a joint from the begin of the path [rad]
+_ROOM = 1.5  # factor on the stream's acceleration limit, so that it does not round the path
+_FASTEST, _LEAST = 3.93, 0.5  # largest speed limit and least acceleration limit of a stream
 _TOLERANCES = Tolerances(path=0.05, goal=0.005)
 
 
@@ -77,37 +78,38 @@ async def play(
     feedback: Callable[[Feedback], object] | None = None,
     options: LaneOptions | None = None,
 ) -> TrajectoryResult:
-    """Lead the arm along a recorded path, after a check; it is watched to its end.
+    """Check a recorded path, and lead the arm along it to its end, under supervision.
 
-    Cancelling this brings the arm to rest on the path before it goes on.
+    A cancellation brings the arm to rest on the path before it is raised.
 
     Args:
         robot: the robot, open and brought up.
         path: the path.
-        approach: joint speed with which the arm is first led to the path's begin, by one joint
-            motion [rad/s]; None: it has to be there, to 0.01 rad for each joint.
-        outputs: whether digital outputs of the cabinet are set as they changed in the recording,
-            to some 0.1 s: through the realtime queue as early as its points are sent ahead. One
-            that cannot be set brings the arm to rest.
-        arm: the arm, or the name of its model; None for what the controller tells.
+        approach: joint speed of one joint motion that first moves the arm to the begin of the path
+            [rad/s]; None: the arm must already be there, within 0.01 rad for each joint.
+        outputs: whether to set the cabinet's digital outputs as they changed in the recording, with
+            an error of about 0.1 s. With the realtime queue they are set early, by the time that
+            points are sent ahead. If an output cannot be set, the arm is brought to rest.
+        arm: the arm, or the name of its model; None for the one that the controller reports.
         through: as for `robot.motion.follow_joint_trajectory`.
-        tolerances: how far the arm may be from the path; None: 0.05 rad, and 5 mrad at its end.
-        feedback: called about 50 times a second with where the arm is on its way.
-        options: how the stream's worker runs.
+        tolerances: largest distance of the arm from the path; None: 0.05 rad, and 5 mrad at its
+            end.
+        feedback: called about 50 times a second with the arm's place on the path.
+        options: options of the stream's worker.
 
     Returns:
-        How it was followed.
+        How accurately the arm followed the path.
 
     Raises:
         PathRefused: another arm was recorded, or the path is beyond a limit or the envelope, or
             something had happened to the recorded arm: nothing was sent.
-        FirstPointTooFar: the arm is not at the path's begin; nothing was sent.
+        FirstPointTooFar: the arm is not at the begin of the path; nothing was sent.
         ParameterError: an argument is not allowed; nothing was sent.
         PathToleranceViolated: the arm strayed from the path; it was brought to rest.
         GoalToleranceViolated: the arm did not come close enough to the path's end.
         Refused: an output was not set; the arm was brought to rest.
         RobotStateError: something else moves the arm; nothing was sent.
-        StreamError: the stream ended by something else; says why.
+        StreamError: the stream ended for another reason, which the message names.
     """
     if not isinstance(path, RecordedPath):
         raise ParameterError("path", path, "a RecordedPath")
@@ -136,16 +138,16 @@ async def check_path_on(
     arm: Arm | str | None = None,
     envelope: Envelope | None = None,
 ) -> tuple[PathFinding, ...]:
-    """Say what speaks against leading a robot's arm along a path; nothing moves by this.
+    """Find reasons against leading a robot's arm along a path. This moves nothing.
 
     Args:
         robot: the robot, open.
         path: the path.
-        arm: the arm, or the name of its model; None for what the controller tells.
-        envelope: the limits that the path is to keep to; None: those of `robot.envelope`.
+        arm: the arm, or the name of its model; None for the one that the controller reports.
+        envelope: the limits that the path must keep; None: those of `robot.envelope`.
 
     Raises:
-        ParameterError: the controller does not tell its model, and none is given.
+        ParameterError: the controller reports no known model, and none is given.
     """
     told, there = await arm_there(robot)
     found: tuple[PathFinding, ...] = ()
@@ -161,7 +163,7 @@ async def check_path_on(
 
 
 async def arm_there(robot: Robot) -> tuple[str, Arm | None]:
-    """The arm that a controller tells of: its name, and its model if that is known."""
+    """The arm that a controller reports: its name, and its model if that is known."""
     try:
         name = arm_named(await robot.version.get_robot_type())
     except UnknownFunction:
@@ -170,12 +172,12 @@ async def arm_there(robot: Robot) -> tuple[str, Arm | None]:
 
 
 def arm_named(told: RobotType) -> str:
-    """What recordings and files of waypoints call an arm."""
+    """Name of an arm in recordings and files of waypoints."""
     return " ".join(filter(None, told[:3]))
 
 
 def model_named(name: str) -> Arm | None:
-    """The model of an arm that a controller calls so; None if it is not known."""
+    """The model with the name that a controller reports; None if it is not known."""
     bare = re.sub(r"[^a-z0-9]", "", name.lower())
     fitting = [model for model in models() if re.sub(r"[^a-z0-9]", "", model) == bare]
     return arm_of(fitting[0]) if fitting else None
@@ -200,7 +202,7 @@ async def follow(
     watch: None = None,
     planner: None = None,
 ) -> TrajectoryResult:
-    """Follow a path that was checked, by `robot.motion`: see `play`."""
+    """Follow a checked path by `robot.motion`: see `play`."""
     if watch is not None or planner is not None:
         raise ParameterError("watch", watch, "left out: no plan is made for a recorded path")
     far = np.abs(np.asarray(await read_joints()) - path.start.array)
@@ -229,7 +231,7 @@ async def _outputs(
     changes: Sequence[RecordedOutput],
     feedback: Callable[[Feedback], object] | None,
 ) -> AsyncIterator[Callable[[Feedback], object] | None]:
-    """Set outputs as the path is followed; gives what is told where on the path the arm is."""
+    """Set outputs while the path is followed; yields the callback for feedback."""
     if not changes:
         yield feedback
         return
@@ -282,17 +284,17 @@ async def run_waypoints(
 ) -> int:
     """Move the arm through the waypoints of a file, one after another.
 
-    Waypoints with a blend radius are sent ahead, so that the arm goes past them. At one with a
-    time to stay or with outputs to set it stops. Cancelling this stops the arm.
+    Waypoints with a blend radius are sent ahead, so that the arm passes them without stopping. The
+    arm stops at a waypoint with a dwell time or with outputs. A cancellation stops the arm.
 
     Args:
         robot: the robot, open and brought up.
         waypoints: the file.
-        arm: the arm, or the name of its model; None for what the controller tells.
+        arm: the arm, or the name of its model; None for the one that the controller reports.
         speed: factor for the speeds of the file, above 0 to 1.
 
     Returns:
-        How many waypoints were reached.
+        Number of waypoints that were reached.
 
     Raises:
         PathRefused: the file is for another arm, or a waypoint is beyond a joint limit; nothing
@@ -308,11 +310,11 @@ async def run_waypoints(
     found = await check_waypoints_on(robot, waypoints, arm=arm)
     if found:
         raise refused(waypoints.title, found)
-    # all of them first: what is not allowed is found before the arm moves
+    # all motions are made first: arguments that are not allowed are found before the arm moves
     motions: list[MotionCommand] = []
     for waypoint in waypoints.waypoints:
         motions.append(await _motion(robot, waypoint, speed))
-        motions[-1].hand_over()  # one that is not sent is told of by the error that is why
+        motions[-1].hand_over()  # if it is not sent, the error that prevents it is report enough
     ahead: list[MotionCommand] = []
     for waypoint, motion in zip(waypoints.waypoints, motions, strict=True):
         ahead.append(motion)
@@ -333,14 +335,14 @@ async def check_waypoints_on(
     arm: Arm | str | None = None,
     envelope: Envelope | None = None,
 ) -> list[str]:
-    """Say what speaks against moving a robot's arm through waypoints; nothing moves by this.
+    """Find reasons against moving a robot's arm through waypoints. This moves nothing.
 
     Args:
         robot: the robot, open.
         waypoints: the file.
-        arm: the arm, or the name of its model; None for what the controller tells.
-        envelope: the limits that the waypoints are to keep to; None: those of `robot.envelope`.
-            The ways between them are checked motion by motion, when they are run.
+        arm: the arm, or the name of its model; None for the one that the controller reports.
+        envelope: the limits that the waypoints must keep; None: those of `robot.envelope`. The
+            ways between them are checked motion by motion, when they are run.
     """
     told, there = await arm_there(robot)
     found = []
@@ -362,7 +364,7 @@ async def _motion(robot: Robot, waypoint: Waypoint, speed: float) -> MotionComma
         return robot.motion.movej2(
             waypoint.joints, v=speed * waypoint.speed, a=waypoint.acceleration, r=radius
         )
-    # as the controller computes it: its arm is measured, the one here is as designed
+    # computed by the controller: it has the measured arm, this package the designed one
     pose = await robot.kinematics.cal_fkine(waypoint.joints)
     return robot.motion.movel(
         pose,

@@ -1,9 +1,9 @@
 """The joints of a recording over time, as a path that an arm can follow again.
 
-A sample has the time at which it was received. That is late by a varying while, and a path with
-such times would shake. The recorded speeds say how much time really lay between two samples: where
-they agree with the positions, times are taken from them, and only where a motion lies on the whole
-is taken from the times of reception.
+A sample has the time of its reception. Its delay varies, and the arm would shake on a path with
+these times. The recorded speeds give the true time between two samples. If they agree with the
+positions, the times within a motion are computed from them; only the position of the whole motion
+on the time axis is taken from the times of reception.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ __all__ = ["RecordedOutput", "RecordedPath"]
 #: longest time between two samples of a moving arm [s]: a curve through them is off by less than
 #: 0.1 mrad up to there, at a jerk of 100 rad/s³
 MAX_GAP = 0.1
-#: joint speed [rad/s] and way between two samples [rad] up to which the arm stands
+#: joint speed [rad/s], and distance between two samples [rad], up to which the arm stands
 _STILL, _SAME = 2e-3, 3e-5
-#: by which share the times by speeds may differ from those of reception, in one motion
+#: largest relative difference between times from speeds and of reception, in one motion
 _AGREES = 0.1
 #: shortest time between two samples [s]: closer ones are the same sample of the controller
 _SHORTEST = 5e-4
-#: time of rest that stays before and after the motion [s]
+#: time of rest that is kept before and after the motion [s]
 _REST = 0.05
-#: time in which a path that begins or ends amid a motion comes to its speed, or to rest [s]
+#: time in which a path that begins or ends within a motion accelerates or stops [s]
 _EASE = 0.4
 
 
@@ -48,9 +48,9 @@ class RecordedOutput(NamedTuple):
     """A digital output that changed.
 
     Attributes:
-        time: when, since the path's begin [s].
-        num: the output of the cabinet, from 1.
-        value: what it became.
+        time: time of the change, since the begin of the path [s].
+        num: number of the cabinet's output, from 1.
+        value: the new level.
     """
 
     time: float
@@ -64,14 +64,14 @@ class RecordedPath:
 
     Attributes:
         source: the file.
-        arm: series and model of the arm, as its controller told; empty if it did not.
-        speed: how many times faster than it was recorded.
-        times: of the points, from 0 [s]. Shape (n,).
-        recorded: their times in the recording [s]. Shape (n,).
+        arm: series and model of the arm, as its controller reported; empty if it reported none.
+        speed: factor on the recorded speed.
+        times: times of the points, from 0 [s]. Shape (n,).
+        recorded: times of the points in the recording [s]. Shape (n,).
         positions: joint angles [rad]. Shape (n, 6).
         velocities: joint speeds [rad/s]; None if they do not agree with the positions.
         outputs: digital outputs of the cabinet that changed on the way.
-        incidents: what happened to the recorded arm on the way, such as a collision.
+        incidents: times [s] and names of incidents of the recorded arm, such as a collision.
     """
 
     source: Path
@@ -96,20 +96,20 @@ class RecordedPath:
     ) -> RecordedPath:
         """Take the path out of a recording, from when the arm begins to move until it stands.
 
-        Pauses on the way stay. Where `begin` or `end` lies amid a motion, the path comes to its
-        speed, or to rest, within 0.4 s, on the recorded way.
+        Pauses on the way are kept. If `begin` or `end` lies within a motion, the path accelerates
+        or stops within 0.4 s, on the recorded way.
 
         Args:
             run: the recording.
-            begin: from where [s]; None for its beginning.
-            end: up to where [s]; None for its end.
-            speed: how many times faster, 0.01 to 10.
-            of: "setpoints" for where the arm was told to be; "states" for where it was.
+            begin: time in the recording to begin at [s]; None for its beginning.
+            end: time in the recording to end at [s]; None for its end.
+            speed: factor on the recorded speed, 0.01 to 10.
+            of: "setpoints" for the commanded joints; "states" for the actual joints.
 
         Raises:
             ParameterError: an argument is out of range.
-            RecordingError: it has no joints, there the arm did not move, or samples are missing
-                while it moved: the message says where.
+            RecordingError: the recording has no joints, the arm did not move in that time, or
+                samples are missing while it moved: the message says where.
         """
         if isinstance(speed, bool) or not isinstance(speed, int | float) or not 0.01 <= speed <= 10:
             raise ParameterError("speed", speed, "0.01 to 10 times as fast")
@@ -159,46 +159,46 @@ class RecordedPath:
 
     @property
     def begin(self) -> float:
-        """Where in the recording it begins [s]."""
+        """Time in the recording at which the path begins [s]."""
         return float(self.recorded[0])
 
     @property
     def duration(self) -> float:
-        """How long it takes [s]."""
+        """Duration of the path [s]."""
         return float(self.times[-1])
 
     @property
     def start(self) -> Joints:
-        """Where the arm is to be at first [rad]."""
+        """Joints at the begin of the path [rad]."""
         return Joints.of(self.positions[0].tolist())
 
     @property
     def trajectory(self) -> JointTrajectory:
-        """The same as `robot.motion.follow_joint_trajectory` takes it."""
+        """The path as an argument of `robot.motion.follow_joint_trajectory`."""
         return JointTrajectory(self.positions, self.times, self.velocities)
 
     def at(self, times: Array) -> Array:
-        """Where the joints are at some times [rad]. Shape (m, 6)."""
+        """Joints at the given times [rad]. Shape (m, 6)."""
         return self.trajectory.curve(self.positions[0].tolist()).at(np.asarray(times, dtype=float))
 
     def recorded_time(self, time: float) -> float:
-        """Where in the recording a time of the path lies [s]."""
+        """Time in the recording for a time of the path [s]."""
         return float(np.interp(time, self.times, self.recorded))
 
     async def run_on(
         self, motion: Any, read_joints: Any, **options: Any
     ) -> TrajectoryResult | None:
-        """Follow it: what `robot.motion.execute` asks of it."""
+        """Follow the path; called by `robot.motion.execute`."""
         from aioduco.playback.player import follow  # noqa: PLC0415 - it names this class
 
         return await follow(motion, read_joints, self, **options)
 
 
 def steady_times(received: Array, positions: Array, velocities: Array) -> tuple[Array, bool]:
-    """When samples were really taken, from the speeds between them.
+    """Times at which samples were really taken, from the speeds between them.
 
     Args:
-        received: when they were received, rising [s]. Shape (n,).
+        received: times of reception, rising [s]. Shape (n,).
         positions: joint angles [rad]. Shape (n, 6).
         velocities: joint speeds [rad/s]; NaN where they are not known. Shape (n, 6).
 
@@ -209,7 +209,7 @@ def steady_times(received: Array, positions: Array, velocities: Array) -> tuple[
     ways, mean = np.diff(positions, axis=0), (velocities[1:] + velocities[:-1]) / 2
     square = (mean * mean).sum(axis=1)
     moving = (square > (10 * _STILL) ** 2) & (np.abs(ways).max(axis=1) > _SAME)
-    moving &= np.diff(received) < MAX_GAP  # what happened in a gap is not told by speeds
+    moving &= np.diff(received) < MAX_GAP  # speeds say nothing about the motion in a gap
     agree = bool(np.all(np.isfinite(velocities)))
     for first, last in _stretches(moving):
         span = received[last] - received[first]
@@ -219,13 +219,13 @@ def steady_times(received: Array, positions: Array, velocities: Array) -> tuple[
             agree = False
             continue
         made = np.concatenate([[0.0], np.cumsum(steps)])
-        # A sample is late or in time, never early: the lower half of them says when it began.
+        # Samples are never early: the 25 % quantile of the offsets tells when the motion began.
         times[first : last + 1] = made + np.quantile(received[first : last + 1] - made, 0.25)
     return np.maximum.accumulate(times), agree
 
 
 def _stretches(moving: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last sample of each motion, from whether the arm moves between two of them."""
+    """First and last sample of each motion; `moving` says whether the arm moves after a sample."""
     edges = np.diff(np.concatenate([[0], moving.astype(int), [0]]))
     firsts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
     return list(zip(firsts.tolist(), ends.tolist(), strict=True))
@@ -256,10 +256,10 @@ def _refuse_gaps(run: RecordedRun, times: Array, positions: Array) -> None:
 
 
 def _eased(times: Array, positions: Array) -> tuple[Array, Array]:
-    """Times from 0 with which a path that begins or ends amid a motion does so at rest.
+    """Times from 0, adapted so that a path that begins or ends within a motion does so at rest.
 
     Returns:
-        The times [s], and how much slower than recorded the points are passed.
+        The times [s], and the factors on the recorded speed at the points.
     """
     since, left = times - times[0], times[-1] - times
     made, rates = since.copy(), np.ones_like(since)
@@ -278,7 +278,7 @@ def _eased(times: Array, positions: Array) -> tuple[Array, Array]:
 
 
 def _outputs(run: RecordedRun, recorded: Array, times: Array) -> tuple[RecordedOutput, ...]:
-    """Outputs of the cabinet that changed, by the state; what an Op sets is among them."""
+    """Changes of the cabinet's outputs in the recorded state, including those that an Op makes."""
     found: list[RecordedOutput] = []
     before: list[bool] | None = None
     for message in run.messages("/io"):
@@ -295,7 +295,7 @@ def _outputs(run: RecordedRun, recorded: Array, times: Array) -> tuple[RecordedO
 
 
 def _incidents(run: RecordedRun, begin: float, end: float) -> tuple[tuple[float, str], ...]:
-    """What happened to the arm, at the recording's times; each once."""
+    """Incidents of the arm with their times in the recording; each kind once."""
     found: dict[str, float] = {}
     for message in run.messages("/state"):
         if not begin <= message.time <= end:

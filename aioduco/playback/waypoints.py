@@ -1,8 +1,7 @@
 """The file of waypoints: TOML that people edit, and values in SI units that programs use.
 
-The units of the file stand in the names of its fields: degrees and millimetres, which is what
-people read off a pendant. A waypoint that is added is written behind the text that is there, so
-comments, order and everything else that was edited stay as they are.
+The names of the file's fields contain their units: degrees and millimetres, as on a pendant. A new
+waypoint is appended to the existing text, so that comments, order and all other edits are kept.
 """
 
 from __future__ import annotations
@@ -43,7 +42,7 @@ _HEAD: Final = """\
 
 
 class _WrongFieldError(Exception):
-    """What is wrong with a field."""
+    """An error in a field."""
 
 
 def _number(least: float, most: float, unit: str, scale: float) -> Callable[[Any], float]:
@@ -79,7 +78,7 @@ def _outputs(value: Any) -> dict[int, bool]:
     return found
 
 
-#: by field of the file: the attribute, and what checks it and brings it to SI units
+#: for each field of the file: its attribute, and a function that checks and converts it to SI
 _FIELDS: Final[dict[str, tuple[str, Callable[[Any], Any]]]] = {
     "motion": ("motion", _motion),
     "speed_deg_s": ("speed", _number(0.1, 225.0, "°/s", math.pi / 180)),
@@ -94,20 +93,20 @@ _FIELDS: Final[dict[str, tuple[str, Callable[[Any], Any]]]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Waypoint:
-    """A place to which an arm is led, and how.
+    """A place to which an arm moves, and the motion to it.
 
     Attributes:
-        name: what it is called; empty for none.
+        name: name of the waypoint; empty for none.
         joints: joint angles [rad].
         motion: "joints" for all joints together, "line" for a straight line of the tool to the
             pose that the joints give.
-        speed: of the leading joint on the way to it [rad/s].
-        acceleration: of that joint [rad/s²].
-        line_speed: of the tool on a line [m/s].
-        line_acceleration: of the tool on a line [m/s²].
+        speed: speed of the leading joint on the way to it [rad/s].
+        acceleration: acceleration of that joint [rad/s²].
+        line_speed: speed of the tool on a line [m/s].
+        line_acceleration: acceleration of the tool on a line [m/s²].
         blend: blend radius (融合半径) [m]; 0 to stop there.
         dwell: how long the arm stays there [s].
-        outputs: levels of the cabinet's digital outputs that are set there, by number.
+        outputs: levels of the cabinet's digital outputs to set there, by number.
     """
 
     name: str = ""
@@ -135,17 +134,17 @@ class WaypointFile:
         taught.save("cell.toml")
 
     Args:
-        text: the text, as it stands in the file.
-        title: what errors call it.
+        text: the text of the file.
+        title: name of the file in errors.
 
     Attributes:
-        title: what errors call it.
+        title: name of the file in errors.
         text: the text.
-        arm: series and model of the arm that they are for, as its controller tells; empty for any.
-        waypoints: in their order.
+        arm: series and model of the arm, as its controller reports them; empty for any arm.
+        waypoints: the waypoints, in their order.
 
     Raises:
-        WaypointFileError: the text is no TOML, or a field is not what it should be: says where.
+        WaypointFileError: the text is no TOML, or a field is wrong; the message says where.
     """
 
     def __init__(self, text: str, title: str = "the waypoints") -> None:
@@ -160,11 +159,11 @@ class WaypointFile:
 
     @classmethod
     def new(cls, *, arm: str = "", title: str = "the waypoints") -> WaypointFile:
-        """Make one without waypoints.
+        """Make a file without waypoints.
 
         Args:
             arm: series and model of the arm; empty for any.
-            title: what errors call it.
+            title: name of the file in errors.
         """
         default = Waypoint(joints=Joints(0, 0, 0, 0, 0, 0))
         text = (
@@ -184,7 +183,7 @@ class WaypointFile:
             path: the file.
 
         Raises:
-            WaypointFileError: it cannot be read, or something in it is not what it should be.
+            WaypointFileError: the file cannot be read, or its content is wrong.
         """
         try:
             text = Path(path).read_text(encoding="utf-8")
@@ -193,15 +192,15 @@ class WaypointFile:
         return cls(text, str(path))
 
     def add(self, name: str, joints: JointsLike) -> Waypoint:
-        """Add a waypoint behind the others; what stands in the text stays as it is.
+        """Add a waypoint after the others; the existing text stays unchanged.
 
         Args:
-            name: what it is called.
+            name: name of the waypoint.
             joints: joint angles, -2π to 2π [rad]. Shape (6,).
 
         Raises:
             ParameterError: an argument is not allowed.
-            WaypointFileError: behind what the text ends with, no waypoint can stand.
+            WaypointFileError: a waypoint cannot follow the end of the text.
         """
         if not isinstance(name, str) or not name.isprintable():
             raise ParameterError("name", name, "a text of one line")
@@ -217,7 +216,7 @@ class WaypointFile:
         return waypoints[-1]
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the text to a file: it is there whole, or as it was before.
+        """Write the text to a file atomically: after a failure, the old file is still there.
 
         Args:
             path: the file.
@@ -262,7 +261,7 @@ class WaypointFile:
         return arm, tuple(found)
 
     def _values(self, text: str, table: str, number: int, block: dict[str, Any]) -> dict[str, Any]:
-        """The attributes that a table gives."""
+        """The attributes in a table."""
         found: dict[str, Any] = {}
         for key, value in block.items():
             try:
@@ -306,7 +305,7 @@ def _joints(value: Any) -> Joints:
 
 
 def _line_of(text: str, table: str | None, number: int, key: str) -> int:
-    """The line of a field, or of its table's head where the field is not found by itself."""
+    """The line of a field; the line of its table's head if the field is not found."""
     head = {"waypoint": r"\s*\[\[\s*waypoint\s*\]\]", "defaults": r"\s*\[\s*defaults\s*\]"}
     lines = text.splitlines()
     begin = 0

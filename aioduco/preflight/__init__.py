@@ -1,7 +1,7 @@
-"""A program tried against its cell before the arm moves, and under many variations of it.
+"""Try a program against its cell before the arm moves, and under many variations of the cell.
 
-Stands on the simulator and the package's public functions; only `patches`, in the process that runs
-the program, knows what lies inside them.
+It uses the simulator and the package's public functions. Only `patches`, in the process that runs
+the program, uses their internals.
 """
 
 from __future__ import annotations

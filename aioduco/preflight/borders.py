@@ -1,8 +1,8 @@
-"""What a program that is tried may reach: nothing by which it could move a real arm.
+"""Network access of a program in a preflight: the program must not move a real arm.
 
 Connections of this package lead to the simulator. A program may also have a client of its own, for
-the arm or for anything else; where such a connection leads is not known, so it is refused, unless
-it leads to a server of the program's own, or to one that was named.
+the arm or for anything else. The target of such a connection is not known, so it is refused, unless
+it is a server of the program itself, or a server that was named.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _STARTS: Final = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn")
 
 
 class NotReached(PermissionError):
-    """The program tried to reach something outside of the preflight. Nothing was sent there."""
+    """The program tried to connect to something outside the preflight. Nothing was sent there."""
 
 
 def guard_borders(
@@ -38,9 +38,9 @@ def guard_borders(
 
     Args:
         reachable: addresses that the program may reach, as "host:port".
-        ports: gives the ports of this computer that the simulator of the preflight listens on.
-        ours: tells whether this package asks, and not the program.
-        tell: is told what was refused: the program may go on as if nothing had been.
+        ports: returns the ports of this computer on which the preflight's simulator listens.
+        ours: returns whether the request comes from this package, and not from the program.
+        tell: called with each refusal: the program may ignore the error and continue.
     """
     bound: WeakSet[socket.socket] = WeakSet()
     allowed = {address for each in reachable for address in _addresses(each)}
@@ -55,7 +55,7 @@ def guard_borders(
             bound.add(arguments[0])
         elif event in _TO and arguments[0].family in (socket.AF_INET, socket.AF_INET6):
             if arguments[1] is None:
-                return  # it is connected already
+                return  # it is already connected
             host, port = str(arguments[1][0]), int(arguments[1][1])
             if (host, port) not in allowed and not own(host, port):
                 refuse(
@@ -75,13 +75,13 @@ def guard_borders(
 
     sys.addaudithook(look)
 
-    # multiprocessing starts interpreters in a way that is not audited.
+    # multiprocessing starts interpreters without an audit event.
     module: Any = util
     spawn = module.spawnv_passfds
 
     def spawned(path: Any, arguments: Any, descriptors: Any) -> Any:
         if any("resource_tracker import main" in str(each) for each in arguments):
-            return spawn(path, arguments, descriptors)  # it frees shared memory, and no more
+            return spawn(path, arguments, descriptors)  # it only frees shared memory
         started()
 
     module.spawnv_passfds = spawned
@@ -91,7 +91,7 @@ def address_of(text: str) -> tuple[str, int]:
     """Host and port of "host:port".
 
     Raises:
-        ValueError: it is none.
+        ValueError: the text is no such address.
     """
     host, _, port = text.rpartition(":")
     if not host or not (port.isascii() and port.isdecimal()) or not 0 < int(port) < 65536:
@@ -107,7 +107,7 @@ def _is_local(host: str) -> bool:
 
 
 def _addresses(text: str) -> Iterator[tuple[str, int]]:
-    """An address as it is named, and as connections name it."""
+    """An address as given, and with the numeric addresses that connections use."""
     host, port = address_of(text)
     yield host, port
     with contextlib.suppress(OSError):

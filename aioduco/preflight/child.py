@@ -1,7 +1,7 @@
-"""The process in which the program runs, started by `aioduco.preflight.runner` and by nothing else.
+"""The process in which the program runs; only `aioduco.preflight.runner` starts it.
 
-So a program on a real arm cannot come to run like this. It gets its options over its channel, and
-ends with it.
+So a program on a real arm cannot run like this by accident. The process gets its options over its
+channel, and ends when the channel closes.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ from aioduco.sim.simulator import READY, Simulator
 
 __all__ = ["main"]
 
-#: between two looks at whether the program goes on [s of the wall]
+#: time between two checks of the program's progress, by the wall clock [s]
 _LOOK = 0.05
-#: time of the wall without a change that hangs, at the least: a program that waits for a thread
-#: that computes lets its own time pass as fast as this computer can simulate [s]
+#: least time without a change before a program counts as hung, by the wall clock [s]: while a
+#: program waits for a computing thread, its own time runs as fast as this computer can simulate
 _AT_LEAST = 3.0
 
 
@@ -45,7 +45,7 @@ class _Child:
     """One run of the program.
 
     Args:
-        options: what to run, and in what.
+        options: the program, its cell and its settings.
     """
 
     def __init__(self, options: dict[str, Any]) -> None:
@@ -61,7 +61,7 @@ class _Child:
         self._written = threading.Lock()
 
     def run(self) -> NoReturn:
-        """Run the program to its end, write what was found, and end this process."""
+        """Run the program to its end, write the result, and end this process."""
         self.clock.start()
         patches.install(self.clock, self.recorder, self._cell, self._serve)
         guard_borders(
@@ -80,7 +80,7 @@ class _Child:
                     thread.join()
         gc.collect()
         self._over.set()
-        with contextlib.suppress(RuntimeError):  # its simulator is closed
+        with contextlib.suppress(RuntimeError):  # the simulator is closed
             self.recorder.finish()
         self._write(status)
         _end()
@@ -127,7 +127,7 @@ class _Child:
             simulator.load(self.variation.payload)
 
     def _own_simulators(self) -> None:
-        """A simulator that the program starts is the cell, however it is started."""
+        """Make every simulator that the program starts the cell, however it is started."""
         simulator: Any = Simulator
         init, start, close = simulator.__init__, simulator.start, simulator.close
 
@@ -168,7 +168,7 @@ class _Child:
         simulator.__enter__ = lambda sim: sim.start()
 
     def _serve(self, record: ProgramCall | None, name: str, answer: Any) -> Any:
-        """Answer a call in the simulator, with what the variation does to the network."""
+        """Answer a call in the simulator, with the network faults of the variation."""
         if record is None or not (self.variation.latency or self.variation.faults):
             return answer()
         if self.variation.latency:
@@ -187,7 +187,7 @@ class _Child:
     # -- while it runs ------------------------------------------------------------------------
 
     def _watch(self) -> None:
-        """See that the program goes on; end it if it does not."""
+        """Check the program's progress, and end the program if it hangs."""
         patience = self.options["patience"]
         looks, last = 0, -1.0
         while not self._over.wait(_LOOK):
@@ -196,14 +196,14 @@ class _Child:
             if not self._cell.simulator or now - since < patience or looks * _LOOK < _AT_LEAST:
                 continue
             if self.clock.sleeps_since(since + 0.1 * patience):
-                continue  # it sleeps for longer than that
+                continue  # its sleep is longer than that
             for where, text in self._waits():
                 self.recorder.hung(where, f"{text}: for {patience:g} s nothing moved or changed")
             self._write(1)
             _end()
 
     def _waits(self) -> list[tuple[lines.ProgramLine | None, str]]:
-        """Where the program waits: its tasks, or its main thread."""
+        """The lines at which the program waits: of its tasks, or of its main thread."""
         waiting = (lines.awaited(task.get_coro()) for task in _all_tasks())
         found = [(where, f"waits in {where.function}") for where in waiting if where is not None]
         if found:
@@ -229,7 +229,7 @@ def _all_tasks() -> list[asyncio.Task[Any]]:
 
 
 def _end() -> NoReturn:
-    """End the process at once: threads of the simulator and of the program may wait for ever."""
+    """End the process at once: threads of the simulator and the program may wait for ever."""
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError, ValueError):
             stream.flush()
@@ -237,7 +237,7 @@ def _end() -> NoReturn:
 
 
 def _end_with(channel: ValueChannel) -> None:
-    """End this process with the one that started it."""
+    """End this process when the process that started it has ended."""
     with contextlib.suppress(EOFError, OSError):
         channel.receive()
     os._exit(1)
@@ -251,6 +251,6 @@ def main(arguments: list[str]) -> NoReturn:
     end = threading.Thread(target=_end_with, args=(channel,), name="preflight-end", daemon=True)
     end.start()
     with (Path(options["folder"]) / "stacks").open("w") as stacks:
-        if hasattr(signal, "SIGUSR1"):  # asked for when the time is over
+        if hasattr(signal, "SIGUSR1"):  # sent after the time-out
             faulthandler.register(signal.SIGUSR1, stacks)
         _Child(options).run()

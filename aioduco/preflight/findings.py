@@ -1,4 +1,4 @@
-"""What a run shows that would have gone wrong, from what was written down. Pure."""
+"""Find the problems that a run shows, from its recorded data. Pure."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ KINDS = (
     *("blocked event loop", "failed task", "refused", "error", "not reached"),
 )
 
-#: by kind, what an error of it says: the controller's errors have texts and no codes
+#: for each kind, a pattern of its error texts: the controller's errors have no codes
 _SAYS: tuple[tuple[str, str], ...] = (
     ("collision", r"检测到碰撞|position deviation"),
     ("starved stream", r"no data for|StreamStarved|starved"),
@@ -32,24 +32,24 @@ _SAYS: tuple[tuple[str, str], ...] = (
     ("bad blend", r"blend|\bradius\b"),
     ("wrong mode", r"not enabled|in state|safety stop|is stopping|\bmode\b|is running|under way"),
 )
-#: what a stop is called on the wire, and what says that the program wants to move again
+#: names of stops on the wire, and of calls that show that the program wants to move again
 _STOPS = ("stop", "abort")
 _AGAIN = ("enable", "power_on", "reset_collision", "resume")
-#: a collision explains a failed task that ends so soon after it [s]
+#: time after a collision within which it explains a failed task [s]
 _SOON = 0.5
 
 
 @dataclass(frozen=True, slots=True)
 class PreflightFinding:
-    """One thing that would have gone wrong.
+    """One problem of a program.
 
     Attributes:
         kind: one of `KINDS`.
-        text: what exactly, in words.
-        time: when, in the program's time since its start [s].
-        file: path of the program's file; empty if no line of the program is known.
-        line: number of the line, from 1; 0 if none is known.
-        function: name of the function that has the line.
+        text: description.
+        time: the program's time since its start [s].
+        file: path of the program's file; empty if the line is not known.
+        line: number of the line, from 1; 0 if it is not known.
+        function: name of the function with the line.
         sample: number of the sample that shows it, for a picture; -1 for none.
     """
 
@@ -66,7 +66,7 @@ class PreflightFinding:
         return f"{where}{self.kind}: {self.text}"
 
     def as_json(self) -> dict[str, Any]:
-        """As JSON takes it."""
+        """The finding as values for JSON."""
         return asdict(self)
 
 
@@ -76,12 +76,12 @@ def findings(
     allowed: Sequence[str] = (),
     more: Iterable[PreflightFinding] = (),
 ) -> tuple[PreflightFinding, ...]:
-    """Find what would have gone wrong.
+    """Find the problems of a run.
 
     Args:
-        run: what was written down, as the child process gives it.
+        run: recorded data from the child process.
         allowed: names of bodies that the arm may touch.
-        more: what was found elsewhere.
+        more: further findings.
 
     Returns:
         The findings, in the order of time; one for each cause.
@@ -98,7 +98,7 @@ def findings(
 
 
 def running(calls: Sequence[Mapping[str, Any]], time: float) -> Mapping[str, Any] | None:
-    """The call of the program whose task ran at a time, or that was the last before."""
+    """The program's call whose task ran at a time, or was the last one before it."""
     of_tasks = [call for call in calls if call["where"] and 0.0 <= call["started"] <= time]
     return max(of_tasks, key=lambda call: call["started"], default=None)
 
@@ -139,7 +139,7 @@ def _failures(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
         kind = _kind(call["message"], "failed task")
         if kind == "collision" and _touched(run, call["ended"]):
             continue
-        # a stream starves where the program is meanwhile
+        # the cause of a starved stream is the line at which the program is meanwhile
         where = (kind == "starved stream" and call["meanwhile"]) or call["where"]
         yield _made(kind, f"{call['text']}: {call['message']}", call["ended"], where)
 
@@ -195,7 +195,7 @@ def _notes(run: Mapping[str, Any]) -> Iterator[PreflightFinding]:
 
 
 def _explained(run: Mapping[str, Any], note: Mapping[str, Any]) -> bool:
-    """Whether the error only tells of a task that is a finding by itself."""
+    """Whether the error belongs to a task that is already a finding."""
     failed = ("ERROR", "ILLEGAL", "PARAMETER_MISMATCH")
     return any(
         call["task"] is not None

@@ -1,4 +1,4 @@
-"""The report as one HTML page: no script, and nothing that it would load."""
+"""The report as one HTML page, without scripts and external resources."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["page"]
 
 _WIDTH, _LEFT, _ROW = 960, 210, 22
-#: most pictures on a page, and their size [pixels]
+#: largest number of pictures on a page, and their size [pixels]
 _PICTURES, _SIZE = 8, (480, 360)
 _COLOURS = ("#0b6e99", "#c2571a", "#3a8f3a", "#8a3fa0", "#b8860b", "#555555")
 _STYLE = """
@@ -47,8 +47,9 @@ def page(report: PreflightReport, *, pictures: bool = True) -> str:
     """The page of a report.
 
     Args:
-        report: of a run.
-        pictures: whether the arm is drawn at each finding; without OpenGL the page says why not.
+        report: report of a run.
+        pictures: whether to draw the arm at each finding; without OpenGL the page says why it does
+            not.
     """
     found = len(report.findings)
     verdict = (

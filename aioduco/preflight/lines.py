@@ -1,4 +1,4 @@
-"""Which line of the program is behind a call: the innermost frame that is the program's own."""
+"""Find the program line that made a call: the innermost frame of the program itself."""
 
 from __future__ import annotations
 
@@ -53,19 +53,19 @@ class ProgramLine(NamedTuple):
 
 
 class Mark(NamedTuple):
-    """Who did something: the line, and an id of the task or thread that ran it."""
+    """Origin of a call: the line, and an id of the task or thread that ran it."""
 
     where: ProgramLine
     actor: int
 
 
-#: the mark of what started the running task, for those without a frame of the program
+#: mark of the line that started the running task, for tasks without a frame of the program
 MARK: contextvars.ContextVar[Mark | None] = contextvars.ContextVar("preflight_mark", default=None)
 
 
 @cache
 def is_program(file: str) -> bool:
-    """Whether a file is the program's: neither of this package nor of an installed library."""
+    """Whether a file belongs to the program, and not to this package or an installed library."""
     if file.startswith("<"):
         return False
     path = Path(file).resolve()
@@ -76,13 +76,13 @@ def is_program(file: str) -> bool:
 
 
 def current() -> Mark | None:
-    """The mark of what runs now on this thread; None if the program has no part in it."""
+    """The mark of the code that runs now on this thread; None if it is not the program's."""
     frame: FrameType | None = sys._getframe(1)
     while frame is not None:
         if is_program(frame.f_code.co_filename):
             return Mark(_line(frame.f_code, frame.f_lineno), _actor())
         if frame.f_code is _RUN_ONCE:
-            break  # below are the frames of whoever runs the loop
+            break  # the frames below belong to the code that runs the loop
         frame = frame.f_back
     return MARK.get()
 
@@ -99,12 +99,12 @@ def of_error(error: BaseException) -> ProgramLine | None:
 
 
 def innermost(origin: Iterable[tuple[str, int, str]]) -> ProgramLine | None:
-    """The first line of the program among frames, given from the inside."""
+    """The first line of the program among frames, innermost first."""
     return next((ProgramLine(*each) for each in origin if is_program(each[0])), None)
 
 
 def awaited(coroutine: Any) -> ProgramLine | None:
-    """The innermost line of the program in a chain of coroutines that wait for each other."""
+    """The innermost line of the program in a chain of coroutines that await each other."""
     found = None
     while coroutine is not None:
         frame = getattr(coroutine, "cr_frame", None) or getattr(coroutine, "gi_frame", None)
@@ -115,7 +115,7 @@ def awaited(coroutine: Any) -> ProgramLine | None:
 
 
 def of_main_thread() -> ProgramLine | None:
-    """Where the main thread is in the program now, if a frame of it is there."""
+    """The program line that the main thread runs now; None if it runs none."""
     frame = sys._current_frames().get(threading.main_thread().ident or 0)
     while frame is not None and not is_program(frame.f_code.co_filename):
         frame = frame.f_back

@@ -1,4 +1,4 @@
-"""How near the arm came to its limits, from samples of where it was."""
+"""Smallest distances of the arm from its limits, from samples of its positions."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 __all__ = ["Margin", "margins", "near_singularities"]
 
-#: at most so many samples are compared with the scene
+#: largest number of samples that are compared with the scene
 _LOOKS = 400
-#: obstacles that are further away are not told of [m]
+#: obstacles at a larger distance are not reported [m]
 _FURTHEST = 0.5
-#: measure of a singularity below which a path of the tool is a finding: a controller that takes
-#: it turns joints as fast as they can
+#: measure of a singularity below which a path of the tool is a finding: there a controller turns
+#: joints at their largest speed
 _NEAR = 0.02
 _PATHS = frozenset({"movel", "movec", "move_circle", "move_spiral", "spline", "tcp_move"})
 _SINGULAR = ("shoulder", "elbow", "wrist")
@@ -39,12 +39,12 @@ class Margin:
     """The smallest distance of the whole run from one kind of limit.
 
     Attributes:
-        of: what from: "joint limit", "speed", "singularity" or "obstacle".
-        what: which joint, singularity or bodies.
-        value: the distance; of a speed, the share of the limit that was left.
-        unit: of the value; "" for a share.
-        time: when, in the program's time [s].
-        file, line: the program's line that moved the arm then; "" and 0 if none is known.
+        of: kind of limit: "joint limit", "speed", "singularity" or "obstacle".
+        what: name of the joint, the singularity or the bodies.
+        value: the distance; for a speed, the remaining share of the limit.
+        unit: unit of the value; "" for a share.
+        time: the program's time [s].
+        file, line: the program's line that moved the arm then; "" and 0 if it is not known.
     """
 
     of: str
@@ -61,18 +61,18 @@ class Margin:
         return f"{self.of}: {shown} ({self.what}) at {self.time:.2f} s{where}"
 
     def as_json(self) -> dict[str, Any]:
-        """As JSON takes it."""
+        """The margin as values for JSON."""
         return asdict(self)
 
 
 def near_singularities(
     run: Mapping[str, Any], samples: Mapping[str, NDArray[np.float64]], model: str
 ) -> tuple[PreflightFinding, ...]:
-    """Find the straight and round paths of the tool that pass close by a singularity.
+    """Find the straight and round paths of the tool that pass close to a singularity.
 
     Args:
-        run: what was written down.
-        samples: where the arm was.
+        run: recorded data of the run.
+        samples: positions of the arm.
         model: name of the arm.
     """
     times, q = samples["time"], samples["q"]
@@ -102,13 +102,13 @@ def margins(
     """Find the smallest margins of a run.
 
     Args:
-        run: what was written down.
-        samples: where the arm was: "time", "q", "qd" and "positions", a row for each sample.
+        run: recorded data of the run.
+        samples: "time", "q", "qd" and "positions" of the arm, a row for each sample.
         model: name of the arm.
         world: the arm in its scene.
 
     Returns:
-        One of each kind; none if the arm did not move.
+        One margin of each kind; empty if the arm did not move.
     """
     times, q, qd = samples["time"], samples["q"], samples["qd"]
     if not len(times):
@@ -136,7 +136,7 @@ def margins(
         near, sample = Clearance(_FURTHEST), 0
         for n in np.unique(np.linspace(0, len(times) - 1, _LOOKS).astype(int)).tolist():
             checker.loose = positions[n, 6:]
-            # The same distance as a planning scene's, with the arm's own links left aside.
+            # The same distance as in a planning scene, without those between the arm's links.
             seen = checker.clearance(positions[n, :6], _FURTHEST, itself=False)
             near, sample = min((near, sample), (seen, n), key=lambda look: look[0].distance)
         if near.pair is not None:

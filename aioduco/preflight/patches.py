@@ -1,10 +1,10 @@
-"""What is replaced in the process that runs the program, and nowhere else.
+"""Functions that are replaced in the process that runs the program, and nowhere else.
 
 - The program's clock: `time.sleep` and the clocks of `time`, timers of asyncio's event loops and
-  waits of `threading` go by `ProgramClock` when the program asks for them. This package and the
-  standard library keep the time of the wall, so that time-outs of the network mean what they say.
+  waits of `threading` use `ProgramClock` when the program calls them. This package and the standard
+  library keep the wall clock, so that network time-outs are real.
 - Addresses: every connection of this package leads to the simulator.
-- The border of this package: which call of which line, and what came of it.
+- The interface of this package: the line and the result of each call are recorded.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Cell", "install"]
 
-#: what stands between the program and what it asks for
+#: modules between the program and the functions that it calls
 _BETWEEN = frozenset(
     {
         *("asyncio", "anyio", "threading", "queue", "concurrent", "contextlib", "functools"),
@@ -53,12 +53,12 @@ _BETWEEN = frozenset(
         *("importlib", "sniffio"),
     }
 )
-#: a blocked event loop is found from here on [s]: the heartbeat's usual limit
+#: shortest blocking of an event loop that is a finding [s]: the heartbeat's usual limit
 BLOCKED = 1.0
-#: least times of a robot here [s]: a busy computer is no fault of the program
+#: least time-outs of a robot here [s]: a busy computer is not the program's fault
 _PATIENCE = {"call_timeout": 15.0, "connect_timeout": 15.0, "loop_stall_limit": 20.0}
 _HEARTBEAT = 30.0
-#: between two looks of a wait that has a time-out [s of the wall]
+#: time between two checks of a wait with a time-out, by the wall clock [s]
 _LOOK = 0.01
 
 
@@ -66,8 +66,8 @@ class Cell:
     """The simulator that the program runs on: its own, if it starts one, else the preflight's.
 
     Args:
-        make: makes the preflight's simulator, started.
-        attached: told each simulator that is used.
+        make: returns the preflight's simulator, started.
+        attached: called with each simulator that is used.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class Cell:
         self.used: bool = False
 
     def address(self) -> tuple[str, int]:
-        """Where the program's connections lead."""
+        """Host and port of the simulator, to which the program's connections lead."""
         with self._lock:
             if self.simulator is None:
                 self.own = self._make()
@@ -109,7 +109,7 @@ class Cell:
 
 
 def _asked_by_program(depth: int = 2) -> bool | None:
-    """Whether the program asks, and not this package; None if neither is to be seen."""
+    """Whether the program made the call, and not this package; None if the stack shows neither."""
     frame: FrameType | None = sys._getframe(depth)
     while frame is not None:
         name = frame.f_globals.get("__name__", "")
@@ -125,15 +125,15 @@ def _asked_by_program(depth: int = 2) -> bool | None:
 
 
 def asked_by_package() -> bool:
-    """Whether a part of this package does what an audit hook is told of.
+    """Whether this package caused the event of an audit hook.
 
-    What neither is seen behind, as in a thread of a pool, is the program's.
+    If the stack shows neither, as in a thread of a pool, the event counts as the program's.
     """
     return _asked_by_program(3) is False
 
 
 def _by_program() -> bool:
-    """Whether the function that was called directly was called by the program."""
+    """Whether the program called the replaced function directly."""
     name = sys._getframe(2).f_globals.get("__name__", "")
     first = name.partition(".")[0]
     return name.startswith("aioduco.cli") if first == "aioduco" else first not in _BETWEEN
@@ -142,13 +142,13 @@ def _by_program() -> bool:
 def install(
     clock: ProgramClock, recorder: RunRecorder, cell: Cell, serve: Callable[..., Any]
 ) -> None:
-    """Replace all of it, for the rest of this process.
+    """Replace all of these functions, for the rest of this process.
 
     Args:
         clock: the program's time.
-        recorder: is told the calls.
-        cell: where connections lead.
-        serve: answers a call in the simulator's server, given how it is answered.
+        recorder: records the calls.
+        cell: the simulator to which connections lead.
+        serve: answers a call in the simulator's server; takes the original answering function.
     """
     _clocks(clock, recorder)
     _loops(clock)
@@ -197,7 +197,7 @@ def _clocks(clock: ProgramClock, recorder: RunRecorder) -> None:
 
 
 class _Selector(selectors.DefaultSelector):
-    """Tells the clock when its loop waits."""
+    """A selector that notifies the clock while its loop waits."""
 
     clock: ProgramClock
     wait: Wait | None = None
@@ -295,7 +295,7 @@ def _threads(clock: ProgramClock) -> None:
     condition: Any = threading.Condition
     thread: Any = threading.Thread
     wait, notify, join = condition.wait, condition.notify, thread.join
-    waits: dict[int, list[Wait]] = {}  # by condition, whose lock guards it
+    waits: dict[int, list[Wait]] = {}  # for each condition, whose lock protects the list
 
     def waited(self: Any, timeout: float | None = None) -> Any:
         by_program = timeout is not None and _asked_by_program()
@@ -321,7 +321,7 @@ def _threads(clock: ProgramClock) -> None:
 
     def joined(self: Any, timeout: float | None = None) -> None:
         if not _asked_by_program():
-            join(self, timeout)  # of threads of this package, which are on their way out
+            join(self, timeout)  # a thread of this package, which is about to end
             return
         with clock.waiting():
             join(self, timeout)
@@ -355,7 +355,7 @@ def _addresses(clock: ProgramClock, cell: Cell) -> None:
     open_runner, open_robot = runner.open, robot.open
 
     def opened_runner(self: Any) -> None:
-        clock.call_begins()  # until the robot's thread has a loop that waits
+        clock.call_begins()  # until the loop of the robot's thread waits
         try:
             open_runner(self)
         finally:
@@ -389,7 +389,7 @@ def _addresses(clock: ProgramClock, cell: Cell) -> None:
 
 
 def _processes(clock: ProgramClock) -> None:
-    """While a process of this package plans or draws for the program, time stands."""
+    """Hold the time while a process of this package plans or draws for the program."""
 
     def standing(asked: Callable[..., Any]) -> Callable[..., Any]:
         def ask(self: Any, request: Any) -> Any:
@@ -406,7 +406,7 @@ def _processes(clock: ProgramClock) -> None:
     awaited = planner._ask
 
     async def plan(self: Any, problem: Any) -> Any:
-        clock.call_begins()  # before the loop waits for the thread that asks
+        clock.call_begins()  # before the loop waits for the thread that sends the request
         try:
             return await awaited(self, problem)
         finally:
@@ -417,7 +417,7 @@ def _processes(clock: ProgramClock) -> None:
 
 
 def _unanswered(clock: ProgramClock) -> None:
-    """While an unanswered command is watched, by the wall's time, the program's goes like it."""
+    """Run the program's time at the wall clock's rate while an unanswered command is watched."""
     coordinator: Any = StopCoordinator
     until_certain = coordinator.stop_until_certain
 
@@ -447,7 +447,7 @@ def _calls(recorder: RunRecorder) -> None:
         with ExitStack() as stack:
             record = stack.enter_context(recorder.call(name, args))
             answer = begin(self, name, args, timeout)
-            # If nobody awaits the answer, this ends with the last reference to it.
+            # If the answer is never awaited, this ends with the last reference to it.
             under_way = stack.pop_all()
 
         async def answered() -> Any:

@@ -1,12 +1,13 @@
-"""The program's time: that of the simulator, which goes on only while the program waits.
+"""The program's time: the simulator's time, which advances only while the program waits.
 
 Guarantees:
-- While the program computes, or a call of it is under way, simulated time stands. So the program
-  reacts as fast as on a quick computer, however slow or busy this one is. Where simulated time
-  would fall behind the wall's by more than `STALL`, it goes with the wall's until it need not.
-- While it waits, time goes as fast as this computer can simulate, up to exactly the next moment at
-  which one of its waits is over.
-- While a stream's worker runs, a process with a schedule of its own, time is that of the wall.
+- While the program computes, or one of its calls is in progress, simulated time stands. So the
+  program reacts as fast as on a fast computer, even if this one is slow or busy. If simulated time
+  would fall behind the wall clock by more than `STALL`, it follows the wall clock for as long as
+  necessary.
+- While the program waits, time runs as fast as this computer can simulate, up to exactly the next
+  moment at which one of its waits ends.
+- While a stream's worker runs, which is a process with its own schedule, time is the wall clock's.
 """
 
 from __future__ import annotations
@@ -25,13 +26,13 @@ if TYPE_CHECKING:
 
 __all__ = ["ProgramClock", "Timer", "Wait"]
 
-#: most by which a program that computes holds simulated time up [s of the wall]
+#: longest time for which a computing program holds simulated time, by the wall clock [s]
 STALL = 0.05
-#: without anything to wait for, time goes on by steps of this [s]
+#: step of time if there is no timer to wait for [s]
 _STEP = 0.2
-#: simulated seconds in a real one while the program waits: more than any computer reaches
+#: simulated seconds per real second while the program waits: more than any computer reaches
 _FAST = 1e5
-#: time between two looks at a program that computes, or does not wake [s of the wall]
+#: time between two checks of a program that computes or does not wake up, by the wall clock [s]
 _LOOK = 0.02
 
 # the program's own functions of this name are replaced
@@ -39,11 +40,11 @@ _monotonic = time.monotonic
 
 
 class Timer:
-    """Something to be called at a time of the program's clock.
+    """A function to call at a time of the program's clock.
 
     Attributes:
-        when: that time [s].
-        made: when it was asked for [s].
+        when: time of the call [s].
+        made: time at which the timer was created [s].
     """
 
     def __init__(
@@ -57,7 +58,7 @@ class Timer:
 
     @property
     def live(self) -> bool:
-        """Whether it is still to be called."""
+        """Whether the function will still be called."""
         return not self.cancelled and self.alive()
 
 
@@ -77,17 +78,17 @@ class Wait:
 
 
 class ProgramClock:
-    """Goes by a simulator, and holds it while the program runs.
+    """Follows a simulator's time, and holds it while the program runs.
 
-    An actor is a thread of the program whose computing counts: its main thread, and each with an
-    event loop.
+    An actor is a thread of the program whose computing holds the time: its main thread, and each
+    thread with an event loop.
     """
 
     def __init__(self) -> None:
         self._state = threading.Condition(threading.RLock())
         self._simulator: Simulator | None = None
         self._zero = _monotonic()
-        #: what is added to the simulator's time, or to that of the wall without one [s]
+        #: offset on the simulator's time, or on the wall clock without a simulator [s]
         self._offset = 0.0
         self._actors: dict[int, int] = {}
         self._calls = 0
@@ -97,29 +98,29 @@ class ProgramClock:
         self._let_go: Callable[[], None] | None = None
         self._held_at = math.inf
         self._quiet = False
-        #: times of the wall and of the simulator since which it has not fallen behind
+        #: times of the wall clock and the simulator from which the delay is measured
         self._level = (_monotonic(), 0.0)
         self._behind = False
         self._closed = False
         self._thread = threading.Thread(target=self._run, name="preflight-clock", daemon=True)
 
     def start(self) -> None:
-        """Start the thread that lets time go; the calling thread becomes an actor."""
+        """Start the thread that advances time; the calling thread becomes an actor."""
         self._actors[threading.get_ident()] = 0
         self._thread.start()
 
     def close(self) -> None:
-        """End the thread; time then goes with the wall's."""
+        """End the thread; time then follows the wall clock."""
         self.detach()
         with self._state:
             self._closed = True
             self._state.notify_all()
         self._thread.join()
 
-    # -- what time it is ---------------------------------------------------------------------
+    # -- the time ----------------------------------------------------------------------------
 
     def now(self) -> float:
-        """The program's time [s]; it goes on from that of `time.monotonic` at the start."""
+        """The program's time [s]; it starts at the value of `time.monotonic`."""
         simulator = self._simulator
         if simulator is None:
             return _monotonic() + self._offset
@@ -131,7 +132,7 @@ class ProgramClock:
         return self.now() - self._zero
 
     def attach(self, simulator: Simulator) -> None:
-        """Go by a simulator that has been started, from now on."""
+        """Follow a started simulator from now on."""
         self.detach()
         with self._state:
             now = self.now()
@@ -142,7 +143,7 @@ class ProgramClock:
                 self._hold(simulator.clock.now())
 
     def detach(self) -> None:
-        """Go by the wall."""
+        """Follow the wall clock."""
         with self._state:
             if self._simulator is None:
                 return
@@ -152,7 +153,7 @@ class ProgramClock:
             self._offset = now - _monotonic()
 
     def tick(self) -> None:
-        """Fire what is due; called after each cycle on the simulation's thread."""
+        """Fire due timers; called after each cycle on the simulation's thread."""
         simulator = self._simulator
         if simulator is None or simulator.clock.now() + 1e-9 < self._held_at:
             return
@@ -160,12 +161,12 @@ class ProgramClock:
             if not self._fire() and self._quiet:
                 self._hold_until_next()
 
-    # -- what the program waits for ------------------------------------------------------------
+    # -- timers and waits ----------------------------------------------------------------------
 
     def at(
         self, when: float, fire: Callable[[], object], alive: Callable[[], bool] = lambda: True
     ) -> Timer:
-        """Have something called at a time [s], on any thread."""
+        """Schedule a call at a time [s], on any thread."""
         timer = Timer(when, self.now(), fire, alive)
         with self._state:
             self._count += 1
@@ -175,7 +176,7 @@ class ProgramClock:
         return timer
 
     def sleep(self, seconds: float) -> None:
-        """Let so much of the program's time pass [s]."""
+        """Let `seconds` of the program's time pass."""
         if self._simulator is None:
             self._offset += max(0.0, seconds)
             return
@@ -185,16 +186,16 @@ class ProgramClock:
             over.wait()
 
     def sleeps_since(self, passed: float) -> bool:
-        """Whether a wait that was begun by that time since the start [s] will still end."""
+        """Whether a timer that was created up to a time since the start [s] is still live."""
         with self._state:
             return any(each.live and each.made - self._zero <= passed for *_, each in self._timers)
 
     @contextlib.contextmanager
     def waiting(self) -> Iterator[Wait]:
-        """In this block the calling thread waits, if it is an actor."""
+        """Mark the calling thread as waiting during the block, if it is an actor."""
         wait = Wait(threading.get_ident())
         if wait.thread not in self._actors:
-            # without the lock: the simulation's thread waits holding what `_hold` takes under it
+            # without the lock: the simulation's thread waits with a lock that `_hold` needs
             yield wait
             return
         with self._state:
@@ -208,7 +209,7 @@ class ProgramClock:
             self.wake(wait)
 
     def wake(self, wait: Wait) -> None:
-        """A wait is over, although its thread may not have come to run yet."""
+        """A wait is over, although its thread may not be running yet."""
         if not wait.counts:
             return
         with self._state:
@@ -232,19 +233,19 @@ class ProgramClock:
                 self._change()
 
     def call_begins(self) -> None:
-        """A call is under way that the controller answers at once."""
+        """A call is in progress that the controller answers at once."""
         with self._state:
             self._calls += 1
             self._change()
 
     def call_ends(self) -> None:
-        """It is answered, or the controller waits before it answers."""
+        """A call is answered, or the controller waits before it answers."""
         with self._state:
             self._calls -= 1
             self._change()
 
     def stream_begins(self, over: Callable[[], bool]) -> None:
-        """A worker with a schedule of its own runs, until `over` says that it does not."""
+        """A worker with its own schedule runs until `over` returns true."""
         with self._state:
             self._streams.append(over)
             self._release(1.0)
@@ -265,8 +266,8 @@ class ProgramClock:
     def _hold(self, at: float) -> None:
         assert self._simulator is not None
         before = self._let_go
-        # Lasting: where a busy computer stops all threads for seconds, none could hold it again
-        # before it had gone on by minutes.
+        # Lasting: if a busy computer suspends all threads for seconds, no thread could renew the
+        # hold before the simulator had advanced by minutes.
         self._let_go = self._simulator.clock.hold(at, lasting=True)
         self._held_at = at
         if before is not None:
@@ -331,5 +332,5 @@ class ProgramClock:
             self._state.wait(_LOOK)
             return
         if not self._fire() and simulated + 1e-9 >= self._held_at:
-            self._hold_until_next()  # what was woken had nothing to do
+            self._hold_until_next()  # the woken threads had nothing to do
         self._state.wait(_LOOK)

@@ -1,4 +1,4 @@
-"""What is written down while the program runs: its calls, and what the simulated arm did."""
+"""Record the program's run: its calls, and the motions of the simulated arm."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ __all__ = ["ProgramCall", "RunRecorder"]
 
 #: time between two samples of the moving arm [s]
 _SAMPLE = 0.02
-#: calls that are no work of the program: they look after the connection
+#: calls that are not the program's work, but keep the connection and poll tasks
 _UPKEEP = frozenset({"rpc_heartbeat", "get_noneblock_taskstate"})
 _LONGEST = 80
 
@@ -36,19 +36,19 @@ class ProgramCall:
     """One call of the program that may change something.
 
     Attributes:
-        name: the function of the wire.
-        text: the call in words.
+        name: the function of the wire protocol.
+        text: the call as text.
         where: the line of the program; None if this package made the call by itself.
         actor: an id of the task or thread of the program.
         begin, end: times of the program [s]; -1 for none.
-        radius: blend radius that was asked for [m].
-        result: what was answered.
-        error: what was raised instead.
-        task: id of the task in the controller; None if it made none.
-        state: how the task ended; empty as long as it has not.
-        message: why, as the simulator says it.
-        started, ended: when the task ran [s]; -1 for never.
-        meanwhile: where the program was when the task ended by an error.
+        radius: requested blend radius [m].
+        result: the answer.
+        error: the error that was raised instead.
+        task: id of the task in the controller; None without a task.
+        state: final state of the task; empty until it ends.
+        message: the simulator's message about the end.
+        started, ended: start and end of the task [s]; -1 for never.
+        meanwhile: the program's line when the task ended with an error.
     """
 
     name: str
@@ -70,7 +70,7 @@ class ProgramCall:
 
 
 class RunRecorder:
-    """Collects; `as_json` and `arrays` give what was collected.
+    """Collects the data of a run; `as_json` and `arrays` return it.
 
     Args:
         clock: the program's time.
@@ -103,7 +103,7 @@ class RunRecorder:
 
     @contextlib.contextmanager
     def call(self, name: str, args: tuple[Any, ...]) -> Iterator[ProgramCall]:
-        """Write a call down, unless it only reads; time stands while it is under way."""
+        """Record a call, unless it only reads; the program's time stands during the call."""
         mark = lines.current()
         record = ProgramCall(
             name,
@@ -134,7 +134,7 @@ class RunRecorder:
                     self._under_way.remove(record)
 
     def taken(self, name: str) -> ProgramCall | None:
-        """The call of a name that the controller begins to answer; None if it is of no interest."""
+        """The recorded call that the controller begins to answer; None if it is not recorded."""
         with self._lock:
             for record in self._under_way:
                 if record.name == name and not record.taken:
@@ -143,29 +143,29 @@ class RunRecorder:
         return None
 
     def task(self, record: ProgramCall, number: int) -> None:
-        """The controller has made a task of a call."""
+        """The controller has created a task for a call."""
         record.task = number
         with self._lock:
             self._open[number] = record
 
     def forgotten(self, where: ProgramLine | None, what: str) -> None:
-        """Something was made to be awaited, and never was."""
+        """An awaitable was created, and never awaited."""
         self._note("forgotten await", where, f"{what} was never awaited: nothing was sent")
 
     def blocked(self, mark: Mark | None, seconds: float) -> None:
-        """A coroutine slept by time.sleep."""
+        """A coroutine called `time.sleep`."""
         text = f"time.sleep({seconds:g}) blocks the event loop: the heartbeat ends, the arm stops"
         self._note("blocked event loop", mark and mark.where, text)
 
     def not_reached(self, text: str) -> None:
-        """The program tried to reach something outside of the preflight."""
+        """The program tried to connect to something outside the preflight."""
         mark = lines.current()
         self._note("not reached", mark and mark.where, text)
 
     def failed(self, error: BaseException) -> None:
         """The program ended with an error."""
         if isinstance(error, NotReached):
-            return  # it was told of already, at its line
+            return  # already reported, with its line
         if isinstance(error, BaseExceptionGroup):
             for each in error.exceptions:
                 self.failed(each)
@@ -177,7 +177,7 @@ class RunRecorder:
         )
 
     def hung(self, where: ProgramLine | None, text: str) -> None:
-        """The program waits for something that does not come."""
+        """The program waits for something that does not happen."""
         self._note("endless wait", where, text)
 
     def _note(self, kind: str, where: ProgramLine | None, text: str, **more: Any) -> None:
@@ -189,19 +189,19 @@ class RunRecorder:
     # -- the arm ------------------------------------------------------------------------------
 
     def attach(self, simulator: Simulator) -> None:
-        """Look at a simulator from now on."""
+        """Observe a simulator from now on."""
         self._simulator = simulator
         self._at_first = None
         simulator.observe(self.cycle)
 
     def detach(self) -> None:
-        """Look at it no more: it is being closed."""
+        """Stop observing the simulator, because it is being closed."""
         if self._simulator is not None:
             self._simulator.observe(None)
             self._simulator = None
 
     def cycle(self, snapshot: SimulationSnapshot, touched: Callable[[], str]) -> None:
-        """Look at one cycle; on the simulation's thread."""
+        """Observe one cycle; called on the simulation's thread."""
         now = self._clock.passed
         view = snapshot.view
         if view.moving:
@@ -245,7 +245,7 @@ class RunRecorder:
     def _touch(self, touched: str, now: float, sample: int, *, pressing: bool) -> None:
         pairs = frozenset(touched.split(", ")) if touched else frozenset()
         if self._at_first is None:
-            self._at_first = pairs  # the base on its floor, things that lie on a table
+            self._at_first = pairs  # such as the base on its floor, things on a table
         if not pairs and not self._touching:
             return
         pairs -= self._at_first
@@ -253,7 +253,7 @@ class RunRecorder:
             self._touching.pop(pair)["end"] = now
         for pair in pairs - self._touching.keys():
             one, touches, other = pair.partition(" touches ")
-            if not touches or not _of_arm(one):  # what is gripped is touched as it is meant to be
+            if not touches or not _of_arm(one):  # contacts of a gripped thing are intended
                 continue
             contact = {
                 "pair": [one, other], "time": now, "end": now, "sample": sample,
@@ -274,14 +274,14 @@ class RunRecorder:
                     self.io.append({"time": now, "signal": key, "value": level})
 
     def finish(self) -> None:
-        """Take what became of the tasks since the last cycle."""
+        """Record the changes of tasks since the last cycle."""
         if self._simulator is not None and self._open:
             self._follow(self._clock.passed)
 
     # -- at the end ---------------------------------------------------------------------------
 
     def as_json(self) -> dict[str, Any]:
-        """All but the arrays, as JSON takes it."""
+        """All data except the arrays, as values for JSON."""
         with self._lock:
             calls = [
                 {
@@ -299,7 +299,7 @@ class RunRecorder:
         }  # fmt: skip
 
     def arrays(self) -> dict[str, Any]:
-        """Samples of the arm while it moved: times, joints, their speeds, all positions."""
+        """Samples of the moving arm: times, joints, joint speeds, all positions."""
         widest = max((each.size for each in self._positions), default=0)
         same = [each for each in self._positions if each.size == widest]
         return {

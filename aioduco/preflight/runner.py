@@ -1,4 +1,4 @@
-"""Runs a program in a process of its own against the simulator, and judges what it did."""
+"""Run a program in a separate process against the simulator, and report its problems."""
 
 from __future__ import annotations
 
@@ -32,38 +32,38 @@ if TYPE_CHECKING:
 
 __all__ = ["PreflightError", "PreflightReport", "PreflightSettings", "preflight"]
 
-#: time of a cycle of the simulation [s]: half as many as a controller has, for the sake of speed
+#: time of a cycle of the simulation [s]: half the rate of a controller, for speed
 CYCLE = 0.002
-#: what the process imports for the simulator
+#: packages that the process imports for the simulator
 _PACKAGES = ("OpenGL", "glfw", "mujoco")
-#: time for a program that did not end to tell where it is [s]
+#: time within which a program that did not end must write its stacks [s]
 _STACKS = 1.0
 
 
 class PreflightError(DucoError):
-    """The program could not be tried: nothing is known of it."""
+    """The program could not be tried; there is no result."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PreflightSettings:
-    """What a program is tried in.
+    """Settings of a preflight: the cell, and the run of the program.
 
     Attributes:
         model: the arm.
-        scene, tool: what stands around it and what it carries: MJCF, a file of it, or things.
+        scene, tool: surroundings and tool of the arm: MJCF, an MJCF file, or things.
         mounting: "floor", "wall", "ceiling", or a pose [m, rad].
         pedestal: height of a column under the arm [m].
-        joints: where it stands at first [rad]; None for the elbow bent, flange down.
-        vendor: whether the vendor's modules are to be found by the program's imports.
-        module: whether the program is the name of a module and no file.
-        cwd: the folder that it runs in, and that its module lies in; None for the current one.
+        joints: start joints [rad]; None for a bent elbow with the flange down.
+        vendor: whether imports of the vendor's modules get this package's instead.
+        module: whether the program is the name of a module instead of a file.
+        cwd: working directory, which also contains the module; None for the current one.
         allowed: names of bodies that the arm may touch.
-        reachable: addresses as "host:port" that connections of the program's own may lead to;
-            others are refused, since they could lead to an arm.
-        patience: the program's time without a motion or a change after which it hangs [s].
-        timeout: time of the wall after which it is ended [s].
-        vary: what a seed varies: "start", "latency", "faults", "payload".
-        seed: of the variation.
+        reachable: addresses as "host:port" to which the program's own connections may lead; others
+            are refused, since they could lead to an arm.
+        patience: the program's time without a motion or a change after which it counts as hung [s].
+        timeout: time of the wall clock after which the program is ended [s].
+        vary: quantities that a seed varies: "start", "latency", "faults", "payload".
+        seed: seed of the variation.
     """
 
     model: str = "gcr5_910"
@@ -83,7 +83,7 @@ class PreflightSettings:
     seed: int = 0
 
     def plain(self) -> dict[str, Any]:
-        """The same as JSON takes it, with scenes as text."""
+        """The settings as values for JSON, with scenes as text."""
         mounting = self.mounting
         return {
             **{name: getattr(self, name) for name in self.__slots__},
@@ -98,21 +98,21 @@ class PreflightSettings:
 
 @dataclass(frozen=True, slots=True)
 class PreflightReport:
-    """What a run of a program has shown.
+    """Result of a run of a program.
 
     Attributes:
-        program: its file or module.
-        arguments: what it was given.
-        findings: what would have gone wrong; empty if nothing.
-        margins: how near the arm came to its limits.
-        calls: each call that may change something, with its line and what became of it.
-        contacts: each touch: the pair, from when to when.
+        program: file or module of the program.
+        arguments: arguments of the program.
+        findings: the problems; empty if there are none.
+        margins: smallest distances of the arm from its limits.
+        calls: each call that may change something, with its line and its result.
+        contacts: each contact: the pair, its begin and end.
         io: each change of an input or output of the cabinet.
         duration: the program's own time [s].
-        took: time of the wall that the preflight needed [s].
+        took: wall-clock time that the preflight needed [s].
         status: the program's exit status.
-        variation: how this run differed, by its seed.
-        samples: where the arm was: "time", "q", "qd", "positions".
+        variation: variation of this run, with its seed.
+        samples: positions of the arm: "time", "q", "qd", "positions".
         cell: arm, scene, tool and mounting of the run.
     """
 
@@ -156,7 +156,7 @@ class PreflightReport:
 
 
 def refuse_frozen() -> None:
-    """Refuse to try a program from a frozen one, whose executable would start itself.
+    """Refuse to try a program from a frozen program, whose executable would start itself.
 
     Raises:
         PreflightError: this program is frozen.
@@ -175,20 +175,20 @@ def preflight(
     *,
     quiet: bool = False,
 ) -> PreflightReport:
-    """Run a program against the simulator, as it is, and say what would have gone wrong.
+    """Run an unchanged program against the simulator, and report its problems.
 
     Args:
-        program: its file, or the name of a module.
-        arguments: what it finds in `sys.argv` behind its name.
-        settings: what it is tried in; None for an arm on an empty floor.
-        quiet: whether what it prints is thrown away.
+        program: file of the program, or the name of a module.
+        arguments: arguments of the program, in `sys.argv` after its name.
+        settings: cell and settings; None for an arm on an empty floor.
+        quiet: whether to discard the program's output.
 
     Returns:
         The report.
 
     Raises:
-        PreflightError: it could not be run, it was killed, or never used this package; or what
-            asks for it is a frozen program, which has no interpreter to run another one.
+        PreflightError: the program could not be run, was killed, or never used this package; or the
+            caller is a frozen program, which has no interpreter to run another program.
     """
     refuse_frozen()
     settings = PreflightSettings() if settings is None else settings
@@ -243,7 +243,7 @@ def _run(
         raise PreflightError(f"nothing was run: {error}") from error
     process = linked.popen
     try:
-        with contextlib.suppress(ConnectionError):  # it has ended, as is found below
+        with contextlib.suppress(ConnectionError):  # the process has ended; that is handled below
             linked.channel.send(options)
         process.wait(timeout)
     except subprocess.TimeoutExpired:

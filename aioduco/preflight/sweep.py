@@ -17,19 +17,19 @@ if TYPE_CHECKING:
 
 __all__ = ["SweepReport", "VariationResult", "sweep"]
 
-#: how often a variation is begun again when its worker is gone: a killed worker is not its fault
+#: number of retries of a variation whose worker has died: that is not the variation's fault
 _AGAIN = 10
 
 
 @dataclass(frozen=True, slots=True)
 class VariationResult:
-    """What came of one variation.
+    """Result of one variation.
 
     Attributes:
-        seed: repeats it.
-        findings: what was found, each as JSON takes it.
+        seed: seed that repeats the variation.
+        findings: the findings, each as values for JSON.
         duration: the program's own time [s].
-        error: why it could not be run; empty if it could.
+        error: why the variation could not be run; empty if it could.
     """
 
     seed: int
@@ -45,7 +45,7 @@ class VariationResult:
 
 @dataclass(frozen=True, slots=True)
 class SweepReport:
-    """What came of all variations.
+    """Results of all variations.
 
     Attributes:
         results: one for each seed, in the order of seeds.
@@ -55,12 +55,12 @@ class SweepReport:
 
     @property
     def failed(self) -> tuple[VariationResult, ...]:
-        """Those that found something, or could not be run."""
+        """Results with findings, or of variations that could not be run."""
         return tuple(one for one in self.results if not one.ok)
 
     @property
     def durations(self) -> dict[str, float]:
-        """Percentiles of the program's own time, without those that could not be run [s]."""
+        """Percentiles of the program's own time, without variations that could not be run [s]."""
         times = [one.duration for one in self.results if not one.error]
         if not times:
             return {}
@@ -71,7 +71,7 @@ class SweepReport:
         return f"{len(self.failed)} of {len(self.results)} variations failed; duration {times}"
 
     def as_json(self) -> dict[str, Any]:
-        """As JSON takes it."""
+        """The report as values for JSON."""
         return {
             "schema": 1, "durations": self.durations,
             "results": [asdict(one) for one in self.results],
@@ -91,34 +91,34 @@ def sweep(
     """Run variations of a program on a cluster.
 
     Args:
-        program: its file or module; on a cluster elsewhere it lies there under the same path, and
+        program: file or module of the program; on a remote cluster it must have the same path, and
             it runs in the same folder as here.
-        arguments: what it is given.
-        settings: what it is tried in; `vary` says what varies, `seed` is the first one.
-        runs: how many.
-        workers: processes of the local cluster; None for one a processor.
+        arguments: arguments of the program.
+        settings: cell and settings; `vary` names the varied quantities, `seed` is the first seed.
+        runs: number of variations.
+        workers: processes of the local cluster; None for one per processor.
         scheduler: address of a cluster's scheduler; None for a cluster on this computer.
-        done: is told each result as it comes.
+        done: called with each result when it is ready.
 
     Returns:
         All results.
 
     Raises:
         MissingExtra: distributed is not installed.
-        ParameterError: there is nothing of a name in `vary`.
-        PreflightError: the cluster would be on this computer, and this program is frozen.
+        ParameterError: `vary` has an unknown name.
+        PreflightError: the cluster would run on this computer, and this program is frozen.
     """
     try:
         import distributed  # noqa: PLC0415 - an extra
     except ModuleNotFoundError as error:
         raise MissingExtra("sweeps", "distributed", "sweep") from error
-    dask: Any = distributed  # a part of its functions has no types
+    dask: Any = distributed  # some of its functions have no types
     options = {**settings.plain(), "cwd": settings.cwd or str(Path.cwd())}
     seeds = range(settings.seed, settings.seed + runs)
     with contextlib.ExitStack() as stack:
         if scheduler is None:
             refuse_frozen()
-            # With a dashboard's address of None its server would take port 8787.
+            # With None as the dashboard's address, its server would use port 8787.
             cluster = dask.LocalCluster(
                 n_workers=workers, threads_per_worker=1, processes=True, host="127.0.0.1",
                 dashboard_address="127.0.0.1:0", worker_dashboard_address=None,
@@ -138,7 +138,7 @@ def sweep(
 
 
 def _one(program: str, arguments: list[str], options: dict[str, Any], seed: int) -> VariationResult:
-    """One variation, on a worker."""
+    """Run one variation, on a worker."""
     settings = replace(PreflightSettings(**options), seed=seed)
     try:
         report = preflight(program, arguments, settings, quiet=True)

@@ -1,4 +1,4 @@
-"""How one run of a program differs from the others, by its seed."""
+"""The variation of one run of a program, from its seed."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ if TYPE_CHECKING:
 
 __all__ = ["KINDS", "Variation"]
 
-#: what can be varied
+#: quantities that can be varied
 KINDS = ("start", "latency", "faults", "payload")
-#: most by which each joint starts elsewhere [rad], an answer comes later [s], and the load at the
-#: flange is heavier than the program says [kg]
+#: largest offset of each start joint [rad], largest delay of an answer [s], and largest mass at the
+#: flange that the program does not declare [kg]
 _TURN, _LATENCY, _PAYLOAD = 0.15, 0.05, 0.5
-#: the connection is cut at one of so many calls that change something
+#: the connection is cut at one of the first calls that change something: number of these
 _CALLS = 40
 
 
 @dataclass(frozen=True, slots=True)
 class Variation:
-    """One way in which a run differs; everything that is zero or empty is as it was.
+    """Variation of a run; a quantity that is zero or empty is not varied.
 
     Attributes:
-        seed: makes all of it again.
-        start: by how much each joint starts elsewhere [rad].
-        latency: up to how much later the controller answers a command [s].
-        faults: at which commands the connection is cut, counted from 1.
-        payload: hangs at the flange, unknown to the controller [kg].
+        seed: seed that reproduces the variation.
+        start: offsets of the start joints [rad].
+        latency: largest delay of the controller's answer to a command [s].
+        faults: commands at which the connection is cut, counted from 1.
+        payload: mass at the flange, unknown to the controller [kg].
     """
 
     seed: int = 0
@@ -47,11 +47,11 @@ class Variation:
 
     @classmethod
     def of(cls, kinds: Iterable[str], seed: int) -> Variation:
-        """The variation of a seed.
+        """Make the variation of a seed.
 
         Args:
-            kinds: what is varied, of `KINDS`.
-            seed: the same one makes the same variation.
+            kinds: quantities to vary, from `KINDS`.
+            seed: the same seed gives the same variation.
 
         Raises:
             ParameterError: there is no such kind.
@@ -60,7 +60,7 @@ class Variation:
         for kind in kinds:
             if kind not in KINDS:
                 raise ParameterError("vary", kind, f"one of {', '.join(KINDS)}")
-        # one after the other, whatever is chosen: leaving one out changes no other
+        # all are drawn in a fixed order: leaving one out does not change the others
         draw = random.Random(seed)
         start = tuple(draw.uniform(-_TURN, _TURN) for _ in range(6))
         latency, fault = draw.uniform(0.0, _LATENCY), draw.randint(1, _CALLS)
@@ -74,10 +74,10 @@ class Variation:
         )
 
     def started(self, joints: JointsLike, arm: Arm) -> list[float]:
-        """The joints that the arm stands at first [rad], within its limits."""
+        """The varied start joints of the arm [rad], within its limits."""
         turned = np.asarray(joints, dtype=float) + np.array(self.start)
         return [float(each) for each in np.clip(turned, arm.lower, arm.upper)]
 
     def as_json(self) -> dict[str, Any]:
-        """As JSON takes it."""
+        """The variation as values for JSON."""
         return asdict(self)

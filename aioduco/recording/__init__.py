@@ -1,4 +1,4 @@
-"""Recordings of a robot: written as MCAP files, read back, drawn and replayed; published live.
+"""Recordings of a robot: MCAP files that are written, read, drawn and replayed; live publication.
 
     async with aioduco.connect("192.168.1.10", record="run.mcap") as robot:
         ...
@@ -6,11 +6,11 @@
     run = aioduco.recording.read("run.mcap")
     run.arrays("/joint_states")["position"]  # shape (n, 6) [rad]
 
-What records is in `recorder` (what of the robot), `channels` (as what messages) and `writer` (to
-the file, on a thread); `publication` gives the same to watchers. It stands above the feed, the
-events and the streams, and `robot` starts it.
-What reads, `run` and `container`, knows no robot. Needs the extra `record`, which is loaded when it
-is used.
+`recorder` collects the robot's data, `channels` encodes it as messages, and `writer` writes them to
+the file, on a thread; `publication` sends the same messages to watchers. These modules build on the
+feed, the events and the streams, and `robot` starts them.
+The modules that read, `run` and `container`, use no robot. The package needs the extra `record`,
+which is loaded at its first use.
 """
 
 from __future__ import annotations

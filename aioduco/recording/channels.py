@@ -1,10 +1,10 @@
-"""As what messages a robot is recorded and published: the channels, their schemas and units.
+"""The messages of a recorded or published robot: the channels, their schemas and units.
 
-Foxglove's schemas are used where there is one; the other channels are JSON with a schema. Numbers
-that are measured at each sample are rounded to a grid finer than what the arm repeats, since
-digits of noise are most of the size of a file: see `ANGLE`, `SPEED` and so on. A channel whose
-values change seldom is written when they do, and every five seconds. Joints, which are most of what
-is written, are encoded here: by the library's classes that takes three times as long.
+A channel has a schema of Foxglove's if there is one; the other channels are JSON with a schema.
+Numbers that are measured at each sample are rounded to a grid finer than the arm's repeatability,
+since digits of noise would be most of a file's size: see `ANGLE`, `SPEED` and so on. A channel
+whose values seldom change is written when they change, and every five seconds. Joints, which are
+most of the data, are encoded here: the library's classes take three times as long.
 """
 
 from __future__ import annotations
@@ -52,28 +52,29 @@ __all__ = [
     "plain",
 ]
 
-# Powers of two: so the rest of each number is zeros, which the file is compressed by.
-#: steps of recorded angles: 7.6 µrad, at a reach of 1 m a third of what arms repeat (0.02 mm)
+# Powers of two: so the lower bits of each number are zeros, which compress well.
+#: steps per rad of recorded angles: a step is 7.6 µrad, at a reach of 1 m a third of the
+#: repeatability of arms (0.02 mm)
 ANGLE: Final = 2.0**17
-#: steps of recorded speeds of joints: 0.98 mrad/s
+#: steps per rad/s of recorded joint speeds: a step is 0.98 mrad/s
 SPEED: Final = 2.0**10
-#: steps of recorded positions: 7.6 µm
+#: steps per m of recorded positions: a step is 7.6 µm
 LENGTH: Final = 2.0**17
-#: steps of the four numbers of a recorded rotation: it is right to 15 µrad
+#: steps per 1 of the four numbers of a recorded rotation, which is then accurate to 15 µrad
 QUATERNION: Final = 2.0**17
-#: digits of recorded forces: 1 mN, 1 mN·m
+#: decimal digits of recorded forces: 1 mN, 1 mN·m
 FORCE: Final = 3
-#: digits of recorded temperatures and analogue signals
+#: decimal digits of recorded temperatures and analogue signals
 _ROUGH: Final = 2
-#: seconds after which a channel is written although nothing changed
+#: seconds after which a channel is written even if nothing changed
 _AGAIN: Final = 5.0
 #: seconds between two messages about the drives
 _DRIVES_EVERY: Final = 0.2
-#: steps of the times of samples [ns]: 16 µs, less than they are late by
+#: step of the times of samples [ns]: 16 µs, less than their delay
 _SAMPLED: Final = 1 << 14
-#: digits of recorded currents, which are ‰ of the rated ones
+#: decimal digits of recorded currents, which are in ‰ of the rated ones
 _CURRENT: Final = 1
-#: seconds between two transforms: they follow from the joints, which each sample has
+#: seconds between two transforms: they can be computed from the joints, which each sample has
 _TRANSFORMS_EVERY: Final = 0.039
 
 _NAMES: Final = tuple(f"joint_{number}" for number in range(1, 7))
@@ -94,7 +95,7 @@ _TEXTS: Final = {"type": "array", "items": {"type": "string"}}
 _ANY: Final[dict[str, Any]] = {}
 _XYZ: Final = {"type": "object", "properties": {"x": _NUMBER, "y": _NUMBER, "z": _NUMBER}}
 
-#: by channel in JSON, its fields
+#: fields of the JSON channels, by channel
 _FIELDS: Final[dict[str, dict[str, Any]]] = {
     "/wrench": {"force": _XYZ, "torque": _XYZ, "external_torques": _NUMBERS},
     "/drives": {"currents": _NUMBERS, "temperatures": _NUMBERS, "driver_temperatures": _NUMBERS},
@@ -162,7 +163,7 @@ _FIELDS: Final[dict[str, dict[str, Any]]] = {
 
 
 class Writable(Protocol):
-    """What a file is written to."""
+    """The target to which a file is written."""
 
     def write(self, data: bytes | bytearray) -> int:
         """Write some bytes."""
@@ -173,12 +174,12 @@ class Writable(Protocol):
         ...
 
     def flush(self) -> None:
-        """Pass on what is kept."""
+        """Write out the buffered bytes."""
         ...
 
 
 class _ChannelSet:
-    """The channels of one file or server. The library keeps them for ever: they are used again."""
+    """The channels of one file or server. The library never frees them, so they are reused."""
 
     def __init__(self) -> None:
         self.context = foxglove.Context()
@@ -205,15 +206,15 @@ def _schema(topic: str, fields: dict[str, Any]) -> dict[str, Any]:
     return {"type": "object", "title": f"aioduco.{topic[1:]}", "properties": fields}
 
 
-#: sets that nothing uses now
+#: sets that are not in use
 _free: list[_ChannelSet] = []
 
 
 class MessageChannels:
-    """Gives messages about a robot to whatever takes them from `context`; on one thread.
+    """Logs messages about a robot to the file or server at its `context`; on one thread.
 
-    Times are seconds of `time.monotonic()`; messages have nanoseconds since 1970, by the difference
-    of the two clocks at the beginning.
+    Times are seconds of `time.monotonic()`. Messages have nanoseconds since 1970, computed by the
+    difference of the two clocks at the beginning.
 
     Args:
         clock_offset: the difference of the clocks [ns].
@@ -230,11 +231,11 @@ class MessageChannels:
 
     @property
     def context(self) -> foxglove.Context:
-        """What the library ties channels to those who take their messages by."""
+        """The library's context, which connects the channels to a file or a server."""
         return self._set.context
 
     def release(self) -> None:
-        """Give the channels to the next one: nobody takes messages from them any more."""
+        """Make the channels available for reuse: the file or server is closed."""
         if not self._released:
             self._released = True
             _free.append(self._set)
@@ -286,7 +287,7 @@ class MessageChannels:
                 self._if_changed("/wrench", at, wrench)
 
     def flange(self, pose: Pose | None) -> None:
-        """Take where the flange is, seen from the tip of the tool; None if nobody tells."""
+        """Set the pose of the flange in the frame of the tool's tip; None if it is unknown."""
         numbers = None if pose is None else _transform_numbers(pose)
         self._flange_written = self._flange_written and numbers == self._flange
         self._flange = numbers
@@ -301,7 +302,7 @@ class MessageChannels:
         error: str,
         duration: float,
     ) -> None:
-        """Write a call that is over, at the time of its begin."""
+        """Write a finished call, at the time of its start."""
         found = {
             "function": function,
             "arguments": plain(arguments),
@@ -331,10 +332,10 @@ class MessageChannels:
             log_time=time_ns,
         )
 
-    # -- how -------------------------------------------------------------------------------------
+    # -- encoding --------------------------------------------------------------------------------
 
     def _times(self, at: float, step: int = 1000) -> tuple[Timestamp, int]:
-        # In steps of whole microseconds, or more: the digits below are noise.
+        # In steps of at least a microsecond: the digits below are noise.
         time_ns = (round(at * 1e9) + self._offset + step // 2) // step * step
         seconds, rest = divmod(time_ns, 1_000_000_000)
         return Timestamp(sec=seconds, nsec=rest), time_ns
@@ -355,7 +356,7 @@ class MessageChannels:
         self._set.transforms.log(FrameTransforms(transforms=transforms), log_time=time_ns)
 
     def _due(self, topic: str, at: float, every: float) -> bool:
-        """Whether a channel was not written for so long."""
+        """Whether a channel was not written for `every` seconds; if so, note it as written now."""
         last = self._last.get(topic)
         if last is not None and at - last[0] < every:
             return False
@@ -369,7 +370,7 @@ class MessageChannels:
             self._json(topic, at, values)
 
     def _fields_if_changed(self, topic: str, at: float, io: IOStatus) -> None:
-        """As `_if_changed`, of attributes of a sample: rounded only when they are written."""
+        """As `_if_changed`, for attributes of a sample; they are rounded only to be written."""
         values = tuple([getattr(io, name) for name in _FIELDS[topic]])
         last = self._last.get(topic)
         if last is None or last[1] != values or at - last[0] >= _AGAIN:
@@ -390,22 +391,22 @@ class FileChannels(MessageChannels):
     """Writes messages about a robot to an MCAP file.
 
     Args:
-        target: what the file is written to.
-        metadata: what the file says about the recording; `clock_offset` is the difference of the
-            clocks [ns].
+        target: the target to which the file is written.
+        metadata: texts about the recording; `clock_offset` is the difference of the clocks [ns].
     """
 
     def __init__(self, target: Writable, metadata: dict[str, str]) -> None:
         super().__init__(int(metadata["clock_offset"]))
-        # one thread, for a robot's program has better use for the others
+        # one thread: the other processors are for the robot's program
         options = MCAPWriteOptions(
             profile="aioduco",
             chunk_size=None,
             compression=MCAPCompression.Zstd,
             compression_threads=0,
             disable_seeking=True,
-            # An index of messages has 16 bytes for each, more than most take here. Without it, one
-            # of chunks alone has some readers find no message: without both they read all.
+            # An index of messages takes 16 bytes for each message, more than most messages here. If
+            # there is only an index of chunks, some readers find no message. Without both they read
+            # the whole file.
             emit_message_indexes=False,
             emit_chunk_indexes=False,
         )
@@ -437,12 +438,12 @@ def write_indexed(
     """Write messages to a file with indexes of its chunks and of its messages.
 
     Args:
-        path: the file; there must be none of this name.
-        messages: in the order of their times.
+        path: the file, which must not exist yet.
+        messages: the messages, in the order of their times.
         metadata: texts by the name of their record.
 
     Raises:
-        OSError: it exists, or cannot be written.
+        OSError: the file exists, or cannot be written.
     """
     context = foxglove.Context()
     options = MCAPWriteOptions(profile="aioduco", compression=MCAPCompression.Zstd)
@@ -475,13 +476,13 @@ def _as_written(schema: McapSchema | None) -> foxglove.Schema | None:
 class ServerChannels(MessageChannels):
     """Sends messages about a robot to the watchers of a WebSocket server.
 
-    The library has threads of its own for that. A watcher that is too slow loses the oldest
-    messages that wait for it.
+    The library sends on threads of its own. A watcher that is too slow loses its oldest waiting
+    messages.
 
     Args:
         host: address to listen on.
         port: port to listen on; 0 for a free one.
-        metadata: as for a file; `address` is how watchers see the robot called.
+        metadata: as for a file; `address` is the robot's name for watchers.
 
     Raises:
         OSError: it cannot listen there.
@@ -494,23 +495,23 @@ class ServerChannels(MessageChannels):
             self._server = foxglove.start_server(
                 name=name, host=host, port=port, context=self.context
             )
-        except RuntimeError as exc:  # the library's, of which it has no other
+        except RuntimeError as exc:  # the library has no other error for this
             self.release()
             raise OSError(str(exc)) from exc
         self.port: int = self._server.port
 
     def close(self) -> None:
-        """Say goodbye to the watchers, and listen no more."""
+        """Close the connections of the watchers, and stop listening."""
         self._server.stop()
         self.release()
 
 
 def _message_format() -> tuple[str, list[Any]]:
-    """How `struct` packs a JointStates of six joints, and what of it is always the same.
+    """Return the `struct` format of a JointStates of six joints, and its parts with the constants.
 
     Protobuf's wire format: a timestamp of seconds and nanoseconds, then for each joint its name,
-    position and velocity. The two whole numbers have five bytes each, whatever they are: so all
-    messages are of one length, and are compressed better.
+    position and velocity. The two whole numbers always have five bytes each. So all messages have
+    the same length, and compress better.
     """
     layout = "<3s5ss5s"
     parts: list[Any] = [b"\x0a\x0c\x08", b"", b"\x10", b""]
@@ -524,13 +525,13 @@ def _message_format() -> tuple[str, list[Any]]:
 
 _LAYOUT, _PARTS = _message_format()
 _PACK: Final = struct.Struct(_LAYOUT).pack
-#: what is added to a number and subtracted again, which rounds it to the grid
+#: constant that is added to a number and subtracted again, which rounds it to the grid
 _TO_ANGLE: Final = 1.5 * 2.0**52 / ANGLE
 _TO_SPEED: Final = 1.5 * 2.0**52 / SPEED
 
 
 def _joint_states(time_ns: int, positions: Iterable[float], speeds: Iterable[float]) -> bytes:
-    """A JointStates of six joints; one that tells no speed has NaN."""
+    """Encode a JointStates of six joints; an unknown speed is NaN."""
     seconds, rest = divmod(time_ns, 1_000_000_000)
     parts = _PARTS.copy()
     parts[1], parts[3] = _five_bytes(seconds), _five_bytes(rest)
@@ -540,7 +541,7 @@ def _joint_states(time_ns: int, positions: Iterable[float], speeds: Iterable[flo
 
 
 def _five_bytes(number: int) -> bytes:
-    """A whole number from 0 to 2**35 - 1 in protobuf's varint of five bytes."""
+    """Encode a whole number from 0 to 2**35 - 1 as protobuf's varint of five bytes."""
     return bytes(
         (
             number & 127 | 128,
@@ -553,12 +554,12 @@ def _five_bytes(number: int) -> bytes:
 
 
 def _rounded(values: Iterable[float], digits: int = _ROUGH) -> list[float | None]:
-    """JSON knows nothing that is not a number."""
+    """Round numbers; one that is not finite becomes None, since JSON cannot represent it."""
     return [round(value, digits) if math.isfinite(value) else None for value in values]
 
 
 def _transform_numbers(pose: Pose) -> tuple[float, ...]:
-    """Position and quaternion, x first and w not below 0, on their grids."""
+    """Return position and quaternion, x first and w at least 0, rounded to their grids."""
     x, y, z, rx, ry, rz = pose
     cr, sr = math.cos(rx / 2), math.sin(rx / 2)
     cp, sp = math.cos(ry / 2), math.sin(ry / 2)
@@ -591,7 +592,7 @@ def _transform(
 
 
 def plain(value: Any) -> Any:
-    """A value in the types that JSON knows; None for what is not a number."""
+    """Convert a value to the types of JSON; a number that is not finite becomes None."""
     if isinstance(value, enum.Enum):
         return value.name
     if isinstance(value, float):

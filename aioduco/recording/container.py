@@ -1,8 +1,8 @@
-"""Reads the records of an MCAP file from its beginning, as far as it is whole.
+"""Reads the records of an MCAP file from its beginning, up to the first incomplete one.
 
-A file that was cut off, since its program was killed or the disk was full, ends in the middle of a
-record and has no index: what stands before is given, and `McapFile.complete` says so. A chunk
-counts only if its checksum is right.
+A file that was cut off, because its program was killed or the disk was full, ends in the middle of
+a record and has no index. The records before that are read, and `McapFile.complete` is false. A
+chunk is used only if its checksum is right.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ HEADER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 1, 3, 4, 5, 6, 0x0
 _RECORD: Final = struct.Struct("<BQ")
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _CHUNK: Final = struct.Struct("<QQQI")
-#: bytes of a record or of an unpacked chunk at most; what claims more is garbled
+#: maximum bytes of an unpacked chunk; a chunk that claims more is damaged
 _LARGEST: Final = 1 << 30
 
 
 @dataclass(frozen=True, slots=True)
 class McapSchema:
-    """What the messages of a channel look like."""
+    """The format of a channel's messages."""
 
     name: str
     encoding: str
@@ -49,7 +49,7 @@ class McapChannel:
 
 
 class McapMessage(NamedTuple):
-    """A message as it stands in the file.
+    """A message as it is in the file.
 
     Attributes:
         channel: its channel.
@@ -78,10 +78,10 @@ class McapFile:
         self.complete: bool = False
 
     def messages(self) -> Iterator[McapMessage]:
-        """Every message in the order of the file.
+        """Iterate over the messages, in the order of the file.
 
         Raises:
-            RecordingError: it cannot be opened, or is no MCAP file.
+            RecordingError: the file cannot be opened, or is not an MCAP file.
         """
         try:
             data = memoryview(self._path.read_bytes())
@@ -112,7 +112,7 @@ class McapFile:
                 yield message
 
     def _take(self, kind: int, record: memoryview) -> McapMessage | None:
-        """Take in a record that may stand in a chunk; the message, if it is one."""
+        """Process a record of a kind that may be in a chunk; return the message, if it is one."""
         if kind == MESSAGE:
             channel, _, log_time, _ = _MESSAGE.unpack_from(record)
             return McapMessage(self._channels[channel], log_time, record[_MESSAGE.size :])
@@ -129,7 +129,7 @@ class McapFile:
         return None
 
     def _unpacked(self, record: memoryview) -> memoryview | None:
-        """The records of a chunk; None if it is garbled."""
+        """Return the records of a chunk; None if it is damaged."""
         _, _, size, crc = _CHUNK.unpack_from(record)
         compression, at = _text(record, _CHUNK.size)
         packed = record[at + 8 :]
@@ -145,7 +145,7 @@ class McapFile:
 
 
 def _unpack(path: Path, compression: str) -> Callable[[memoryview, int], bytes]:
-    """What unpacks a chunk; it raises ValueError if that is garbled."""
+    """Return a function that unpacks a chunk; it raises ValueError if the chunk is damaged."""
     if compression == "":
         return lambda packed, _: bytes(packed)
     if compression != "zstd":
@@ -165,7 +165,7 @@ def _unpack(path: Path, compression: str) -> Callable[[memoryview, int], bytes]:
 
 
 def _split(data: memoryview) -> Iterator[tuple[int, memoryview]]:
-    """The records of a piece, as far as they are whole."""
+    """Iterate over the records in the bytes, up to the first incomplete one."""
     at = 0
     while at + _RECORD.size <= len(data):
         kind, length = _RECORD.unpack_from(data, at)
@@ -177,7 +177,7 @@ def _split(data: memoryview) -> Iterator[tuple[int, memoryview]]:
 
 
 def _text(record: memoryview, at: int) -> tuple[str, int]:
-    """A text with its length before it, and where it ends."""
+    """Return a text that has its length before it, and the position of its end."""
     (length,) = struct.unpack_from("<I", record, at)
     at += 4
     return str(record[at : at + length], "utf-8"), at + length

@@ -1,6 +1,6 @@
-"""A recording as a picture: as PNG, or as one page with zoom that needs nothing else.
+"""A recording as a picture: as PNG, or as one HTML page with zoom that needs no other files.
 
-Two recordings are drawn over each other, each from its begin or from a moment of its own.
+Two recordings can be drawn over each other, each from its begin.
 """
 
 from __future__ import annotations
@@ -23,9 +23,10 @@ if TYPE_CHECKING:
 
 __all__ = ["DrawnCurve", "DrawnPanel", "draw_page", "draw_png", "panels"]
 
-#: points of one curve on a page; of more, the lowest and the highest of each stretch are drawn
+#: maximum points of a curve on a page; of more points, the lowest and the highest of each stretch
+#: are drawn
 _POINTS: Final = 4000
-#: one for each joint: distinguished also without colours seen as most see them
+#: one for each joint; people with colour blindness can distinguish them, too
 _COLOURS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 _JOINTS: Final = tuple(f"joint {number}" for number in range(1, 7))
 _XYZ: Final = ("x", "y", "z")
@@ -43,7 +44,7 @@ _SHOWN: Final = (
 
 
 class DrawnCurve(NamedTuple):
-    """A curve: its name, its colour, which recording it is of, and its points."""
+    """A curve: its name, its colour, whether it is of the second recording, and its points."""
 
     name: str
     colour: str
@@ -61,10 +62,10 @@ class DrawnPanel(NamedTuple):
 
 
 def panels(run: RecordedRun, other: RecordedRun | None = None) -> list[DrawnPanel]:
-    """What is drawn of a recording, and of another over it.
+    """Return the panels of a recording, with another one over it.
 
     Raises:
-        ParameterError: there is nothing in it that can be drawn.
+        ParameterError: the recording contains nothing that can be drawn.
     """
     found = []
     for title, unit, topic, field, names in _SHOWN:
@@ -85,7 +86,7 @@ def panels(run: RecordedRun, other: RecordedRun | None = None) -> list[DrawnPane
 
 
 def _values(run: RecordedRun, topic: str, field: str) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Times and values of a field, a column for each number."""
+    """Return times and values of a field, with a column for each number."""
     arrays = run.arrays(topic)
     times = arrays["time"]
     nothing = np.empty((len(times), 0))
@@ -104,7 +105,7 @@ def _values(run: RecordedRun, topic: str, field: str) -> tuple[NDArray[Any], NDA
 
 
 def marks(run: RecordedRun) -> list[tuple[float, str]]:
-    """Moments that are marked: motions, stops and events."""
+    """Return times and texts of the marks: motions, stops and events."""
     found = []
     for message in run.messages("/commands", "/events"):
         if message.topic == "/events":
@@ -120,15 +121,15 @@ def draw_png(run: RecordedRun, path: Path, other: RecordedRun | None = None) -> 
 
     Args:
         run: the recording.
-        path: where to write.
-        other: another one, dashed over it.
+        path: the file to write.
+        other: another recording, drawn dashed over it.
 
     Raises:
-        ParameterError: there is nothing in it that can be drawn.
+        ParameterError: the recording contains nothing that can be drawn.
         MissingExtra: matplotlib is not installed.
     """
     try:
-        from matplotlib.figure import Figure  # noqa: PLC0415 - only for those who draw
+        from matplotlib.figure import Figure  # noqa: PLC0415 - only when a PNG is drawn
     except ModuleNotFoundError as exc:
         raise MissingExtra("a picture", "matplotlib", "plot") from exc
     shown = panels(run, other)
@@ -163,15 +164,15 @@ def _title(run: RecordedRun, other: RecordedRun | None) -> str:
 
 
 def draw_page(run: RecordedRun, path: Path, other: RecordedRun | None = None) -> None:
-    """Write a recording as one HTML page with zoom; it asks for nothing from anywhere.
+    """Write a recording as one HTML page with zoom; the page loads nothing from elsewhere.
 
     Args:
         run: the recording.
-        path: where to write.
-        other: another one, dashed over it.
+        path: the file to write.
+        other: another recording, drawn dashed over it.
 
     Raises:
-        ParameterError: there is nothing in it that can be drawn.
+        ParameterError: the recording contains nothing that can be drawn.
     """
     content = {
         "panels": [
@@ -199,7 +200,7 @@ def draw_page(run: RecordedRun, path: Path, other: RecordedRun | None = None) ->
 
 
 def _points(times: NDArray[Any], values: NDArray[Any]) -> dict[str, Sequence[float | None]]:
-    """The points of a curve, or the lowest and the highest of each stretch of them."""
+    """Return the points of a curve, or the lowest and the highest of each stretch of them."""
     if len(times) > _POINTS:
         chosen: list[int] = []
         for part in np.array_split(np.arange(len(times)), _POINTS // 2):

@@ -1,6 +1,6 @@
-"""Decodes the three of Foxglove's messages that recordings have, from protobuf's wire format.
+"""Decodes the three kinds of Foxglove's messages in recordings, from protobuf's wire format.
 
-What protobuf leaves out is 0, or empty; a number that a joint does not have is None.
+A field that protobuf leaves out is 0, or empty; a number that a joint does not have is None.
 """
 
 from __future__ import annotations
@@ -29,7 +29,10 @@ def _varint(data: memoryview, at: int) -> tuple[int, int]:
 
 
 def _fields(data: memoryview) -> Iterator[tuple[int, Any]]:
-    """Number and value of each field: a whole number (also of 4 bytes), a double, or bytes."""
+    """Iterate over number and value of each field: a whole number, a double, or bytes.
+
+    A fixed field of 4 bytes is read as a whole number.
+    """
     at = 0
     while at < len(data):
         tag, at = _varint(data, at)
@@ -53,7 +56,7 @@ def _fields(data: memoryview) -> Iterator[tuple[int, Any]]:
 
 
 def _doubles(data: memoryview, count: int) -> list[float]:
-    """A message of nothing but doubles."""
+    """Decode a message that contains only doubles."""
     found = [0.0] * count
     for number, value in _fields(data):
         found[number - 1] = value
@@ -80,7 +83,7 @@ def _joint_states(data: memoryview) -> dict[str, Any]:
 
 
 def _frame_transforms(data: memoryview) -> dict[str, Any]:
-    """By the name of the child: parent, translation, and rotation as a quaternion, x first."""
+    """Decode by name of the child: parent, translation, and rotation as a quaternion, x first."""
     found: dict[str, Any] = {}
     for number, value in _fields(data):
         if number == 1:
@@ -104,7 +107,7 @@ def _log(data: memoryview) -> dict[str, Any]:
     }
 
 
-#: by the name of the schema
+#: decoders by the name of the schema
 DECODERS: Final[dict[str, Callable[[memoryview], dict[str, Any]]]] = {
     "foxglove.JointStates": _joint_states,
     "foxglove.FrameTransforms": _frame_transforms,

@@ -1,6 +1,6 @@
 """A robot published live: the channels of a recording, on a WebSocket.
 
-Foxglove and Lichtblick read it, and whatever speaks Foxglove's protocol. Nobody can command by it.
+Foxglove, Lichtblick and any other program with Foxglove's protocol read it. It accepts no commands.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ class PublicationStatistics(NamedTuple):
     """Figures of a publication.
 
     Attributes:
-        sent: samples, calls, tasks, events and lines that were given to the watchers there were.
-        dropped: those that were not, since this computer was too slow. What a watcher lost because
-            it is slow itself is not counted.
+        sent: samples, calls, tasks, events and log lines that were sent to the watchers, if any.
+        dropped: those that were not sent, because this computer was too slow. Messages that a
+            watcher lost because the watcher was too slow are not counted.
     """
 
     sent: int
@@ -49,12 +49,12 @@ class Publication(RobotObserver):
 
     @property
     def port(self) -> int:
-        """The port that it listens on; before the start, the one that was asked for."""
+        """The port that it listens on; before the start, the requested one."""
         return self._server.port
 
     @property
     def url(self) -> str:
-        """Where watchers connect to, such as `ws://127.0.0.1:8765`."""
+        """The address to which watchers connect, such as `ws://127.0.0.1:8765`."""
         host = self._server.host
         return f"ws://{f'[{host}]' if ':' in host else host}:{self.port}"
 

@@ -1,9 +1,9 @@
-"""What of a robot is recorded or published: the feed, calls, tasks, events, streams, the log.
+"""Collects a robot's data for a recording or publication: feed, calls, tasks, events, streams, log.
 
 Guarantees:
-- Nothing here makes a call, a task, a stream or the event loop wait: what is seen is put into the
+- Nothing here makes a call, a task, a stream or the event loop wait: the data is put into the
   queue of the writer's thread.
-- What fails ends the recording, and nothing else: its `error` says why, and it is logged.
+- A failure ends the recording, and nothing else: it is in `error`, and it is logged.
 """
 
 from __future__ import annotations
@@ -39,15 +39,15 @@ __all__ = ["Recording", "RecordingStatistics", "RobotObserver"]
 
 _log = BackgroundLogger(__name__)
 
-#: seconds for the writer to end, after which its thread is left to itself
+#: seconds within which the writer must end; after that its thread is abandoned
 _CLOSE_LIMIT: Final = 5.0
-#: samples that wait at most
+#: maximum number of waiting samples
 _SAMPLES: Final = 256
-#: seconds between two looks at the flange and at the figures of a stream
+#: seconds between two reads of the flange's pose and of the figures of a stream
 _SLOWLY: Final = 1.0
-#: seconds for an answer about the flange
+#: time-out of the reads of the flange's pose and of the arm's type [s]
 _ASK_LIMIT: Final = 0.5
-#: what is recorded of a stream's figures, besides its name and its rate
+#: figures of a stream that are recorded, besides its name and its rate
 _STREAM_FIGURES: Final = (
     *("state", "reason", "ticks", "sent", "missed", "starved", "limited", "overwritten"),
     *("lateness", "interval", "round_trip", "age"),
@@ -58,8 +58,8 @@ class RecordingStatistics(NamedTuple):
     """Figures of a recording.
 
     Attributes:
-        written: samples, calls, tasks, events and lines that were written.
-        dropped: those that were not, since the disk or this computer was too slow.
+        written: samples, calls, tasks, events and log lines that were written.
+        dropped: those that were not written, because the disk or this computer was too slow.
         size: bytes in the file.
     """
 
@@ -72,7 +72,7 @@ class RecordingHandler(logging.Handler):
     """Records the log lines of the loggers that it is added to.
 
     Args:
-        writer: where lines go.
+        writer: the writer that gets the lines.
     """
 
     def __init__(self, writer: MessageWriter[Any]) -> None:
@@ -110,19 +110,19 @@ class RecordingHandler(logging.Handler):
 
 
 class RobotObserver:
-    """Sees what a robot does, and has it written; what a recording and a publication are.
+    """Observes a robot and passes its data to a writer; the base of recording and publication.
 
     Args:
-        supervisor: of the robot.
-        writer: where it goes.
-        forces: whether samples are to have forces.
+        supervisor: the robot's supervisor.
+        writer: the writer that gets the data.
+        forces: whether samples include forces.
 
     Attributes:
-        handler: takes log lines. It is added to the logger `aioduco`; a program may add it to its
-            own.
+        handler: the handler for log lines. It is added to the logger `aioduco`; a program may add
+            it to its own loggers.
     """
 
-    #: what it is called in messages, and the function that makes it
+    #: its name in error messages, and the function that makes it
     _KIND = "an observer"
     _MADE_BY = "observe"
 
@@ -136,7 +136,7 @@ class RobotObserver:
         self._failure: Exception | None = None
         self._undo: list[Callable[[], object]] = []
         self._background = BackgroundTasks(self._crashed)
-        #: by open stream, the set-point that was written last
+        #: the last written set-point of each open stream
         self._streams: dict[Session, tuple[float, ...] | None] = {}
         self._writer = writer
         self.handler: logging.Handler = RecordingHandler(writer)
@@ -151,7 +151,7 @@ class RobotObserver:
 
     @property
     def running(self) -> bool:
-        """Whether what is seen is taken."""
+        """Whether the robot is being recorded or published."""
         return self._writer.accepts
 
     @property
@@ -165,11 +165,11 @@ class RobotObserver:
         return self._failure or self._writer.error
 
     async def start(self) -> Self:
-        """Begin: what happens from now on is seen.
+        """Begin to record or publish the robot.
 
         Raises:
             RobotStateError: the robot is not open, or this was started before.
-            RecordingError: the file cannot be written, or nothing can listen there.
+            RecordingError: the file cannot be written, or the address cannot be listened on.
             MissingExtra: the extra `record` is not installed.
         """
         self._supervisor.check_open(self._MADE_BY)
@@ -189,9 +189,9 @@ class RobotObserver:
         return self
 
     async def stop(self) -> None:
-        """End: what was seen is written, and the file or the port is closed.
+        """Write the remaining data, and close the file or the port.
 
-        What fails is logged and not raised: `error` says it.
+        A failure is logged and not raised; it is in `error`.
         """
         if self._started:
             _, cancelled = await run_to_completion(self._stop)
@@ -217,7 +217,7 @@ class RobotObserver:
             self._writer.finish()
         with anyio.move_on_after(_CLOSE_LIMIT):
             await self._ended.wait()
-        # Its thread says so as the last thing that it does.
+        # The thread reports its end as its last action.
         if not self._ended.is_set() or not self._writer.join(_CLOSE_LIMIT):
             _log.error(
                 "%s was not closed within %g s: what it writes to hangs, or is too slow",
@@ -233,16 +233,16 @@ class RobotObserver:
 
     @property
     def _cannot(self) -> str:
-        """What is not possible if it cannot be opened."""
+        """The error's text if the target cannot be opened."""
         return f"{self._writer.target} cannot be opened"
 
     def _over(self) -> None:
-        """The writer has ended, by itself or not; on the event loop."""
+        """Handle the end of the writer, for whatever reason; on the event loop."""
         self._let_go()
         self._ended.set()
 
     def _crashed(self, error: BaseException) -> None:
-        """Part of it failed: the rest of it ends, and nothing else does."""
+        """Handle the failure of a task of this observer: end the others, and nothing else."""
         self._failure = error if isinstance(error, Exception) else RuntimeError(repr(error))
         self._let_go()
         self._writer.finish()
@@ -263,7 +263,7 @@ class RobotObserver:
         self._background.start(self._record_slowly(), "aioduco recording of figures")
 
     def _let_go(self) -> None:
-        """Look at nothing more."""
+        """Stop observing the robot."""
         for stream in tuple(self._streams):
             self._stream_figures(stream)
         self._streams.clear()
@@ -275,7 +275,7 @@ class RobotObserver:
         self._supervisor.feed.force_readers -= 1
 
     async def _arm(self) -> str:
-        """Series and model of the arm; empty if its controller does not tell."""
+        """Read series and model of the arm; empty if its controller does not report them."""
         try:
             told = await self._supervisor.poll.call("get_robot_type", (), _ASK_LIMIT)
         except DucoError:
@@ -293,7 +293,7 @@ class RobotObserver:
             "state_rate": f"{self._supervisor.feed.rate:g}",
         }
 
-    # -- what is seen ----------------------------------------------------------------------------
+    # -- observing -------------------------------------------------------------------------------
 
     async def _record_samples(self) -> None:
         streams = self._supervisor.stop_coordinator.streams
@@ -316,7 +316,7 @@ class RobotObserver:
             return
 
     async def _record_slowly(self) -> None:
-        """What nobody tells: where the flange is, and how a stream does."""
+        """Poll the data that no event reports: the flange's pose, and the figures of streams."""
         async for _ in every(_SLOWLY):
             for stream in tuple(self._streams):
                 self._stream_figures(stream)
@@ -324,7 +324,7 @@ class RobotObserver:
                 offset = await self._supervisor.poll.call("get_tcp_offset", (), _ASK_LIMIT)
                 self._writer.put("flange", pose(offset).inverse())
             except DucoError:
-                # Some software does not tell, and a connection that is lost is an event.
+                # Some controllers do not report it, and a lost connection is recorded as an event.
                 continue
 
     def _look_at_streams(self, at: float) -> None:
@@ -343,14 +343,14 @@ class RobotObserver:
         try:
             figures = stream.statistics()
         except StreamClosed:
-            return  # it was not opened in the end
+            return  # the stream was never opened
         found: dict[str, Any] = {"stream": stream.name, "rate": stream.rate}
         for name in _STREAM_FIGURES:
             found[name] = getattr(figures, name)
         self._writer.put("other", "/streams", time.monotonic(), found)
 
     def _called(self, event: TraceEvent) -> None:
-        """A call is over; on its thread."""
+        """Record a finished call; on the call's thread."""
         assert isinstance(event, CallFinished)
         error = "" if event.error is None else f"{type(event.error).__name__}: {event.error}"
         self._writer.put(
@@ -390,7 +390,7 @@ class Recording(RobotObserver):
 
     @property
     def path(self) -> Path:
-        """The file; if there was one of its name, a number was added to it."""
+        """The file; if one of its name existed, a number was added to the name."""
         return self._file.path
 
     def statistics(self) -> RecordingStatistics:

@@ -32,7 +32,7 @@ class RecordedMessage(NamedTuple):
         topic: its channel, such as "/commands".
         time: seconds since the recording began.
         time_ns: the same moment in nanoseconds since 1970.
-        data: what it says.
+        data: its content.
     """
 
     topic: str
@@ -42,30 +42,30 @@ class RecordedMessage(NamedTuple):
 
 
 def read(path: str | os.PathLike[str]) -> RecordedRun:
-    """Read a recording, as far as it is whole.
+    """Read a recording, as far as it is complete.
 
         run = aioduco.recording.read("run.mcap")
         joints = run.arrays("/joint_states")
         plt.plot(joints["time"], joints["position"])
 
     Args:
-        path: the file. One that was cut off is read up to there: see `RecordedRun.complete`.
+        path: the file. If it was cut off, it is read up to the cut: see `RecordedRun.complete`.
 
     Raises:
-        RecordingError: it cannot be opened, is no MCAP file, or is packed in another way.
+        RecordingError: the file cannot be opened, is not an MCAP file, or has another compression.
         MissingExtra: the extra `record` is not installed.
     """
     return RecordedRun(Path(path))
 
 
 class RecordedRun:
-    """A recording. It is read once, and decoded channel by channel, when it is asked for.
+    """A recording. The file is read once; each channel is decoded when it is used.
 
     Attributes:
         path: the file.
         metadata: texts about the recording: "library", "controller", "address", "arm", "started".
-        complete: whether the recording was ended, and all of it is here. If not, its program was
-            killed, or it could not be written any more.
+        complete: whether the recording was ended properly, and the file contains all of it. If not,
+            the program was killed, or the file could not be written any more.
     """
 
     def __init__(self, path: Path) -> None:
@@ -93,7 +93,7 @@ class RecordedRun:
 
     @property
     def started_ns(self) -> int:
-        """When it began, in nanoseconds since 1970: what the times of its messages count from."""
+        """Its begin, in nanoseconds since 1970; the times of its messages count from there."""
         return self._start
 
     @property
@@ -103,11 +103,11 @@ class RecordedRun:
 
     @cached_property
     def topics(self) -> dict[str, int]:
-        """Its channels, and how many messages each has."""
+        """Its channels, with the number of messages of each."""
         return {topic: len(messages) for topic, messages in sorted(self._messages.items())}
 
     def messages(self, *topics: str) -> Iterator[RecordedMessage]:
-        """Every message in the order of their times.
+        """Iterate over the messages, in the order of their times.
 
         Args:
             topics: the channels; none for all of them.
@@ -128,10 +128,10 @@ class RecordedRun:
             )
 
     def arrays(self, topic: str) -> dict[str, NDArray[Any]]:
-        """All messages of a channel as arrays of one length, one for each field.
+        """Return all messages of a channel as arrays of equal length, one for each field.
 
-        A field of numbers is of shape (n,) or (n, k), with NaN for what is missing; any other is
-        an array of objects. The fields of a part are called by both names: "force.x".
+        A field of numbers has shape (n,) or (n, k), with NaN for missing numbers; any other field
+        is an array of objects. A nested field has both names: "force.x".
 
         Args:
             topic: the channel, such as "/joint_states"; see `topics`.
@@ -158,12 +158,12 @@ class RecordedRun:
         """Write each channel as a CSV file, with a column for each number.
 
         Args:
-            folder: where to write; made if it is not there.
+            folder: the folder to write to; it is created if it does not exist.
 
         Returns:
             The files.
         """
-        from aioduco.recording.tables import write_csv  # noqa: PLC0415 - with what it needs
+        from aioduco.recording.tables import write_csv  # noqa: PLC0415 - loaded when it is used
 
         return write_csv(self, Path(folder))
 
@@ -171,7 +171,7 @@ class RecordedRun:
         """Write each channel as a Parquet file, with a column for each number. Needs pyarrow.
 
         Args:
-            folder: where to write; made if it is not there.
+            folder: the folder to write to; it is created if it does not exist.
 
         Returns:
             The files.
@@ -179,24 +179,24 @@ class RecordedRun:
         Raises:
             MissingExtra: the extra `parquet` is not installed.
         """
-        from aioduco.recording.tables import write_parquet  # noqa: PLC0415 - with what it needs
+        from aioduco.recording.tables import write_parquet  # noqa: PLC0415 - loaded when it is used
 
         return write_parquet(self, Path(folder))
 
     def to_mcap(self, path: str | os.PathLike[str]) -> Path:
-        """Write it as an MCAP file with an index: what Rerun and viewers that jump about need.
+        """Write it as an MCAP file with an index, for Rerun and viewers that need random access.
 
-        Every message is the same, and the file is larger by half. One that was cut off is whole
-        then, as far as it went.
+        The messages are unchanged, and the file is larger by half. From a recording that was cut
+        off, this makes a complete file, up to the cut.
 
         Args:
-            path: the file; one that exists is not written over.
+            path: the file; an existing file is not overwritten.
 
         Returns:
             The file.
 
         Raises:
-            RecordingError: it exists, or cannot be written.
+            RecordingError: the file exists, or cannot be written.
             MissingExtra: the extra `record` is not installed.
         """
         try:
@@ -227,7 +227,7 @@ def _decoded(message: McapMessage) -> dict[str, Any]:
 
 
 def _flat(values: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
-    """The fields of a message, those of its parts included."""
+    """Iterate over the fields of a message, nested ones included."""
     for name, value in values.items():
         if isinstance(value, dict):
             yield from _flat(value, f"{before}{name}.")
@@ -236,7 +236,7 @@ def _flat(values: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, An
 
 
 def _array(values: Sequence[Any]) -> NDArray[Any]:
-    """One field of all messages."""
+    """Return one field of all messages as an array."""
     kinds = {type(value) for value in values} - {type(None)}
     if kinds <= {int, float}:
         return np.array([math.nan if value is None else value for value in values], dtype=float)
@@ -250,7 +250,7 @@ def _array(values: Sequence[Any]) -> NDArray[Any]:
 
 
 def _table(values: Sequence[list[Any] | None]) -> NDArray[Any] | None:
-    """Lists of numbers as rows; None if they are not of one length, or not of numbers."""
+    """Return lists of numbers as rows; None if they differ in length, or have other values."""
     lengths = {len(value) for value in values if value is not None}
     kinds = {type(each) for value in values if value is not None for each in value}
     if len(lengths) != 1 or not kinds - {type(None)} or not kinds <= {int, float, bool, type(None)}:

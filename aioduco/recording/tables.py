@@ -19,9 +19,9 @@ __all__ = ["columns", "write_csv", "write_parquet"]
 
 
 def columns(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any] | list[str]]:
-    """A column for each number: "position" of shape (n, 6) becomes "position_1" to "position_6".
+    """Make a column for each number: "position", shape (n, 6), gives "position_1" to "position_6".
 
-    What is no number is text: JSON, if it has parts.
+    Other values become text: JSON, if they have parts.
     """
     found: dict[str, NDArray[Any] | list[str]] = {}
     for name, array in arrays.items():

@@ -1,13 +1,13 @@
 """Writes messages about a robot, on a thread of its own: to a file, or to watchers.
 
 Guarantees:
-- `MessageWriter.put` neither raises nor waits, from any thread. What does not fit into the queue is
-  dropped and counted.
-- The thread ends with the recording or publication, and never holds up the end of the interpreter.
-- The thread writes to a file what it has each `FLUSH_EVERY` seconds, as a whole chunk. A program
-  that is killed leaves a file that can be read up to the last chunk.
-- Whatever goes wrong with the file ends the recording alone: the reason is kept and logged, and the
-  file is cut off behind its last whole chunk.
+- `MessageWriter.put` neither raises nor waits, from any thread. An item that does not fit into the
+  queue is dropped and counted.
+- The thread ends with the recording or publication, and does not keep the interpreter from exiting.
+- Every `FLUSH_EVERY` seconds the thread writes its data to the file, as a complete chunk. If the
+  program is killed, the file can be read up to the last chunk.
+- An error with the file ends only the recording: the error is kept and logged, and the file is
+  truncated after its last complete chunk.
 """
 
 from __future__ import annotations
@@ -35,55 +35,55 @@ __all__ = ["FLUSH_EVERY", "MessageWriter", "PublicationWriter", "RecordingWriter
 
 _log = BackgroundLogger(__name__)
 
-#: seconds between two chunks; what is not in a chunk yet is lost with the process
+#: seconds between two chunks; data that is not in a chunk yet is lost if the process is killed
 FLUSH_EVERY: Final = 0.75
-#: seconds between two looks at a queue that was empty
+#: seconds between two polls of an empty queue
 _PAUSE: Final = 0.03
-#: items that wait at most
+#: maximum number of waiting items
 _MOST: Final = 20_000
-#: names that are tried for a file that exists
+#: number of names that are tried if the file exists
 _NAMES: Final = 10_000
-#: seconds for which watchers are waited for at the end
+#: seconds to wait at the end until the watchers' connections are closed
 _GOODBYE: Final = 0.5
-#: seconds for the file to be closed when the interpreter ends
+#: seconds to wait when the interpreter ends until the file is closed
 _AT_EXIT: Final = 1.0
 
 C = TypeVar("C", bound="MessageChannels")
 
 
 class ChunkBuffer:
-    """What the library writes to: it keeps the bytes, and the thread writes them to the file."""
+    """The library's target: it keeps the bytes until the thread writes them to the file."""
 
     def __init__(self) -> None:
         self._bytes = bytearray()
         self._position = 0
 
     def write(self, data: bytes | bytearray) -> int:
-        """Keep some bytes."""
+        """Append some bytes."""
         self._bytes += data
         self._position += len(data)
         return len(data)
 
     def seek(self, offset: int, whence: int = 0) -> int:
-        """Tell the position: nothing is ever written twice."""
+        """Return the position; seeking to another one raises, since bytes are only appended."""
         if (whence, offset) not in ((0, self._position), (1, 0), (2, 0)):
             raise OSError("a recording is written from its beginning to its end")
         return self._position
 
     def flush(self) -> None:
-        """Nothing is done here."""
+        """Do nothing."""
 
     def take(self) -> bytearray:
-        """What was written since the last time."""
+        """Return the bytes that were written since the last call."""
         taken, self._bytes = self._bytes, bytearray()
         return taken
 
 
 class MessageWriter(ABC, Generic[C]):
-    """Writes messages to channels. It may be begun once.
+    """Writes messages to channels. It can be started once.
 
     Args:
-        name: what its thread is called.
+        name: name of its thread.
 
     Attributes:
         error: why it ended early; None if it did not.
@@ -104,13 +104,13 @@ class MessageWriter(ABC, Generic[C]):
 
     @property
     def accepts(self) -> bool:
-        """Whether what is put is written."""
+        """Whether items are accepted."""
         return self._accepts
 
     @property
     @abstractmethod
     def target(self) -> str:
-        """What it writes to, in words."""
+        """Description of the target, for messages."""
 
     def begin(
         self,
@@ -118,12 +118,13 @@ class MessageWriter(ABC, Generic[C]):
         opened: Callable[[], None],
         ended: Callable[[], None],
     ) -> None:
-        """Start the thread, which opens what it writes to.
+        """Start the thread, which opens the target.
 
         Args:
-            metadata: what is said about the robot and the clocks at the beginning.
-            opened: called on the thread when it is open, or `error` says why it is not.
-            ended: called on the thread when it has ended, for whatever reason.
+            metadata: texts about the robot and the clocks, for the beginning.
+            opened: called on the thread when the target is open, or has failed to open: see
+                `error`.
+            ended: called on the thread when the writer has ended, for whatever reason.
         """
         self._thread = threading.Thread(
             target=self._run, name=self._name, daemon=True, args=(metadata, opened, ended)
@@ -131,7 +132,7 @@ class MessageWriter(ABC, Generic[C]):
         self._thread.start()
 
     def put(self, *item: Any) -> None:
-        """Have something written: the name of a method of `MessageChannels`, and its arguments."""
+        """Queue an item: the name of a method of `MessageChannels`, and its arguments."""
         if not self._accepts:
             return
         if self._queue.qsize() >= _MOST:
@@ -140,7 +141,7 @@ class MessageWriter(ABC, Generic[C]):
         self._queue.put(item)
 
     def finish(self) -> None:
-        """Write what waits, and end; this returns at once."""
+        """Write the waiting items, and end; this returns at once."""
         self._accepts = False
         self._queue.put(None)
         self._finishing.set()
@@ -154,19 +155,19 @@ class MessageWriter(ABC, Generic[C]):
 
     @abstractmethod
     def _open(self, metadata: dict[str, str]) -> C:
-        """Open what it writes to."""
+        """Open the target."""
 
     @abstractmethod
     def _save(self, channels: C) -> None:
-        """Pass on what was written, at least each `FLUSH_EVERY` seconds."""
+        """Save the written items; called every `FLUSH_EVERY` seconds if there are new ones."""
 
     @abstractmethod
     def _end(self, channels: C) -> None:
-        """End well, after the last item."""
+        """End normally, after the last item."""
 
     @abstractmethod
     def _close(self, channels: C) -> None:
-        """Close, whether it ended well or not."""
+        """Close the target, after a normal end or an error."""
 
     def _run(
         self, metadata: dict[str, str], opened: Callable[[], None], ended: Callable[[], None]
@@ -206,7 +207,7 @@ class MessageWriter(ABC, Generic[C]):
             try:
                 item = self._queue.get_nowait()
             except Empty:
-                # Not woken by each item: that would take as long as to write it.
+                # The thread polls: waking it for each item would take as long as writing the item.
                 self._finishing.wait(_PAUSE)
                 continue
             if item is None:
@@ -218,7 +219,7 @@ class MessageWriter(ABC, Generic[C]):
         self._end(channels)
 
     def _at_exit(self) -> None:
-        """The interpreter ends, and this was not ended."""
+        """End the writer if it still runs when the interpreter ends."""
         if self._process == os.getpid():
             self.finish()
             self.join(_AT_EXIT)
@@ -228,12 +229,12 @@ class RecordingWriter(MessageWriter["FileChannels"]):
     """Writes one file.
 
     Args:
-        path: where to write. A file that exists is kept: a number is added to the name.
-        figures: gives what the file says about the recording at its end.
+        path: the file. An existing file is kept: a number is added to the name.
+        figures: function that returns the texts for the end of the file.
 
     Attributes:
-        path: where it is written.
-        size: bytes that were written.
+        path: the file that is written.
+        size: number of bytes that were written.
     """
 
     def __init__(self, path: Path, figures: Callable[[], dict[str, str]]) -> None:
@@ -246,7 +247,7 @@ class RecordingWriter(MessageWriter["FileChannels"]):
 
     @property
     def target(self) -> str:
-        """The file, and how much of it there is."""
+        """The file and its size."""
         return f"the recording {self.path}, of {self.size} bytes,"
 
     def _open(self, metadata: dict[str, str]) -> FileChannels:
@@ -278,7 +279,7 @@ class RecordingWriter(MessageWriter["FileChannels"]):
             with contextlib.suppress(OSError):
                 os.ftruncate(self._file, self.size)
         with contextlib.suppress(Exception):
-            channels.close()  # after an error it cannot end the file
+            channels.close()  # after an error this does not complete the file
         with contextlib.suppress(OSError):
             os.close(self._file)
 
@@ -299,7 +300,7 @@ class PublicationWriter(MessageWriter["ServerChannels"]):
 
     Attributes:
         host: the address.
-        port: the port; once it is open, the one that was free.
+        port: the port; once it is open, the one that is in use.
     """
 
     def __init__(self, host: str, port: int) -> None:
@@ -309,7 +310,7 @@ class PublicationWriter(MessageWriter["ServerChannels"]):
 
     @property
     def target(self) -> str:
-        """Where it listens."""
+        """The address that it listens on."""
         return f"the publication on {self.host}:{self.port}"
 
     def _open(self, metadata: dict[str, str]) -> ServerChannels:
@@ -322,20 +323,20 @@ class PublicationWriter(MessageWriter["ServerChannels"]):
         return channels
 
     def _save(self, channels: ServerChannels) -> None:
-        """Each message is sent at once."""
+        """Do nothing: each message is sent at once."""
 
     def _end(self, channels: ServerChannels) -> None:
-        """Watchers that are there get what was sent."""
+        """Do nothing: connected watchers get the messages that were sent."""
 
     def _close(self, channels: ServerChannels) -> None:
-        # A watcher that reads nothing holds up the library's goodbye for a minute, and nobody else.
+        # If a watcher reads nothing, the library takes a minute to close: do not wait for that.
         closing = threading.Thread(target=channels.close, name=f"{self._name}-end", daemon=True)
         closing.start()
         closing.join(_GOODBYE)
 
 
 def _created(path: Path) -> tuple[Path, int]:
-    """Make a file that was not there; one that exists is kept."""
+    """Create a new file; an existing one is kept, and a number is added to the name."""
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | BINARY | CLOSE_ON_EXEC
     for number in range(_NAMES):
         tried = path if number == 0 else path.with_stem(f"{path.stem}-{number}")

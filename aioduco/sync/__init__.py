@@ -1,4 +1,4 @@
-"""The robot for scripts and notebooks: the same functions, and each returns when it is done.
+"""The robot for scripts and notebooks: the same functions, each of which blocks until it is done.
 
     import aioduco.sync
     from aioduco import Joints
@@ -7,7 +7,7 @@
         robot.bring_up()
         robot.motion.movej2(Joints.deg(30, -15, 105, 0, -90, 0), v=1.0, a=1.0)
 
-The supervision is that of `aioduco`, in an event loop on a thread of its own.
+The supervision is the same as in `aioduco`; it runs in an event loop on a thread of its own.
 """
 
 from __future__ import annotations

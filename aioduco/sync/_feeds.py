@@ -1,4 +1,4 @@
-"""The state feed and the events for programs that wait."""
+"""The state feed and the events for blocking programs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ T = TypeVar("T")
 
 
 class Subscription(Generic[T]):
-    """Items for one reader: `for item in subscription`. It ends by an error: the robot closes."""
+    """Items for one reader: `for item in subscription`. It raises when the robot closes."""
 
     def __init__(self, runner: Runner, subscription: aio_feed.Subscription[T]) -> None:
         self._runner = runner
@@ -42,14 +42,14 @@ class Subscription(Generic[T]):
 
     @property
     def dropped(self) -> int:
-        """Items that were not taken in time, and went."""
+        """Number of items that were dropped because they were not taken in time."""
         return self._subscription.dropped
 
     def next(self, timeout: float | None = None) -> T:
         """Wait for the next item.
 
         Args:
-            timeout: seconds for which to wait; None for as long as it takes.
+            timeout: seconds for which to wait; None for no limit.
 
         Raises:
             TimeoutError: none came in time.
@@ -75,7 +75,7 @@ def _reading(
 
 
 class Feed:
-    """Samples of the robot's state. It begins when it is first used."""
+    """Samples of the robot's state. The sampling begins at the first use."""
 
     def __init__(self, runner: Runner, feed: aio_feed.StateFeed) -> None:
         self._runner = runner
@@ -86,12 +86,12 @@ class Feed:
 
     @property
     def rate(self) -> float:
-        """Samples a second that are asked for [Hz]."""
+        """Requested samples per second [Hz]."""
         return self._feed.rate
 
     @property
     def forces(self) -> bool:
-        """Whether samples have forces, too: two more questions to the controller for each."""
+        """Whether samples include forces: two more calls to the controller for each sample."""
         return self._feed.forces
 
     @forces.setter
@@ -100,12 +100,12 @@ class Feed:
 
     @property
     def error(self) -> DucoError | None:
-        """Why the last question was not answered; None if it was."""
+        """Why the last request was not answered; None if it was."""
         return self._feed.error
 
     @property
     def heard_at(self) -> float:
-        """When a sample last came, or, before the first, when the feed began [s]."""
+        """Time of the last sample, or, before the first one, of the feed's begin [s]."""
         return self._feed.heard_at
 
     def statistics(self) -> FeedStatistics:
@@ -113,13 +113,13 @@ class Feed:
         return self._runner.look(self._feed.statistics)
 
     def latest(self, *, max_age: float = 0.5) -> Snapshot:
-        """Return the newest sample; the first one is waited for.
+        """Return the newest sample; wait for the first one.
 
         Args:
-            max_age: seconds that it may be old.
+            max_age: largest age of the sample [s].
 
         Raises:
-            StaleState: it is older, since the controller does not answer.
+            StaleState: the sample is older, since the controller does not answer.
         """
         return self._runner.call(self._feed.latest(max_age=max_age))
 
@@ -131,25 +131,25 @@ class Feed:
         Args:
             policy: what happens to samples that are not taken in time: "latest" keeps the newest
                 one, "drop_oldest" the newest `size`, "every" raises when `size` are waiting.
-            size: most samples that wait.
+            size: maximum number of waiting samples.
 
         Returns:
-            What to enter to get the subscription. It raises `RobotStateError` when the robot
-            closes.
+            A context manager that gives the subscription. The subscription raises
+            `RobotStateError` when the robot closes.
         """
         return _reading(self._runner, self._feed.subscribe(policy, size=size))
 
     def wait_for(
         self, predicate: Callable[[Snapshot], bool], *, timeout: float | None = None
     ) -> Snapshot:
-        """Wait for a sample that the predicate holds for, and return it.
+        """Wait for a sample for which the predicate is true, and return it.
 
         Samples that were received before this was called do not count.
 
         Args:
             predicate: called with each sample, on the thread of the robot's event loop: it
                 must not call the robot.
-            timeout: seconds for which to wait; None for as long as it takes.
+            timeout: seconds for which to wait; None for no limit.
 
         Raises:
             TimeoutError: none came in time.
@@ -158,7 +158,7 @@ class Feed:
 
 
 class Events:
-    """Gives the events of one robot to every subscriber."""
+    """Distributes the events of one robot to every subscriber."""
 
     def __init__(self, runner: Runner, events: aio_events.Events) -> None:
         self._runner = runner
@@ -171,10 +171,10 @@ class Events:
 
         Args:
             policy: what happens to events that are not taken in time; as for samples.
-            size: most events that wait.
+            size: maximum number of waiting events.
 
         Returns:
-            What to enter to get the subscription. It raises `RobotStateError` when the robot
-            closes.
+            A context manager that gives the subscription. The subscription raises
+            `RobotStateError` when the robot closes.
         """
         return _reading(self._runner, self._events.subscribe(policy, size=size))

@@ -84,8 +84,9 @@ class _Section(ManualNames):
 class System(_Section):
     """Power, brakes and the operation mode (系统控制, manual 1.3.2).
 
-    Each function has ended when it returns. An interrupt while it waits cancels the waiting, not what
-    the controller does. `Robot.bring_up` does what is needed before a motion, in the right order.
+    Each function returns when the controller has finished. An interrupt while it waits cancels the
+    waiting, not the controller's action. `Robot.bring_up` calls the functions that are needed
+    before a motion, in the right order.
     """
 
     __slots__ = ()
@@ -95,7 +96,7 @@ class System(_Section):
         """Power the arm up (机器人上电).
 
         Args:
-            timeout: seconds in which it must have happened.
+            timeout: seconds within which the controller must have finished.
 
         Raises:
             TaskError: it was not done; TaskUnknown if it took too long.
@@ -108,7 +109,7 @@ class System(_Section):
         """Power the arm down (机器人下电); the brakes close.
 
         Args:
-            timeout: seconds in which it must have happened.
+            timeout: seconds within which the controller must have finished.
 
         Raises:
             TaskError: it was not done; TaskUnknown if it took too long.
@@ -121,7 +122,7 @@ class System(_Section):
         """Enable the joints (机器人上使能); the brakes open.
 
         Args:
-            timeout: seconds in which it must have happened.
+            timeout: seconds within which the controller must have finished.
 
         Raises:
             TaskError: it was not done; TaskUnknown if it took too long.
@@ -134,7 +135,7 @@ class System(_Section):
         """Disable the joints (机器人下使能); the brakes close.
 
         Args:
-            timeout: seconds in which it must have happened.
+            timeout: seconds within which the controller must have finished.
 
         Raises:
             TaskError: it was not done; TaskUnknown if it took too long.
@@ -147,7 +148,7 @@ class System(_Section):
         """Switch the controller off (机器人关机). Every connection ends soon after.
 
         Raises:
-            Refused: the controller does not do it now.
+            Refused: the controller refuses in its present state.
             OutcomeUnknown: the connection ended before the answer came.
 
         Manual section 1.3.2.
@@ -158,7 +159,7 @@ class System(_Section):
         """Start the controller anew (机器人重启). Every connection ends soon after.
 
         Raises:
-            Refused: the controller does not do it now.
+            Refused: the controller refuses in its present state.
             OutcomeUnknown: the connection ended before the answer came.
 
         Manual section 1.3.2.
@@ -168,8 +169,8 @@ class System(_Section):
     def switch_mode(self, mode: OperationMode | int) -> None:
         """Switch between manual and automatic mode (手自动模式切换).
 
-        It works only if the safety settings do not leave the mode to an input. A switch may
-        leave the program paused; `Robot.stop` clears that.
+        This works only if the safety settings do not assign the mode to an input. A switch may
+        leave the program paused; `Robot.stop` ends the pause.
 
         Args:
             mode: OperationMode.MANUAL (0) or OperationMode.AUTO (1).
@@ -209,13 +210,14 @@ class Motion(_Section):
     def set_blend_ahead(self, per: int, num: int = 1) -> None:
         """Set how early the controller reads the next motion, to blend into it (融合预读取).
 
-        It holds for programs of the controller, and for calls that block, which this package does
-        not make: what `run` and `path` send ahead is known to the controller as it comes.
+        It applies to programs of the controller and to blocking calls, which this package does not
+        make: the controller has the motions that `run` and `path` send ahead as soon as they
+        arrive.
 
         Args:
-            per: percent of a motion after which the next is read, 0 to 100; usually 0 or 50.
-            num: how many motions are read ahead if `per` is 0, 1 to 3: more for short motions
-                that follow each other fast.
+            per: share of a motion after which the next one is read, 0 to 100 [%]; usually 0 or 50.
+            num: number of motions that are read ahead if `per` is 0, 1 to 3: more for short motions
+                in fast succession.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -228,23 +230,24 @@ class Motion(_Section):
     def run(self, *motions: MotionCommand, ahead: int = 3) -> tuple[Outcome, ...]:
         """Send motions one after another, ahead of the arm, and wait for all of them.
 
-        The controller can blend a motion into the next only if it has that one in time. So some
-        are sent ahead; the others follow as the first ones end. `path` does so for motions that
-        are not all known beforehand.
+        The controller can blend a motion into the next one only if it receives that one in time.
+        So the first `ahead` motions are sent at once, and one more each time that a motion ends.
+        `path` does the same for motions that are not all known beforehand.
 
         Args:
-            motions: in the order in which they are to be carried out.
-            ahead: how many the controller has at most, the running one included, 1 to 1000.
+            motions: the motions, in the order in which they are to be carried out.
+            ahead: maximum number of motions in the controller, the running one included, 1 to
+                1000.
 
         Returns:
             The outcome of each: finished or blended.
 
         Raises:
-            TaskError: one did not succeed. Those after it were stopped, or not sent.
-            ParameterError: something in `motions` is no motion, or `ahead` is out of range;
+            TaskError: a motion did not succeed. Those after it were stopped, or not sent.
+            ParameterError: an element of `motions` is not a motion, or `ahead` is out of range;
                 nothing was sent.
-            MotionCarriedOut: something in `motions` is how a motion ended, since it was carried
-                out, not made: the arm has moved.
+            MotionCarriedOut: an element of `motions` is the outcome of a motion. The motion was
+                carried out instead of only made: the arm has moved.
 
         If this is interrupted, the arm is stopped.
         """
@@ -258,15 +261,15 @@ class Motion(_Section):
                     path.add(robot.motion.movel.prepare(corner, v=0.2, a=0.5, r=mm(30)))
 
         A motion that is awaited alone has no successor until it has ended, so it never blends.
-        Here `add` returns while the arm is still on its way, as the manual's blocking calls
-        do at the beginning of a blend. When the block is left, all motions have ended.
+        Here `add` returns while the arm is still moving, as the manual's blocking calls do at the
+        beginning of a blend. When the block is left, all motions have ended.
 
         Args:
-            ahead: how many motions the controller has at most, the running one included, 1 to
+            ahead: maximum number of motions in the controller, the running one included, 1 to
                 1000. With 1 nothing blends.
 
         Returns:
-            The path; nothing is sent before its block.
+            The path; nothing is sent before its block is entered.
 
         Raises:
             ParameterError: `ahead` is out of range.
@@ -289,27 +292,28 @@ class Motion(_Section):
         reach: float = 0.05,
         options: LaneOptions | None = None,
     ) -> TrajectoryResult:
-        """Follow joint positions at given times to the end, and see the arm arrive.
+        """Follow joint positions at given times to the end, and wait until the arm has arrived.
 
-        What ROS calls FollowJointTrajectory: tolerances on the way and at the goal, feedback on
-        the way. An interrupt brings the arm to rest on the path before it goes on.
+        This is ROS's FollowJointTrajectory: tolerances on the path and at the goal, feedback during
+        the motion. An interrupt brings the arm to rest on the path before control returns.
 
         Args:
             trajectory: the joint positions and their times.
             v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; a trajectory that is faster
                 is refused.
-            a: largest acceleration of each joint, from 0.000175 [rad/s²]; the corners of a
-                trajectory that is sharper are rounded.
-            tolerances: how far the arm may be from it; None: the defaults of `Tolerances`.
-            feedback: called about 50 times a second with where the arm is on its way.
+            a: largest acceleration of each joint, from 0.000175 [rad/s²]; sharper corners of the
+                trajectory are rounded.
+            tolerances: largest distances of the arm from the trajectory; None: the defaults of
+                `Tolerances`.
+            feedback: callback that gets a `Feedback` about 50 times a second.
             through: "realtime" for the controller's realtime queue, "servoj" for one call per
                 set-point, "auto" for the queue if this controller has one, else servoj.
             rate: set-points per second through servoj [Hz]; the queue has 1000.
-            reach: how far each joint may be from the first point [rad].
+            reach: largest distance of each joint from the first point at the start [rad].
             options: how the worker runs; None: in a process of its own.
 
         Returns:
-            How it was followed, the arm being at the goal.
+            How the trajectory was followed; the arm is at the goal.
 
         Raises:
             ParameterError: the trajectory is too fast for `v`; nothing was sent.
@@ -317,7 +321,7 @@ class Motion(_Section):
             PathToleranceViolated: the arm strayed from the path; it was brought to rest.
             GoalToleranceViolated: the arm did not come close enough to the last point in time.
             RobotStateError: something else moves the arm; nothing was sent.
-            StreamError: the stream ended by something else; says why.
+            StreamError: the stream ended for another reason; the error says which.
 
         Manual sections 1.3.5 and 1.3.15.
         """
@@ -340,35 +344,37 @@ class Motion(_Section):
     ) -> TrajectoryResult | None:
         """Carry out a plan of `aioduco.planning` (执行规划), supervised to its end.
 
-        An interrupt brings the arm to rest on the plan's path before it goes on.
+        An interrupt brings the arm to rest on the plan's path before control returns.
 
         Args:
-            plan: the plan; it must begin where the arm is, to 0.01 rad for each joint.
-            watch: the `Scene` that is planned in: each time that it changes meanwhile, the rest of
-                the way is checked; if it is not free any more, the arm is brought to rest on it.
-            planner: a `Planner`, with `watch`: it then plans a way from there to the same end,
-                which is followed instead.
+            plan: the plan; its first point must be the arm's position, to 0.01 rad for each joint.
+            watch: the `Scene` that the plan was made in. Each time that it changes during the
+                motion, the rest of the path is checked; if that is not free any more, the arm is
+                brought to rest on the path.
+            planner: a `Planner`, only with `watch`: it then plans a path from there to the same
+                end, which the arm follows instead.
             through: "realtime" for the controller's realtime queue, "servoj" for one call per
                 set-point, "auto" for the queue if this controller has one, else servoj; "blended"
                 for joint motions of the controller that blend, as fast as it makes them within
                 the plan's limits, and without `watch`, `tolerances` and `feedback`.
-            tolerances: how far the arm may be from the plan; None: the defaults of `Tolerances`.
-            feedback: called about 50 times a second with where the arm is on its way.
+            tolerances: largest distances of the arm from the plan; None: the defaults of
+                `Tolerances`.
+            feedback: callback that gets a `Feedback` about 50 times a second.
             options: how the worker runs; None: in a process of its own.
 
         Returns:
-            How it was followed; None for blended motions.
+            How the plan was followed; None for blended motions.
 
         Raises:
             FirstPointTooFar: the arm is not where the plan begins; nothing was sent.
-            PlanObstructed: the way is not free in the scene that is watched; the arm stands where
-                it was, or was brought to rest on its way.
-            PlanningError: no way around what is new was found; the arm stands.
+            PlanObstructed: the path is not free in the scene that is watched; the arm did not
+                start, or was brought to rest on the path.
+            PlanningError: no path around the change was found; the arm stands.
             ParameterError: an argument is not allowed; nothing was sent.
             PathToleranceViolated: the arm strayed from the path; it was brought to rest.
             GoalToleranceViolated: the arm did not come close enough to the end in time.
             RobotStateError: something else moves the arm; nothing was sent.
-            StreamError: the stream ended by something else; says why.
+            StreamError: the stream ended for another reason; the error says which.
             TaskError: a blended motion did not succeed.
         """
         work = self._section.execute(
@@ -391,7 +397,7 @@ class Motion(_Section):
         """Move to joint angles, all joints together (关节运动).
 
         Args:
-            joints: where to, six angles in [-2π, 2π] [rad].
+            joints: target, six angles in [-2π, 2π] [rad].
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
@@ -426,11 +432,11 @@ class Motion(_Section):
         """Move the tool to a pose, all joints together, not along a line (关节运动到位姿).
 
         Args:
-            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way; triggers by distance have no effect here.
@@ -463,7 +469,7 @@ class Motion(_Section):
         """Move to joint angles at a speed in percent (关节运动). `movej2` takes it in rad/s.
 
         Args:
-            joints: where to, six angles in [-2π, 2π] [rad].
+            joints: target, six angles in [-2π, 2π] [rad].
             v: highest joint speed in percent of what the arm can do, above 0, up to 100.
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
             r: blend radius into the next motion [m]; 0 to stop at the end.
@@ -478,9 +484,10 @@ class Motion(_Section):
             ParameterError: an argument is out of range.
 
         Warns:
-            UnitWarning: `v` reads like rad/s: it has a point, and is no more than 3.93.
+            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
 
-        Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
+        Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
+        its users report.
         """
         return self._section.movej(joints, v, a, r=r, op=op, def_acc=def_acc)
 
@@ -503,11 +510,11 @@ class Motion(_Section):
         `movej_pose2` takes the speed in rad/s.
 
         Args:
-            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest joint speed in percent of what the arm can do, above 0, up to 100.
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way; triggers by distance have no effect here.
@@ -521,9 +528,10 @@ class Motion(_Section):
             ParameterError: an argument is out of range.
 
         Warns:
-            UnitWarning: `v` reads like rad/s: it has a point, and is no more than 3.93.
+            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
 
-        Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
+        Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
+        its users report.
         """
         return self._section.movej_pose(
             pose, v, a, r=r, q_near=q_near, tool=tool, wobj=wobj, op=op, def_acc=def_acc
@@ -546,11 +554,11 @@ class Motion(_Section):
         """Move the tool to a pose along a line (直线运动). The manual prints its name as move1.
 
         Args:
-            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest speed of the tool, 0.01 to 5 [m/s].
             a: highest acceleration of the tool, from 0.01 [m/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            q_near: joint angles near the target, to check its branch [rad]; None for the present.
+            q_near: joint angles near the target [rad], to check its branch; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way.
@@ -584,9 +592,9 @@ class Motion(_Section):
         """Move the tool by an offset in its own frame, along a line (沿工具坐标系直线移动).
 
         Args:
-            offset: by how much: x, y, z [m], rx, ry, rz [rad], in the frame of the tool.
-            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
-                proportion.
+            offset: translation x, y, z [m] and rotation rx, ry, rz [rad], in the tool's frame.
+            v: highest speed of the tool, 0.01 to 5 [m/s]; an offset without translation turns at
+                a speed scaled from it.
             a: highest acceleration of the tool, from 0.01 [m/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
             tool: name of the tool; empty for the one in use.
@@ -618,15 +626,15 @@ class Motion(_Section):
         op: Op | None = None,
         def_acc: bool = False,
     ) -> aio_command.MotionCommand:
-        """Move the tool along a line by what lies between two poses, in the tool's frame.
+        """Move the tool along a line by the offset between two poses, in the tool's frame.
 
         沿工具坐标系直线移动两点之差: the target is the present pose · p1⁻¹ · p2.
 
         Args:
             p1: the pose from which the offset is taken; x, y, z [m], rx, ry, rz [rad].
             p2: the pose to which the offset is taken; x, y, z [m], rx, ry, rz [rad].
-            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
-                proportion.
+            v: highest speed of the tool, 0.01 to 5 [m/s]; an offset without translation turns at
+                a speed scaled from it.
             a: highest acceleration of the tool, from 0.01 [m/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
             tool: name of the tool; empty for the one in use.
@@ -662,9 +670,10 @@ class Motion(_Section):
         """Move the tool by an offset in the work object's frame (沿工件坐标系直线移动), in a line.
 
         Args:
-            offset: by how much: x, y, z [m], rx, ry, rz [rad], in the frame of the work object.
-            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
-                proportion.
+            offset: translation x, y, z [m] and rotation rx, ry, rz [rad], in the work object's
+                frame.
+            v: highest speed of the tool, 0.01 to 5 [m/s]; an offset without translation turns at
+                a speed scaled from it.
             a: highest acceleration of the tool, from 0.01 [m/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
             wobj: name of the work object; empty for the one in use.
@@ -696,19 +705,19 @@ class Motion(_Section):
         op: Op | None = None,
         def_acc: bool = False,
     ) -> aio_command.MotionCommand:
-        """Move the tool along a line by what lies between two poses, in the work object's frame.
+        """Move the tool along a line by the offset between two poses, in the work object's frame.
 
         沿工件坐标系直线移动两点之差: the offset from p1 to p2 as it is in the work object's frame.
 
         Args:
             p1: the pose from which the offset is taken; x, y, z [m], rx, ry, rz [rad].
             p2: the pose to which the offset is taken; x, y, z [m], rx, ry, rz [rad].
-            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
-                proportion.
+            v: highest speed of the tool, 0.01 to 5 [m/s]; an offset without translation turns at
+                a speed scaled from it.
             a: highest acceleration of the tool, from 0.01 [m/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            tool: name of the tool that the two poses are of; empty for the one in use.
-            wobj: name of the work object that they are in; empty for the one in use.
+            tool: name of the tool of the two poses; empty for the one in use.
+            wobj: name of the work object of the two poses; empty for the one in use.
             op: outputs set on the way.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
@@ -745,13 +754,13 @@ class Motion(_Section):
 
         Args:
             via: a pose on the arc (p1): x, y, z [m], rx, ry, rz [rad].
-            pose: where to (p2): the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose (p2) of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest speed of the tool, 0.01 to 5 [m/s].
             a: highest acceleration of the tool, from 0.01 [m/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            mode: the orientation: 0 goes over to the end's, 1 stays as at the start, 2 stays
-                fixed to the arc's tangent.
-            q_near: joint angles near the target, to check its branch [rad]; None for the present.
+            mode: orientation of the tool: 0 changes to that of the end pose, 1 stays as at the
+                start, 2 stays fixed to the arc's tangent.
+            q_near: joint angles near the target [rad], to check its branch; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way.
@@ -787,7 +796,7 @@ class Motion(_Section):
         op: Op | None = None,
         def_acc: bool = False,
     ) -> aio_command.MotionCommand:
-        """Move the tool along a whole circle (圆周运动), from where it is through two poses.
+        """Move the tool along a whole circle (圆周运动), from its present pose through two poses.
 
         Args:
             p1: the first pose on the circle: x, y, z [m], rx, ry, rz [rad].
@@ -795,8 +804,8 @@ class Motion(_Section):
             v: highest speed of the tool, 0.01 to 5 [m/s].
             a: highest acceleration of the tool, from 0.01 [m/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            mode: the orientation: 1 stays as at the start, 2 stays fixed to the circle's tangent.
-            q_near: joint angles near the target, to check its branch [rad]; None for the present.
+            mode: orientation of the tool: 1 as at the start, 2 fixed to the circle's tangent.
+            q_near: joint angles near the target [rad], to check its branch; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way.
@@ -831,12 +840,12 @@ class Motion(_Section):
     ) -> aio_command.MotionCommand:
         """Move the tool along a spline through poses (样条运动).
 
-        Of two splines in a row, the second must not begin with the pose with which the first
-        ends.
+        If two splines follow each other, the second one must not begin with the last pose of the
+        first.
 
         Args:
-            poses: 1 to 50 poses of the tool in the work object, of which the first may be where
-                the arm is; x, y, z [m], rx, ry, rz [rad]. Shape (n, 6).
+            poses: 1 to 50 poses of the tool in the work object; the first may be the present
+                pose; x, y, z [m], rx, ry, rz [rad]. Shape (n, 6).
             v: highest speed of the tool, 0.01 to 5 [m/s].
             a: highest acceleration of the tool, from 0.01 [m/s²].
             tool: name of the tool; empty for the one in use.
@@ -871,16 +880,16 @@ class Motion(_Section):
     ) -> aio_command.MotionCommand:
         """Move the tool along a spline, and set outputs at its points (样条运动, 触发点位 OP).
 
-        Of two splines in a row, the second must not begin with the pose with which the first
-        ends.
+        If two splines follow each other, the second one must not begin with the last pose of the
+        first.
 
         Args:
-            points: 1 to 50 poses of the tool in the work object, each with what is set there.
+            points: 1 to 50 poses of the tool in the work object, each with outputs to set there.
             v: speed of the tool, 0.00001 to 5 [m/s].
             a: acceleration of the tool, from 0.00001 [m/s²].
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            op: outputs set on the way of the whole spline.
+            op: outputs set on the way along the whole spline.
             r: blend radius into the next motion [m]; 0 to stop at the end.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
@@ -919,15 +928,16 @@ class Motion(_Section):
 
         Args:
             center: pose of the spiral's centre (p1): x, y, z [m], rx, ry, rz [rad].
-            pose: where to (p2): x, y, z [m], rx, ry, rz [rad]; None in mode 0, which ignores it.
-            rev: turns in all, negative for clockwise.
-            length: way along the axis (len) [m], its sign by the right hand; mode 1 ignores it.
+            pose: target pose (p2): x, y, z [m], rx, ry, rz [rad]; None in mode 0, which ignores it.
+            rev: total number of turns, negative for clockwise.
+            length: distance along the axis (len) [m], signed by the right-hand rule; mode 1
+                ignores it.
             radius: radius at the end (rad, once red in the manual), from 0 [m]; mode 1 ignores
                 it.
-            mode: 0 by parameters, 1 by the end.
+            mode: 0 for a spiral given by parameters, 1 for one given by its end.
             v: highest speed of the tool, 0.01 to 5 [m/s].
             a: highest acceleration of the tool, from 0.01 [m/s²].
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way.
@@ -938,7 +948,7 @@ class Motion(_Section):
 
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
-            ParameterError: an argument is out of range, or mode 1 has no end.
+            ParameterError: an argument is out of range, or `pose` is missing in mode 1.
 
         Manual section 1.3.5.
         """
@@ -953,18 +963,19 @@ class Motion(_Section):
     ) -> aio_command.MotionCommand:
         """Turn the joints, each at a velocity (关节速度运动), for a time.
 
-        An interrupt while it waits, or an error inside its block, stops the arm. If the arm moves on
-        for two seconds after `time`, this program stops it.
+        An interrupt while it waits, or an error inside its block, stops the arm. If the arm still
+        moves two seconds after `time`, this program stops it.
 
         Args:
-            velocities: of the six joints (joints_list), -1.25·π to 1.25·π [rad/s]. Shape (6,).
+            velocities: velocities of the six joints (joints_list), -1.25·π to 1.25·π [rad/s].
+                Shape (6,).
             a: acceleration of the leading joint, from 0.01·π/180 [rad/s²].
-            time: seconds after which the controller stops the arm, from 0.001; None to go on
-                until the block is left or `speed_stop` is called: only the heartbeat then stops
-                the arm of a program that hangs.
+            time: seconds after which the controller stops the arm, from 0.001; None: the motion
+                runs until the block is left or `speed_stop` is called. Then only the heartbeat
+                stops the arm if the program hangs.
 
         Returns:
-            How it ended: finished or blended. Its end is when the arm stands.
+            How it ended: finished or blended. It ends when the arm stands.
 
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
@@ -987,32 +998,32 @@ class Motion(_Section):
         """Move the tool at a velocity (末端速度运动), for a time.
 
         The controller takes the velocity in the tool's frame: manual 4.3 says so, manual 3.8 does
-        not say. With another `frame` it is turned here, by the orientation of the tool that is
-        read as the motion is sent: it is as old as the calls take, a few milliseconds.
+        not say. With another `frame`, this package converts it by the tool's orientation. It reads
+        the orientation just before it sends the motion, so the value is a few milliseconds old.
 
-        An interrupt while it waits, or an error inside its block, stops the arm. If the arm moves on
-        for two seconds after `time`, this program stops it.
+        An interrupt while it waits, or an error inside its block, stops the arm. If the arm still
+        moves two seconds after `time`, this program stops it.
 
         Args:
             twist: velocity of the tool (pose_list): along x, y, z of `frame`, -5 to 5 [m/s], and
                 about them, -1.25·π to 1.25·π [rad/s]. Shape (6,).
             a: acceleration of the tool, from 0.00001 [m/s²].
-            time: seconds after which the controller stops the arm, from 0.001; None to go on
-                until the block is left or `speed_stop` is called: only the heartbeat then stops
-                the arm of a program that hangs.
-            frame: whose axes are meant: "tool", "base" (z is up where the arm stands on a floor)
+            time: seconds after which the controller stops the arm, from 0.001; None: the motion
+                runs until the block is left or `speed_stop` is called. Then only the heartbeat
+                stops the arm if the program hangs.
+            frame: frame of the velocity: "tool", "base" (z points up if the arm stands on a floor)
                 or "wobj", a work object.
             wobj: name of the work object; empty for the one in use.
 
         Returns:
-            How it ended: finished or blended. Its end is when the arm stands. Sending it raises
+            How it ended: finished or blended. It ends when the arm stands. Sending it raises
             `StaleState` if the orientation cannot be read.
 
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
-            ParameterError: an argument is out of range; or the tool is to turn about one
-                direction while it moves along another, in another frame than its own. As the
-                tool turns, that takes a new velocity each time: `robot.speed.linear`.
+            ParameterError: an argument is out of range; or, in another frame than the tool's, the
+                tool is to turn about one direction while it moves along another. That needs a new
+                velocity each time that the tool has turned: use `robot.speed.linear`.
 
         Manual section 1.3.5.
         """
@@ -1021,8 +1032,8 @@ class Motion(_Section):
     def speed_stop(self) -> None:
         """End `speedj` and `speedl` (停止 speedj 及 speedl), and wait until the arm stands.
 
-        If one of this program's is running and cannot be ended so, or if this is interrupted, the
-        arm is stopped as by `Robot.stop`.
+        If a motion of this program is running and cannot be ended in this way, or if this is
+        cancelled, the arm is stopped as by `Robot.stop`.
 
         Raises:
             TaskError: the controller did not end them.
@@ -1044,16 +1055,16 @@ class Motion(_Section):
         smooth_vel: float = 10.0,
         smooth_acc: float = 1.0,
     ) -> aio_command.MotionCommand:
-        """Go to joint angles, each joint for itself (关节伺服运动), from whatever motion it is in.
+        """Go to joint angles, each joint independently (关节伺服运动), from any state of motion.
 
         Args:
-            joints: where to, six angles in [-2π, 2π] [rad].
+            joints: target, six angles in [-2π, 2π] [rad].
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
             kp: proportional gain, from 0; 200 is recommended.
             kd: derivative gain, from 0; 25 is recommended.
-            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
-            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+            smooth_vel: smoothing of the speed, 1 to 100; a larger value lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; a larger value lags more.
 
         Returns:
             How it ended: finished or blended.
@@ -1083,19 +1094,19 @@ class Motion(_Section):
         smooth_vel: float = 10.0,
         smooth_acc: float = 1.0,
     ) -> aio_command.MotionCommand:
-        """Go to a pose of the tool, each joint for itself (关节伺服运动到位姿).
+        """Go to a pose of the tool, each joint independently (关节伺服运动到位姿).
 
         Args:
-            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             kp: proportional gain, from 0; 200 is recommended.
             kd: derivative gain, from 0; 25 is recommended.
-            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
-            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+            smooth_vel: smoothing of the speed, 1 to 100; a larger value lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; a larger value lags more.
 
         Returns:
             How it ended: finished or blended.
@@ -1126,31 +1137,32 @@ class Motion(_Section):
         smooth_vel: float = 10.0,
         smooth_acc: float = 1.0,
     ) -> aio_command.MotionCommand:
-        """Go on from the present target by an offset of the tool (工具增量伺服运动).
+        """Shift the arm's present target by an offset of the tool (工具增量伺服运动).
 
-        The controller takes the offset in the tool's frame. With another `frame` it is turned
-        here, by the orientation of the tool that is read as the motion is sent: it is as old as
-        the calls take, a few milliseconds. While the tool turns, its target has another one;
-        `robot.servo.tcp_offset` reckons with that.
+        The controller takes the offset in the tool's frame. With another `frame`, this package
+        converts it by the tool's orientation. It reads the orientation just before it sends the
+        motion, so the value is a few milliseconds old. While the tool turns, its target has another
+        orientation; `robot.servo.tcp_offset` takes that into account.
 
         Args:
-            offset: by how much (pose_offset): x, y, z [m], rx, ry, rz [rad] of `frame`, from the
-                target that the arm has at the moment. It turns the tool about its tip.
+            offset: translation x, y, z [m] and rotation rx, ry, rz [rad] (pose_offset) along and
+                about the axes of `frame`, from the arm's present target. The tool turns about its
+                tip.
             v: highest speed, 0.01·π/180 to 1.25·π: of the joints by manual 3.8 [rad/s], of the
                 tool by manual 4.3 [m/s].
             a: highest acceleration, from 0.01·π/180 [rad/s² or m/s²].
             tool: name of the tool; empty for the one in use.
-            frame: whose axes are meant: "tool", "base" (z is up where the arm stands on a floor)
+            frame: frame of the offset: "tool", "base" (z points up if the arm stands on a floor)
                 or "wobj", a work object.
             wobj: name of the work object; empty for the one in use.
             kp: proportional gain, from 0; 200 is recommended.
             kd: derivative gain, from 0; 25 is recommended.
-            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
-            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+            smooth_vel: smoothing of the speed, 1 to 100; a larger value lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; a larger value lags more.
 
         Returns:
-            How it ended: finished or blended. Used again, it goes on by the offset once more. Sending it
-            raises `StaleState` if the orientation cannot be read.
+            How it ended: finished or blended. Each further use shifts the target by the offset
+            again. Sending it raises `StaleState` if the orientation cannot be read.
 
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
@@ -1178,21 +1190,21 @@ class Motion(_Section):
         smooth_vel: float = 10.0,
         smooth_acc: float = 1.0,
     ) -> aio_command.MotionCommand:
-        """Go to a pose of the tool, each Cartesian direction for itself (笛卡尔伺服运动).
+        """Go to a pose of the tool, each Cartesian direction independently (笛卡尔伺服运动).
 
         Args:
-            pose: where to (pose_list): the tool in the work object; x, y, z [m], rx, ry, rz
+            pose: target pose of the tool in the work object (pose_list); x, y, z [m], rx, ry, rz
                 [rad].
             v: highest speed, 0.01·π/180 to 1.25·π: of the joints by manual 3.8 [rad/s], of the
                 tool by manual 4.3 [m/s].
             a: highest acceleration, from 0.01·π/180 [rad/s² or m/s²].
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             kp: proportional gain, from 0; 200 is recommended.
             kd: derivative gain, from 0; 25 is recommended.
-            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
-            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+            smooth_vel: smoothing of the speed, 1 to 100; a larger value lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; a larger value lags more.
 
         Returns:
             How it ended: finished or blended.
@@ -1222,20 +1234,20 @@ class Motion(_Section):
             with robot.motion.move_jog.start(Jog.cartesian("z", -1, vel=5), time=10.0):
                 released()                # leaving the block ends the jog
 
-        A step ends by itself. Without a step the controller goes on until it is told to end: this
-        program tells it when the block is left, at the latest after `time`. An interrupt while it waits,
-        or an error inside its block, stops the arm.
+        A step ends by itself. Without a step the controller jogs until a command ends the jog:
+        this program sends that command when the block is left, at the latest after `time`.
+        An interrupt while it waits, or an error inside its block, stops the arm.
 
         Args:
-            jog: what is jogged, made by `Jog.joint` or `Jog.cartesian`.
-            time: seconds after which this program ends a jog without a step, from 0.001; None to
-                go on until the block is left or `stop_manual_move` is called. The wire has no
-                such time: only the heartbeat stops the arm of a program that hangs.
-            directions: what the controller understands as the two directions: the manuals
-                contradict each other. Try it with a small step at a low speed.
+            jog: the jog, made by `Jog.joint` or `Jog.cartesian`.
+            time: seconds after which this program ends a jog without a step, from 0.001; None: it
+                runs until the block is left or `stop_manual_move` is called. The wire has no such
+                time: if the program hangs, only the heartbeat stops the arm.
+            directions: the controller's meaning of the two directions: the manuals contradict
+                each other. Try it with a small step at a low speed.
 
         Returns:
-            How it ended: finished or blended. Without a step, its end is when the arm stands.
+            How it ended: finished or blended. Without a step, it ends when the arm stands.
 
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
@@ -1248,8 +1260,8 @@ class Motion(_Section):
     def stop_manual_move(self) -> None:
         """End a jog (结束点动), and wait until the arm stands.
 
-        If a jog of this program is running and cannot be ended so, or if this is interrupted, the
-        arm is stopped as by `Robot.stop`.
+        If a jog of this program is running and cannot be ended in this way, or
+        if this is interrupted, the arm is stopped as by `Robot.stop`.
 
         Raises:
             TaskError: the controller did not end it.
@@ -1261,14 +1273,14 @@ class Motion(_Section):
 
     @moves
     def teach_mode(self) -> aio_command.MotionCommand:
-        """Let the arm be guided by hand (进入牵引示教模式), until it is told to end.
+        """Let the arm be guided by hand (进入牵引示教模式), until a command ends it.
 
             with robot.motion.teach_mode.start():
                 taught()                  # leaving the block ends hand guiding
 
-        Set tool and load right before: an arm that carries another weight than it knows of sinks
-        or rises by itself. An interrupt while it waits, or an error inside its block, stops the arm and
-        ends hand guiding; so does leaving the robot.
+        Set the right tool and load first: if the arm carries another weight than the one that was
+        set, it sinks or rises by itself. An interrupt while it waits, or an error inside its block,
+        stops the arm and ends hand guiding; so does leaving the robot's block.
 
         Returns:
             How it ended: finished or blended. It ends by `end_teach_mode` or by leaving its block.
@@ -1280,8 +1292,8 @@ class Motion(_Section):
     def end_teach_mode(self) -> None:
         """End hand guiding (退出牵引示教模式), and wait until the arm stands.
 
-        If this program's hand guiding cannot be ended so, or if this is interrupted, the arm is
-        stopped as by `Robot.stop`.
+        If this program's hand guiding cannot be ended in this way, or if this is interrupted, the
+        arm is stopped as by `Robot.stop`.
 
         Raises:
             TaskError: the controller did not end it.
@@ -1305,9 +1317,9 @@ class Motion(_Section):
             space: 0 the joints give way, 1 the Cartesian directions.
             joint_scale: compliance of the six joints, whole numbers from 0. Shape (6,).
             cart_scale: compliance along and about x, y, z, whole numbers from 0. Shape (6,).
-            coord_type: whose directions they are: a `JogFrame`, 0 world, 1 base, 2 tool, 3 work
+            coord_type: frame of the directions, a `JogFrame`: 0 world, 1 base, 2 tool, 3 work
                 object.
-            direction: for each of the six whether it gives way. Shape (6,).
+            direction: whether the arm gives way in each of the six. Shape (6,).
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -1325,16 +1337,17 @@ class Motion(_Section):
     ) -> None:
         """Start to record joints and poses of the arm on the controller (开启轨迹记录).
 
-        When the record is full, the controller ends it and pauses the program that runs.
+        When the recording is full, the controller ends it and pauses the running program.
 
         Args:
             name: name of the track, for `replay`.
-            mode: 0 a point whenever the joints have moved far enough, 1 after equal times.
+            mode: 0 to record a point each time that the joints have moved by `interval`, 1 at
+                equal times.
             tool: name of the tool whose poses are recorded; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            interval: from point to point, above 0: sum of the joints' ways [rad] in mode 0, time
-                [s] in mode 1. None for 5° or 0.25 s, as the manual has it. Its prototype lacks this
-                argument, which is on the wire.
+            interval: interval between two points, above 0: sum of the joints' travel [rad] in
+                mode 0, time [s] in mode 1. None for 5° or 0.25 s, the manual's values. The manual's
+                prototype lacks this argument; the wire has it.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -1358,8 +1371,8 @@ class Motion(_Section):
     def replay(self, name: str, v: int, mode: int) -> None:
         """Run a track that was recorded (轨迹复现), and wait until it has ended.
 
-        The wire has no way to start it and go on, so there is no task to follow. Cancelling this
-        stops the arm.
+        The wire can only start the track and wait for its end, so there is no task to follow.
+        Cancelling this stops the arm.
 
         Args:
             name: name of the track.
@@ -1384,23 +1397,23 @@ class Servo(_Section):
             for tick in stream.ticks():
                 stream.send(policy(tick.time))
 
-    All of them move each joint by itself to the newest set-point. Only one stream may be open on
-    a robot, and no other motion goes on meanwhile.
+    All of them move each joint separately to the newest set-point. Only one stream may be open on a
+    robot, and no other motion may run at the same time.
 
-    How the program feeds a stream is said by keywords that all of them take:
+    All of them take these keywords for how the program feeds the stream, here with their defaults:
 
         rate: set-points per second to the controller [Hz]; 500.
         source_rate: targets per second from the program [Hz]; as many as `rate`, or measured.
-        latest: whether only the newest target counts, and `send` never waits; no.
-        upsample: how targets are brought to `rate`: "none", "linear", "cubic" or "ruckig".
+        latest: whether only the newest target counts, and `send` never waits; False.
+        upsample: up-sampling of targets to `rate`: "none", "linear", "cubic" or "ruckig"; "none".
         hold: time without a target after which the stream ends [s]; 0.5.
         ahead: targets queued before `send` waits; those of 50 ms.
 
-    Those of places (all but `tcp_offset`) also take chunks of actions, by `Stream.send_chunk`:
+    Streams of positions (all but `tcp_offset`) also take chunks of actions, by `Stream.send_chunk`:
 
-        chunks: whether the program sends chunks, `source_rate` actions per second; no. They need
-            upsample="ruckig", which keeps the limit of jerk, or "cubic".
-        blend: time in which a newer chunk takes over from an older one [s]; 0.1.
+        chunks: whether the program sends chunks, `source_rate` actions per second; False. They need
+            upsample="ruckig", which keeps the jerk limit, or "cubic".
+        blend: time of the transition from an older chunk to a newer one [s]; 0.1.
     """
 
     __slots__ = ()
@@ -1425,9 +1438,9 @@ class Servo(_Section):
             a: largest acceleration of each joint, from 0.000175 [rad/s²].
             jerk: largest jerk of each joint, for upsample="ruckig" [rad/s³]; None: 10 a.
             max_step: largest step of a joint between two targets [rad].
-            reach: how far each joint may be from the first target [rad].
+            reach: largest distance of each joint from the first target [rad].
             gains: how closely the controller follows; None: as the manual advises.
-            options: how the worker runs; None: in a process of its own.
+            options: how the worker runs; None: in a separate process.
             feeding: how the program feeds it, see above.
 
         Returns:
@@ -1467,16 +1480,16 @@ class Servo(_Section):
             v: largest speed of each joint, for the controller, 0.000175 to 3.93 [rad/s].
             a: largest acceleration of each joint, for the controller, from 0.000175 [rad/s²].
             velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
-            acceleration: of the tool [m/s²] and of its turning [rad/s²].
-            jerk: of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
+            acceleration: largest acceleration of the tool [m/s²] and of its turning [rad/s²].
+            jerk: largest jerk of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
                 acceleration.
             q_near: joint angles that choose the solution [rad]; None: the present ones.
             tool: name of the tool; empty: the one in use.
             wobj: name of the work object; empty: the one in use.
             max_step: largest step between two targets [m, rad].
-            reach: how far the tool may be from the first target [m, rad].
+            reach: largest distance of the tool from the first target [m, rad].
             gains: how closely the controller follows; None: as the manual advises.
-            options: how the worker runs; None: in a process of its own.
+            options: how the worker runs; None: in a separate process.
             feeding: how the program feeds it, see above.
 
         Returns:
@@ -1513,20 +1526,20 @@ class Servo(_Section):
     ) -> Stream:
         """Follow poses with Cartesian interpolation in the controller (servol, 直线伺服).
 
-        Manual 3.8 gives `v` and `a` as joint speeds, manual 4.3 as those of the tool; what is
-        allowed here lies within both. The other arguments are those of `pose`.
+        Manual 3.8 gives `v` and `a` for the joints, manual 4.3 for the tool; the ranges here lie
+        within both. The other arguments are those of `pose`.
 
         Args:
             v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
             a: acceleration for the controller, from 0.000175 [rad/s² or m/s²].
             velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
-            acceleration: of the tool [m/s²] and of its turning [rad/s²].
-            jerk: of the tool [m/s³] and of its turning [rad/s³].
+            acceleration: largest acceleration of the tool [m/s²] and of its turning [rad/s²].
+            jerk: largest jerk of the tool [m/s³] and of its turning [rad/s³].
             q_near: joint angles that choose the solution [rad].
             tool: name of the tool.
             wobj: name of the work object.
             max_step: largest step between two targets [m, rad].
-            reach: how far the tool may be from the first target [m, rad].
+            reach: largest distance of the tool from the first target [m, rad].
             gains: how closely the controller follows.
             options: how the worker runs.
             feeding: how the program feeds it, see above.
@@ -1564,29 +1577,28 @@ class Servo(_Section):
     ) -> OffsetStream:
         """Move by offsets of the tool, in its frame or another (servo_tcp, 工具增量伺服).
 
-        The controller takes offsets in the tool's frame. With `frame` the worker turns them: it
-        reads the tool's orientation once, as the first offset is due and the arm stands, and
-        reckons from there, so that no offset depends on how old a reading is.
+        The controller takes offsets in the tool's frame. With another `frame` the worker rotates
+        them: it reads the tool's orientation once, when the first offset is due and the arm stands
+        still, and computes from there, so that no offset depends on the age of a reading.
 
-        The controller counts an offset from its last target, so offsets add up, and each is
-        carried out once: when no more of them come, the arm stands where they led to. The worker
-        spreads them over the ticks that the limits ask for. With `latest`, offsets that are not
-        sent yet add up.
+        The controller applies an offset to its last target, so offsets add up, and each is executed
+        once: when no more offsets come, the arm stops at their sum. The worker spreads them over as
+        many ticks as the limits require. With `latest`, offsets that are not sent yet add up.
 
         Args:
             v: speed for the controller, 0.000175 to 3.93 [rad/s or m/s].
             a: acceleration for the controller, from 0.000175 [rad/s² or m/s²].
             velocity: largest speed of the tool [m/s] and its largest turning speed [rad/s].
-            acceleration: of the tool [m/s²] and of its turning [rad/s²].
-            jerk: of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
+            acceleration: largest acceleration of the tool [m/s²] and of its turning [rad/s²].
+            jerk: largest jerk of the tool [m/s³] and of its turning [rad/s³]; None: 10 times the
                 acceleration.
             tool: name of the tool; empty: the one in use.
-            frame: along and about whose axes an offset is: "tool", "base" (z is up where the arm
-                stands on a floor) or "wobj", a work object. It turns the tool about its tip.
+            frame: frame whose axes an offset refers to: "tool", "base" (z is up if the arm stands
+                on a floor) or "wobj", a work object. An offset turns the tool about its tip.
             wobj: name of the work object; empty: the one in use.
-            max_step: largest offset, and largest turn of one [m, rad].
+            max_step: largest translation and largest rotation of one offset [m, rad].
             gains: how closely the controller follows; None: as the manual advises.
-            options: how the worker runs; None: in a process of its own.
+            options: how the worker runs; None: in a separate process.
             feeding: how the program feeds it, see above.
 
         Returns:
@@ -1605,15 +1617,15 @@ class Servo(_Section):
 
 
 class Speed(_Section):
-    """Streams of speeds (speedj, speedl, manual 1.3.5), as a joystick gives them.
+    """Streams of speeds (speedj, speedl, manual 1.3.5), for example from a joystick.
 
         with robot.speed.linear(a=0.5, frame="base", dead_man=0.2) as stream:
             for tick in stream.ticks():
                 stream.send(joystick())
 
-    Each call carries a time after which the controller ends the motion by itself, so an arm
-    never runs on alone: not when the program dies, nor when the cable is pulled. The stream's
-    end ramps to zero and calls speed_stop.
+    Each call carries a time after which the controller ends the motion by itself, so the arm also
+    stops when the program dies or the cable is pulled. At its end the stream ramps the speed to
+    zero and calls speed_stop.
     """
 
     __slots__ = ()
@@ -1634,12 +1646,12 @@ class Speed(_Section):
 
         Args:
             a: largest acceleration of each joint, from 0.000175 [rad/s²].
-            v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; more is shortened.
+            v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; higher speeds are limited.
             dead_man: time without a call after which the controller ends the motion [s].
             rate: calls per second [Hz].
-            latest: only the newest speed counts, and `send` never waits.
+            latest: whether only the newest speed counts, and `send` never waits.
             hold: time without a speed from the program after which the stream ends [s].
-            options: how the worker runs; None: in a process of its own.
+            options: how the worker runs; None: in a separate process.
 
         Returns:
             The stream; its set-points are six joint speeds [rad/s].
@@ -1672,22 +1684,23 @@ class Speed(_Section):
         """Follow a speed of the tool (speedl, 末端速度).
 
         The controller takes the speed in the tool's frame: manual 4.3 says so, manual 3.8 says
-        nothing. With `frame` the worker turns it, by the orientation that it read from the
-        controller at most 10 ms, and the time of that call, before it sends the speed.
+        nothing. With another `frame` the worker rotates the speed. The orientation that it uses
+        was read from the controller at most 10 ms, plus the time of that call, before the speed is
+        sent.
 
         Args:
             a: largest acceleration of the tool, from 0.00001 [m/s²].
-            turn_a: largest change of the turning speed [rad/s²], kept by the worker.
-            v: largest speed, 0.00001 to 5 [m/s]; more is shortened.
-            turn_v: largest turning speed, up to 3.93 [rad/s]; more is shortened.
-            frame: along and about whose axes the speed is: "tool", "base" (z is up where the arm
-                stands on a floor) or "wobj", a work object.
+            turn_a: largest change of the turning speed [rad/s²]; the worker keeps this limit.
+            v: largest speed, 0.00001 to 5 [m/s]; higher speeds are limited.
+            turn_v: largest turning speed, up to 3.93 [rad/s]; higher speeds are limited.
+            frame: frame whose axes the speed refers to: "tool", "base" (z is up if the arm stands
+                on a floor) or "wobj", a work object.
             wobj: name of the work object; empty: the one in use.
             dead_man: time without a call after which the controller ends the motion [s].
             rate: calls per second [Hz].
-            latest: only the newest speed counts, and `send` never waits.
+            latest: whether only the newest speed counts, and `send` never waits.
             hold: time without a speed from the program after which the stream ends [s].
-            options: how the worker runs; None: in a process of its own.
+            options: how the worker runs; None: in a separate process.
 
         Returns:
             The stream; its set-points are speeds (x, y, z [m/s], rx, ry, rz [rad/s]) in `frame`.
@@ -1707,7 +1720,7 @@ class Speed(_Section):
 class Program(_Section):
     """Programs and files of the controller (脚本控制, manual 1.3.4).
 
-    A program moves the arm as it is written to: treat starting one like a motion.
+    A program may move the arm: take the same care as for a motion when you start one.
     """
 
     __slots__ = ()
@@ -1719,8 +1732,8 @@ class Program(_Section):
 
             robot.program.run_program("palletize")
 
-        An interrupt while it waits stops the arm and all tasks. `Robot.pause` and `Robot.resume` act
-        on it.
+        An interrupt while it waits stops the arm and all tasks. `Robot.pause` and `Robot.resume`
+        act on it.
 
         Args:
             name: name of the program.
@@ -1741,16 +1754,16 @@ class Program(_Section):
         return self._runner.call(self._section.get_current_project())
 
     def get_files_list(self, path: str) -> dict[str, FileKind]:
-        """Read which files and folders there are under a path of the controller (文件列表).
+        """Read the files and folders under a path of the controller (文件列表).
 
             path = robot.program.get_current_project()
             files = robot.program.get_files_list(path + "program")
 
         Args:
-            path: path on the controller; that of the project ends with a separator.
+            path: path on the controller; the project's path ends with a separator.
 
         Returns:
-            Name and kind of each.
+            The kind of each file and folder, by its name.
 
         Raises:
             ParameterError: the path is no text; nothing was sent.
@@ -1764,19 +1777,19 @@ class Program(_Section):
 class Track(_Section):
     """The track pool (轨迹池, manual 1.3.12): up to 1000 points, first in, first out.
 
-    `stream` keeps the pool filled while the arm follows it. The functions of the wire are there
+    `stream` keeps the pool filled while the arm follows it. The functions of the wire are available
     as well:
 
         robot.track.trackClearQueue()
         robot.track.trackEnqueue([Joints(*q) for q in path])
         robot.track.trackJointMotion(1.0, 2.0)
 
-    Points are six numbers each; whether they are joints or poses is the business of the motion
-    that follows them. This program remembers which of the two it put into the pool, and refuses
-    a motion that would take one for the other.
+    Points are six numbers each; the motion that follows them determines whether they are joints or
+    poses. This package keeps a record of which of the two it put into the pool, and refuses a
+    motion that would take one for the other.
 
-    The manual asks for at least 10 points: when there is none left, the arm slows down and
-    stands. Points that come after that may set it moving again.
+    The manual asks for at least 10 points: when the pool is empty, the arm slows down and stands.
+    Points that arrive after that may set it moving again.
     """
 
     __slots__ = ()
@@ -1786,13 +1799,14 @@ class Track(_Section):
         """Put points into the pool (轨迹点入池).
 
         Args:
-            points: 1 to 1000 points: all `Joints` [rad], or all `Pose` [m, rad], or six numbers
-                each, for which nothing tells one from the other. Shape (n, 6).
+            points: 1 to 1000 points: all `Joints` [rad], or all `Pose` [m, rad], or six plain
+                numbers each, which may be either. Shape (n, 6).
 
         Raises:
             ParameterError: a point is out of range; nothing was sent.
             RobotStateError: the pool holds points of the other kind; nothing was sent.
-            TrackPoolFull: there is no room for them; `getQueueSize` tells what is in the pool.
+            TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
+                the pool.
             TaskError: they were not put in.
             OutcomeUnknown: the answer was lost: empty the pool before you put in more.
 
@@ -1801,7 +1815,7 @@ class Track(_Section):
         self._runner.call(self._section.trackEnqueue(points))
 
     def trackEnqueueOp(self, points: Iterable[PointOp]) -> None:
-        """Put points into the pool, each with outputs that are set there (带 Op 的轨迹点入池).
+        """Put points into the pool, each with outputs to set there (带 Op 的轨迹点入池).
 
         Args:
             points: 1 to 1000 points, all of them with `Joints`, or all with a `Pose`.
@@ -1809,7 +1823,8 @@ class Track(_Section):
         Raises:
             ParameterError: a point is out of range; nothing was sent.
             RobotStateError: the pool holds points of the other kind; nothing was sent.
-            TrackPoolFull: there is no room for them; `getQueueSize` tells what is in the pool.
+            TrackPoolFull: there is no room for them; `getQueueSize` returns the number of points in
+                the pool.
             TaskError: they were not put in.
             OutcomeUnknown: the answer was lost: empty the pool before you put in more.
 
@@ -1828,7 +1843,7 @@ class Track(_Section):
         self._runner.call(self._section.trackClearQueue())
 
     def getQueueSize(self) -> int:
-        """Read how many points of the pool are still to come (轨迹池大小).
+        """Read the number of points that are left in the pool (轨迹池大小).
 
         Manual section 1.3.12.
         """
@@ -1848,7 +1863,7 @@ class Track(_Section):
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
-            RobotStateError: what this program put into the pool are poses.
+            RobotStateError: the points that this program put into the pool are poses.
 
         Manual section 1.3.12.
         """
@@ -1865,8 +1880,8 @@ class Track(_Section):
             acc: its highest acceleration, from 0.00001 [m/s²].
             wobj: name of the work object; empty for the one in use.
             tool: name of the tool; empty for the one in use.
-            radius: blend radius at the points, from 0 [m]; not in the manual, 0.005 is the
-                vendor's own.
+            radius: blend radius at the points, from 0 [m]. It is not in the manual; 0.005 is the
+                vendor's default.
 
         Returns:
             How it ended: finished or blended.
@@ -1874,7 +1889,7 @@ class Track(_Section):
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
-            RobotStateError: what this program put into the pool are joint angles.
+            RobotStateError: the points that this program put into the pool are joint angles.
 
         Manual section 1.3.12.
         """
@@ -1910,16 +1925,17 @@ class Track(_Section):
             radius: blend radius between the points of a Cartesian path [m].
             tool: name of the tool; empty: the one in use. Cartesian paths only.
             wobj: name of the work object; empty: the one in use. Cartesian paths only.
-            operations: whether points come with outputs to set (trackEnqueueOp).
-            low: fill the pool up when it has fewer points; at least 10, as the manual advises.
-            high: fill it up to so many points, up to 1000.
-            period: time between two looks at the pool [s].
+            operations: whether points have outputs to set (trackEnqueueOp).
+            low: the worker fills the pool when it has fewer points; at least 10, as the manual
+                advises.
+            high: number of points to which the worker fills the pool, up to 1000.
+            period: time between two polls of the pool [s].
             hold: time with an empty pool after which the stream ends [s].
             ahead: points queued in the worker before `send` waits.
             max_step: largest step between two points [rad], or [m, rad]; None: not checked.
-            reach: how far the arm may be from the first point; None: 0.1 rad, or 0.05 m and
-                0.1 rad.
-            options: how the worker runs; None: in a process of its own.
+            reach: largest distance of the arm from the first point [rad], or [m, rad]; None: 0.1
+                rad, or 0.05 m and 0.1 rad.
+            options: how the worker runs; None: in a separate process.
 
         Returns:
             The stream.
@@ -1945,7 +1961,8 @@ class Compound(_Section):
         robot.motion.movel(end_of_seam, v=0.01, a=0.1)
         robot.compound.disable_combine_motion()
 
-    It can be switched on and off only while the arm stands, and stays on after the program.
+    The weave can be switched on and off only while the arm stands. It stays on after the program
+    has ended.
     """
 
     __slots__ = ()
@@ -1965,29 +1982,29 @@ class Compound(_Section):
         path_dwell: bool = False,
         op_list: Sequence[Op] = (),
     ) -> None:
-        """Set the weave (复合运动设置); it has effect from the next `enable_combine_motion` on.
+        """Set the weave (复合运动设置); it takes effect at the next `enable_combine_motion`.
 
         Args:
-            type: its shape: a `WeaveShape`, 1 triangle, 2 sine, 3 circle, 4 trapezoid, 5 figure
-                of eight.
-            ref_plane: its plane: a `WeavePlane`, 0 to 2 XY, XZ, YZ of the tool, 3 to 5 of the
-                work object.
+            type: shape of the weave, a `WeaveShape`: 1 triangle, 2 sine, 3 circle, 4 trapezoid,
+                5 figure of eight.
+            ref_plane: plane of the weave, a `WeavePlane`: 0 to 2 XY, XZ, YZ of the tool, 3 to 5
+                of the work object.
             fq: frequency, above 0 [Hz].
             amp: amplitude, from 0 [m].
             el_offset: offset in elevation [m]; reserved.
             az_offset: offset in azimuth [m]; reserved.
-            up_height: how far the middle is raised [m]; reserved.
-            time: how long it dwells on the left and on the right, from 0 [s]. Shape (2,).
-            path_dwell: whether the path waits while it dwells.
-            op_list: outputs set on the way. The manual calls the list two-dimensional; the wire
-                has a plain one.
+            up_height: rise of the middle [m]; reserved.
+            time: dwell times on the left and on the right, from 0 [s]. Shape (2,).
+            path_dwell: whether the motion along the path pauses during a dwell.
+            op_list: outputs set on the way. The manual calls the list two-dimensional; on the
+                wire it has one dimension.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: it was not set.
 
-        Manual section 1.3.13. It prints no unit for `time`; manual 4.3 prints milliseconds, in
-        which it is sent.
+        Manual section 1.3.13. It prints no unit for `time`. Manual 4.3 prints milliseconds, so
+        the times are sent in milliseconds.
         """
         work = self._section.combine_motion_config(
             type, ref_plane, fq, amp, el_offset=el_offset, az_offset=az_offset, up_height=up_height,
@@ -2024,8 +2041,8 @@ class ExternalAxes(_Section):
             target, v=0.2, a=0.5, scheme_name="rail", epose=[1.5, 0, 0], eaxis_v=0.1
         )
 
-    A stop is for the arm and for these axes. Whether an axis stands, though, nothing on the wire
-    tells: what this package calls standing is the arm's.
+    A stop stops the arm and these axes. But the wire does not report whether an axis stands: where
+    this package says that the arm stands, that says nothing about the axes.
     """
 
     __slots__ = ()
@@ -2036,12 +2053,12 @@ class ExternalAxes(_Section):
 
         Args:
             scheme_name: name of the scheme.
-            timeout: seconds in which it must have happened.
+            timeout: seconds within which the controller must have finished.
 
         Raises:
             ParameterError: the name is empty; nothing was sent.
             TaskError: it was not activated.
-            OutcomeUnknown: it took longer.
+            OutcomeUnknown: the controller did not answer within `timeout`.
 
         Manual section 1.3.14.
         """
@@ -2052,12 +2069,12 @@ class ExternalAxes(_Section):
 
         Args:
             scheme_name: name of the scheme.
-            timeout: seconds in which it must have happened.
+            timeout: seconds within which the controller must have finished.
 
         Raises:
             ParameterError: the name is empty; nothing was sent.
             TaskError: it was not deactivated.
-            OutcomeUnknown: it took longer.
+            OutcomeUnknown: the controller did not answer within `timeout`.
 
         Manual section 1.3.14.
         """
@@ -2066,8 +2083,8 @@ class ExternalAxes(_Section):
     def get_eaxis_info(self) -> tuple[ExternalAxisState, ...]:
         """Read the state of each scheme of external axes (外部轴反馈信息).
 
-        It is on the wire of 3.8 and described by manual 4.3; the struct stands in section 1.2 of
-        manual 3.8.
+        The wire of 3.8 has this function, and manual 4.3 describes it. Section 1.2 of manual 3.8
+        describes the struct.
         """
         return self._runner.call(self._section.get_eaxis_info())
 
@@ -2082,8 +2099,8 @@ class ExternalAxes(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: they were not set.
 
-        Not in the manual: on the wire alone. Read what the controller's own page shows before
-        and after.
+        Not in the manual, only on the wire. Check what the controller's own page shows before and
+        after the call.
         """
         self._runner.call(self._section.set_eaxis_param(num, param))
 
@@ -2098,8 +2115,8 @@ class ExternalAxes(_Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: they were not set.
 
-        Not in the manual: on the wire alone. Read what the controller's own page shows before
-        and after.
+        Not in the manual, only on the wire. Check what the controller's own page shows before and
+        after the call.
         """
         self._runner.call(self._section.set_eaxiss_scheme_param(num, param))
 
@@ -2113,7 +2130,7 @@ class ExternalAxes(_Section):
             ParameterError: the number is out of range; nothing was sent.
             TaskError: it was not added.
 
-        Not in the manual: on the wire alone.
+        Not in the manual, only on the wire.
         """
         self._runner.call(self._section.add_eaxis_scheme(num))
 
@@ -2127,7 +2144,7 @@ class ExternalAxes(_Section):
             ParameterError: the number is out of range; nothing was sent.
             TaskError: it was not deleted.
 
-        Not in the manual: on the wire alone.
+        Not in the manual, only on the wire.
         """
         self._runner.call(self._section.delete_eaxis_scheme(num))
 
@@ -2137,11 +2154,11 @@ class ExternalAxes(_Section):
     ) -> aio_command.MotionCommand:
         """Move external axes (外部轴移动); the arm stays where it is.
 
-        The manual has a parameter def_acc here, the wire has none.
+        The manual has a parameter def_acc here; the wire does not.
 
         Args:
             scheme_name: name of the scheme.
-            epose: where to, three values [rad or m, as the scheme is]. Shape (3,).
+            epose: target, three values [rad or m, as the scheme is]. Shape (3,).
             v: highest speed of the axes (vel), above 0 [rad/s or m/s].
             op: outputs set on the way; triggers by distance have no effect here.
 
@@ -2165,16 +2182,17 @@ class ExternalAxes(_Section):
             with robot.external_axes.move_jog_eaxis.start("rail", 1, vel=5, time=10.0):
                 released()                # leaving the block ends the jog
 
-        The controller goes on until it is told to end. No function is documented that ends this
-        one, so this program stops all tasks, as `Robot.stop` does: when the block is left, or
+        The controller jogs until a command ends the jog. No function is documented that ends this
+        one alone, so this program stops all tasks, as `Robot.stop` does, when the block is left or
         after `time`. An interrupt while it waits, or an error inside its block, stops them too.
 
         Args:
             scheme_name: name of the scheme.
-            direction: 1 or -1; what is sent for each are the same numbers.
+            direction: 1 or -1; it is sent unchanged.
             vel: speed in percent, above 0, up to 100.
-            time: seconds after which this program ends it, from 0.001; None to go on until the
-                block is left: only the heartbeat then stops the axes of a program that hangs.
+            time: seconds after which this program ends the jog, from 0.001; None: the jog runs
+                until the block is left. Then only the heartbeat stops the axes if the program
+                hangs.
 
         Returns:
             How it ended: finished or blended.
@@ -2204,11 +2222,11 @@ class ExternalAxes(_Section):
         """Move the joints and external axes together (外部轴关节运动), as `movej2`.
 
         Args:
-            joints: where to, six angles in [-2π, 2π] [rad].
+            joints: target, six angles in [-2π, 2π] [rad].
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
             scheme_name: name of the scheme.
-            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
             eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
             r: blend radius into the next motion [m]; 0 to stop at the end.
             op: outputs set on the way; triggers by distance have no effect here.
@@ -2221,7 +2239,7 @@ class ExternalAxes(_Section):
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
 
-        Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` hold.
+        Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` apply.
         """
         return self._section.movej2_eaxis(
             joints, v, a, scheme_name, epose, eaxis_v, r=r, op=op, def_acc=def_acc
@@ -2249,14 +2267,14 @@ class ExternalAxes(_Section):
         外部轴关节运动到位姿.
 
         Args:
-            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
             scheme_name: name of the scheme.
-            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
             eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way; triggers by distance have no effect here.
@@ -2269,7 +2287,7 @@ class ExternalAxes(_Section):
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
 
-        Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` hold.
+        Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` apply.
         """
         return self._section.movej2_pose_eaxis(
             pose, v, a, scheme_name, epose, eaxis_v, r=r, q_near=q_near, tool=tool, wobj=wobj,
@@ -2296,14 +2314,14 @@ class ExternalAxes(_Section):
         """Move the tool along a line, with external axes (外部轴直线运动), as `movel`.
 
         Args:
-            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest speed of the tool, above 0, up to 5 [m/s].
             a: highest acceleration of the tool, above 0 [m/s²].
             scheme_name: name of the scheme.
-            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
             eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way.
@@ -2346,16 +2364,16 @@ class ExternalAxes(_Section):
 
         Args:
             via: a pose on the arc (p1): x, y, z [m], rx, ry, rz [rad].
-            pose: where to (p2): the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose (p2) of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest speed of the tool, above 0, up to 5 [m/s].
             a: highest acceleration of the tool, above 0 [m/s²].
             scheme_name: name of the scheme.
-            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
             eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            mode: the orientation: 0 goes over to the end's, 1 stays as at the start, 2 stays
-                fixed to the arc's tangent.
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            mode: orientation of the tool: 0 changes to that of the end pose, 1 stays as at the
+                start, 2 stays fixed to the arc's tangent.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way.
@@ -2368,7 +2386,7 @@ class ExternalAxes(_Section):
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
 
-        Manual section 1.3.14, which has no mode; the wire has.
+        Manual section 1.3.14. It has no `mode`; the wire does.
         """
         return self._section.movec_eaxis(
             via, pose, v, a, scheme_name, epose, eaxis_v, r=r, mode=mode, q_near=q_near, tool=tool,
@@ -2402,11 +2420,11 @@ class ExternalAxes(_Section):
             v: highest speed of the tool, above 0, up to 5 [m/s].
             a: highest acceleration of the tool, above 0 [m/s²].
             scheme_name: name of the scheme.
-            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
             eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            mode: the orientation: 1 stays as at the start, 2 stays fixed to the circle's tangent.
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            mode: orientation of the tool: 1 as at the start, 2 fixed to the circle's tangent.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way.
@@ -2419,7 +2437,7 @@ class ExternalAxes(_Section):
             TaskError: it ended otherwise: one of the subclasses.
             ParameterError: an argument is out of range.
 
-        Not in the manual: on the wire alone. Ranges are those of `movec_eaxis`.
+        Not in the manual, only on the wire. The ranges are those of `movec_eaxis`.
         """
         return self._section.move_circle_eaxis(
             p1, p2, v, a, scheme_name, epose, eaxis_v, r=r, mode=mode, q_near=q_near, tool=tool,
@@ -2430,15 +2448,14 @@ class ExternalAxes(_Section):
 class Realtime(_Section):
     """Realtime control (实时控制, manual 1.3.15): the arm follows a queue, point by point.
 
-    `stream` keeps the queue filled, at its rate, from a process of its own; that is what
-    programs use. The functions of the wire are there as well:
+    Programs normally use `stream`: it keeps the queue filled, at its rate, from a process of its
+    own. The functions of the wire are available as well.
 
-    The order that the manual asks for: empty the queue, put in the first points, the very first
-    where the arm is, start the mode, and put in more before the queue runs dry. The controller
-    takes a point each cycle, so that a program that calls function by function cannot keep up
-    for long.
+    The manual requires this order: empty the queue, put in the first points, the very first at the
+    arm's position, start the mode, and put in more points before the queue is empty. The controller
+    takes a point each cycle, so a program that calls function by function cannot keep up for long.
 
-    As long as the mode is on, leaving the robot stops the arm and ends the mode; so does a stop.
+    While the mode is on, leaving the robot's block stops the arm and ends the mode; so does a stop.
     """
 
     __slots__ = ()
@@ -2451,17 +2468,17 @@ class Realtime(_Section):
         filter_bandwidth: float = 100.0,
         com_lost_time: float = 0.02,
     ) -> None:
-        """Have the arm follow the queue (开启实时控制模式).
+        """Make the arm follow the queue (开启实时控制模式).
 
         Cancelling this stops the arm, and ends the mode.
 
         Args:
-            mode: what the points of the queue are: a `RealtimeMode`, 0 joint positions, 1 joint
+            mode: kind of the queue's points, a `RealtimeMode`: 0 joint positions, 1 joint
                 velocities, 2 joint torques, 3 poses, 4 velocities of the tool.
             filter_bandwidth: bandwidth of the filter over the points, above 0 [Hz]. The wire
                 spells it fileter_bandwidth.
-            com_lost_time: how long the queue may be empty before the controller stops the arm,
-                above 0 [s].
+            com_lost_time: time for which the queue may be empty before the controller stops the
+                arm, above 0 [s].
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -2479,8 +2496,8 @@ class Realtime(_Section):
     def end_realtime_mode(self) -> None:
         """End realtime control (结束实时控制模式), and wait until the arm stands.
 
-        If this program's cannot be ended so, or if this is interrupted, the arm is stopped as by
-        `Robot.stop`.
+        If this program's realtime control cannot be ended in this way, or if this is interrupted,
+        the arm is stopped as by `Robot.stop`.
 
         Raises:
             TaskError: the controller did not end it.
@@ -2494,13 +2511,13 @@ class Realtime(_Section):
         """Put points into the queue (实时数据入队).
 
         Args:
-            points: made by the class methods of `RealtimePoint`, all for one mode; those for
-                another mode than the one that is on have no effect.
+            points: points made by the class methods of `RealtimePoint`, all for one mode; points
+                for another mode than the one that is on have no effect.
 
         Raises:
-            ParameterError: something in it is no such point, or of another mode than the first;
-                nothing was sent.
-            TaskError: they were not put in.
+            ParameterError: `points` is empty, or an element is not such a point, or is of another
+                mode than the first; nothing was sent.
+            TaskError: the points were not put in.
 
         Manual section 1.3.15.
         """
@@ -2540,32 +2557,31 @@ class Realtime(_Section):
         """Follow positions or speeds (start_realtime_mode, realtime_data_enqueue).
 
         Args:
-            mode: "joint_position", "joint_velocity", "pose" or "twist". Torques are not
-                streamed: manual 3.8 calls their field reserved, and no end of such a stream
-                could be called safe.
+            mode: "joint_position", "joint_velocity", "pose" or "twist". Torques cannot be streamed:
+                manual 3.8 calls their field reserved, and such a stream has no safe end.
             v: largest speed: of each joint [rad/s], or of the tool and its turning
                 [m/s, rad/s].
             a: largest acceleration: of each joint [rad/s²], or of the tool [m/s², rad/s²].
             jerk: largest jerk, for upsample="ruckig"; None: 10 a.
-            frame: of "twist" alone: along and about whose axes it is: "wobj", the work object in
-                use, as the controller takes it; "base" (z is up where the arm stands on a floor);
-                or "tool". None: "wobj". The worker turns it as it fills the queue; the tool's
-                orientation is then at most 10 ms old, and `depth` milliseconds older when the
-                controller carries the speed out.
+            frame: only for "twist": the frame whose axes it refers to: "wobj", the work object in
+                use, as the controller takes it; "base" (z is up if the arm stands on a floor); or
+                "tool". None: "wobj". The worker rotates the twist when it fills the queue. The
+                tool's orientation is then at most 10 ms old, and `depth` milliseconds older when
+                the controller executes the twist.
             depth: points to keep in the controller's queue; each is one millisecond.
-            period: time between two looks at the queue [s].
-            filter_bandwidth: of the controller's filter of the points [Hz].
+            period: time between two polls of the queue [s].
+            filter_bandwidth: bandwidth of the controller's filter of the points [Hz].
             com_lost_time: time with an empty queue after which the controller faults [s].
             max_step: largest step between two set-points [rad], or [m, rad].
-            reach: how far the arm may be from the first set-point [rad], or [m, rad].
-            options: how the worker runs; None: in a process of its own.
-            feeding: how the program feeds it: `source_rate`, set-points per second [Hz], 1000 of
-                them if left out; `latest`, `upsample`, `ahead` as for `robot.servo`; `hold`, time
-                without a set-point after which the stream ends [s], 0.5 for positions and 0.1 for
-                speeds, which go on that long.
+            reach: largest distance of the arm from the first set-point [rad], or [m, rad].
+            options: how the worker runs; None: in a separate process.
+            feeding: how the program feeds it: `source_rate`, set-points per second [Hz], by default
+                1000, or measured with `latest`; `latest`, `upsample`, `ahead` as for `robot.servo`;
+                `hold`, time without a set-point after which the stream ends [s], 0.5 for positions
+                and 0.1 for speeds, which continue for that time.
 
         Returns:
-            The stream; its set-points are what the mode says.
+            The stream; its set-points are those of the mode.
 
         Raises:
             ParameterError: an argument is out of range.
@@ -2581,10 +2597,10 @@ class Realtime(_Section):
 
 
 class State(_Section):
-    """What the arm does, and how the controller is (manual 1.3.7, 1.3.8).
+    """State of the arm and of the controller (manual 1.3.7, 1.3.8).
 
     Every function only reads. Vectors are read-only arrays of shape (6,). Right after its start a
-    controller has no values yet: `StaleState` says so.
+    controller has no values yet: then the functions raise `StaleState`.
     """
 
     __slots__ = ()
@@ -2613,7 +2629,7 @@ class State(_Section):
         return self._runner.call(self._section.robotmoving())
 
     def get_last_error(self) -> tuple[str, ...]:
-        """Read the controller's latest errors (错误列表), as it words them.
+        """Read the controller's latest errors (错误列表), in its own words.
 
         Manual section 1.3.8.
         """
@@ -2622,7 +2638,8 @@ class State(_Section):
     def get_noneblock_taskstate(self, task_id: int) -> TaskState:
         """Read the state of a task by its id (任务状态).
 
-        A motion's task follows its own state; this is for tasks of other programs.
+        This package follows the state of its own tasks; this function is for tasks of other
+        programs.
 
         Manual section 1.3.8, which prints its name as get_noblock_taskstate.
         """
@@ -2807,7 +2824,7 @@ class IO(_Section):
     def get_config_digital_in(self, num: Whole) -> bool:
         """Read a configurable input of the cabinet, a whole number from 1.
 
-        Not in the manual, which does not say how many there are.
+        Not in the manual: the number of these inputs is not known.
         """
         return self._runner.call(self._section.get_config_digital_in(num))
 
@@ -2816,15 +2833,15 @@ class IO(_Section):
     ) -> None:
         """Set whether a general output of the cabinet gives a level or pulses (IO 输出信号类型).
 
-        It has effect from the next `set_standard_digital_out` on, which also starts and ends the
-        pulses. All outputs that pulse have one frequency and duty cycle.
+        It takes effect at the next `set_standard_digital_out`, which also starts and ends the
+        pulses. All pulsing outputs have the same frequency and duty cycle.
 
         Args:
             num: number of the output, 1 to 16.
             type: an `OutputMode`: 0 a level, 1 pulses.
             freq: frequency of the pulses, 1 to 100 [Hz].
-            duty_cycle: percent of the time for which a pulse is high, 1 to 100; pulses last 1 ms
-                at least, so at 100 Hz it is 10 at least.
+            duty_cycle: share of the time for which a pulse is high, 1 to 100 [%]. A pulse lasts at
+                least 1 ms, so at 100 Hz the duty cycle is at least 10.
 
         Raises:
             ParameterError: an argument is out of range, or pulses would be too short; nothing
@@ -2837,11 +2854,11 @@ class IO(_Section):
         self._runner.call(work)
 
     def get_standard_analog_voltage_in(self, num: Whole) -> float:
-        """Read a voltage at the cabinet (模拟电压输入), 1 to 4 [V]. Manual section 1.3.7."""
+        """Read voltage input 1 to 4 of the cabinet (模拟电压输入) [V]. Manual section 1.3.7."""
         return self._runner.call(self._section.get_standard_analog_voltage_in(num))
 
     def set_standard_analog_voltage_out(self, num: Whole, value: Real) -> None:
-        """Put out a voltage at the cabinet (模拟电压输出).
+        """Set a voltage output of the cabinet (模拟电压输出).
 
         Args:
             num: number of the channel, 1 to 4.
@@ -2856,15 +2873,15 @@ class IO(_Section):
         self._runner.call(self._section.set_standard_analog_voltage_out(num, value))
 
     def get_tool_analog_voltage_in(self, num: Whole) -> float:
-        """Read a voltage at the tool (末端模拟电压输入), 1 or 2 [V]. Manual section 1.3.7."""
+        """Read voltage input 1 or 2 of the tool (末端模拟电压输入) [V]. Manual section 1.3.7."""
         return self._runner.call(self._section.get_tool_analog_voltage_in(num))
 
     def get_standard_analog_current_in(self, num: Whole) -> float:
-        """Read a current at the cabinet (模拟电流输入), 1 to 4 [mA]. Manual section 1.3.7."""
+        """Read current input 1 to 4 of the cabinet (模拟电流输入) [mA]. Manual section 1.3.7."""
         return self._runner.call(self._section.get_standard_analog_current_in(num))
 
     def set_standard_analog_current_out(self, num: Whole, value: Real) -> None:
-        """Put out a current at the cabinet (模拟电流输出).
+        """Set a current output of the cabinet (模拟电流输出).
 
         Args:
             num: number of the channel, 1 to 4.
@@ -2879,9 +2896,9 @@ class IO(_Section):
         self._runner.call(self._section.set_standard_analog_current_out(num, value))
 
     def set_analog_output_mode(self, num: Whole, mode: Whole) -> None:
-        """Set what an analog output of the cabinet puts out.
+        """Set the mode of an analog output of the cabinet.
 
-        Not in the manual: what the numbers of the modes mean is not known.
+        Not in the manual: the meaning of the modes' numbers is not known.
 
         Args:
             num: number of the channel, 1 to 4.
@@ -2912,7 +2929,7 @@ class Registers(_Section):
 
         Args:
             num: number of the register, 1 to 64.
-            value: what is written, true or false.
+            value: value to write, true or false.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -2931,7 +2948,7 @@ class Registers(_Section):
 
         Args:
             num: number of the register, 1 to 32.
-            value: what is written, 16 bits: -32768 to 65535.
+            value: value to write, 16 bits: -32768 to 65535.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -2950,7 +2967,7 @@ class Registers(_Section):
 
         Args:
             num: number of the register, 1 to 32.
-            value: what is written, a finite number.
+            value: value to write, a finite number.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -2977,7 +2994,7 @@ class Registers(_Section):
 
         Args:
             name: its name; "domain.variable" within a domain.
-            value: what it is set to: true or false.
+            value: new value, true or false.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -3007,7 +3024,7 @@ class Registers(_Section):
 
         Args:
             name: its name; "domain.variable" within a domain.
-            value: what it is set to: a finite number.
+            value: new value, a finite number.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -3037,7 +3054,7 @@ class Registers(_Section):
 
         Args:
             name: its name; "domain.variable" within a domain.
-            value: what it is set to: text.
+            value: new value, a text.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -3067,7 +3084,7 @@ class Registers(_Section):
 
         Args:
             name: its name; "domain.variable" within a domain.
-            value: what it is set to: finite numbers.
+            value: new value, finite numbers.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -3114,9 +3131,9 @@ class Bus(_Section):
         robot.bus.tool_write_raw_data_485(b"\x01\x06\x01\x00\x00\x01\x49\xf6")
         answer = robot.bus.tool_read_raw_data_485(8)
 
-    Bytes go in as `bytes` or as numbers, of which 255 and -1 are the same byte, and come out as
-    `bytes`. What came over a bus stays in the controller's buffer until it is read: read until
-    nothing is left before a request whose answer matters.
+    Functions take bytes as `bytes` or as numbers; 255 and -1 are the same byte. They return
+    `bytes`. Data from a bus stays in the controller's buffer until it is read. Before a request
+    whose answer matters, read until the buffer is empty.
     """
 
     __slots__ = ()
@@ -3125,7 +3142,7 @@ class Bus(_Section):
     def set_baudrate_485(self, value: Whole) -> None:
         """Set the bit rate of the cabinet's RS-485 port (设置 485 波特率).
 
-        It is that of the cabinet; the wire has no such function for the tool's.
+        This is the cabinet's port; the wire has no such function for the tool's port.
 
         Args:
             value: bits a second, a whole number from 1. The manual lists no rates.
@@ -3142,14 +3159,14 @@ class Bus(_Section):
         """Take bytes out of the buffer of the cabinet's port (485 读取原生数据).
 
         Args:
-            len: how many at most, a whole number from 1.
+            len: maximum number of bytes, a whole number from 1.
 
         Returns:
-            The bytes; none if none have come.
+            The bytes; empty if none have arrived.
 
         Raises:
             ParameterError: the number is out of range; nothing was sent.
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
 
         Manual section 1.3.6.
         """
@@ -3158,18 +3175,18 @@ class Bus(_Section):
     def read_raw_data_485_h(self, head: BytesLike, len: Whole) -> bytes:
         """Take a frame that begins with a head from the cabinet's port (485 匹配头).
 
-        One arm was seen to answer this with nothing where `read_raw_data_485` gave bytes.
+        On one arm this returned nothing where `read_raw_data_485` returned bytes.
 
         Args:
             head: the bytes that the frame begins with, at least one.
             len: length of the frame, a whole number from 1.
 
         Returns:
-            The frame; nothing if none has come.
+            The frame; empty if none has arrived.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
 
         Manual section 1.3.6.
         """
@@ -3183,11 +3200,11 @@ class Bus(_Section):
             tail: the bytes that it ends with, at least one.
 
         Returns:
-            The frame; nothing if none has come.
+            The frame; empty if none has arrived.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
 
         Manual section 1.3.6.
         """
@@ -3200,8 +3217,9 @@ class Bus(_Section):
             data: the bytes, at least one.
 
         Raises:
-            ParameterError: there are none, or one is no byte; nothing was sent.
-            BusError: they were not written.
+            ParameterError: `data` is empty, or contains a value that is not a byte; nothing was
+                sent.
+            BusError: the bytes were not written.
 
         Manual section 1.3.6.
         """
@@ -3212,12 +3230,12 @@ class Bus(_Section):
 
         Args:
             data: the bytes, at least one.
-            head: what is put before them, at least one byte.
+            head: the bytes that are put before the data, at least one.
 
         Raises:
-            ParameterError: an argument is empty, or has something that is no byte; nothing was
-                sent.
-            BusError: they were not written.
+            ParameterError: an argument is empty, or contains a value that is not a byte; nothing
+                was sent.
+            BusError: the bytes were not written.
 
         Manual section 1.3.6.
         """
@@ -3228,13 +3246,13 @@ class Bus(_Section):
 
         Args:
             data: the bytes, at least one.
-            head: what is put before them, at least one byte.
-            tail: what is put behind them, at least one byte.
+            head: the bytes that are put before the data, at least one.
+            tail: the bytes that are put behind the data, at least one.
 
         Raises:
-            ParameterError: an argument is empty, or has something that is no byte; nothing was
-                sent.
-            BusError: they were not written.
+            ParameterError: an argument is empty, or contains a value that is not a byte; nothing
+                was sent.
+            BusError: the bytes were not written.
 
         Manual section 1.3.6.
         """
@@ -3243,25 +3261,26 @@ class Bus(_Section):
     def read_data_485(self) -> bytes:
         """Take bytes out of the buffer of the cabinet's port.
 
-        Not in the manual: how it differs from `read_raw_data_485` is not known, and neither
-        is how many bytes it gives.
+        Not in the manual. It is not known how it differs from `read_raw_data_485`, or how many
+        bytes it returns.
 
         Raises:
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
         """
         return self._runner.call(self._section.read_data_485())
 
     def write_data_485(self, data: BytesLike) -> None:
         """Write bytes to the cabinet's port.
 
-        Not in the manual: how it differs from `write_raw_data_485` is not known.
+        Not in the manual. It is not known how it differs from `write_raw_data_485`.
 
         Args:
             data: the bytes, at least one.
 
         Raises:
-            ParameterError: there are none, or one is no byte; nothing was sent.
-            BusError: they were not written.
+            ParameterError: `data` is empty, or contains a value that is not a byte; nothing was
+                sent.
+            BusError: the bytes were not written.
         """
         self._runner.call(self._section.write_data_485(data))
 
@@ -3269,14 +3288,14 @@ class Bus(_Section):
         """Take bytes out of the buffer of the tool's port (末端 485 读取原生数据).
 
         Args:
-            len: how many at most, a whole number from 1.
+            len: maximum number of bytes, a whole number from 1.
 
         Returns:
-            The bytes; none if none have come.
+            The bytes; empty if none have arrived.
 
         Raises:
             ParameterError: the number is out of range; nothing was sent.
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
 
         Manual section 1.3.6.
         """
@@ -3285,18 +3304,18 @@ class Bus(_Section):
     def tool_read_raw_data_485_h(self, head: BytesLike, len: Whole) -> bytes:
         """Take a frame that begins with a head from the tool's port (末端 485 匹配头).
 
-        One arm was seen to answer this with nothing where `tool_read_raw_data_485` gave bytes.
+        On one arm this returned nothing where `tool_read_raw_data_485` returned bytes.
 
         Args:
             head: the bytes that the frame begins with, at least one.
             len: length of the frame, a whole number from 1.
 
         Returns:
-            The frame; nothing if none has come.
+            The frame; empty if none has arrived.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
 
         Manual section 1.3.6.
         """
@@ -3310,11 +3329,11 @@ class Bus(_Section):
             tail: the bytes that it ends with, at least one.
 
         Returns:
-            The frame; nothing if none has come.
+            The frame; empty if none has arrived.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
 
         Manual section 1.3.6.
         """
@@ -3327,8 +3346,9 @@ class Bus(_Section):
             data: the bytes, at least one.
 
         Raises:
-            ParameterError: there are none, or one is no byte; nothing was sent.
-            BusError: they were not written.
+            ParameterError: `data` is empty, or contains a value that is not a byte; nothing was
+                sent.
+            BusError: the bytes were not written.
 
         Manual section 1.3.6.
         """
@@ -3339,12 +3359,12 @@ class Bus(_Section):
 
         Args:
             data: the bytes, at least one.
-            head: what is put before them, at least one byte.
+            head: the bytes that are put before the data, at least one.
 
         Raises:
-            ParameterError: an argument is empty, or has something that is no byte; nothing was
-                sent.
-            BusError: they were not written.
+            ParameterError: an argument is empty, or contains a value that is not a byte; nothing
+                was sent.
+            BusError: the bytes were not written.
 
         Manual section 1.3.6.
         """
@@ -3355,13 +3375,13 @@ class Bus(_Section):
 
         Args:
             data: the bytes, at least one.
-            head: what is put before them, at least one byte.
-            tail: what is put behind them, at least one byte.
+            head: the bytes that are put before the data, at least one.
+            tail: the bytes that are put behind the data, at least one.
 
         Raises:
-            ParameterError: an argument is empty, or has something that is no byte; nothing was
-                sent.
-            BusError: they were not written.
+            ParameterError: an argument is empty, or contains a value that is not a byte; nothing
+                was sent.
+            BusError: the bytes were not written.
 
         Manual section 1.3.6.
         """
@@ -3370,25 +3390,26 @@ class Bus(_Section):
     def tool_read_data_485(self) -> bytes:
         """Take bytes out of the buffer of the tool's port.
 
-        Not in the manual: how it differs from `tool_read_raw_data_485` is not known, and neither
-        is how many bytes it gives.
+        Not in the manual. It is not known how it differs from `tool_read_raw_data_485`, or how
+        many bytes it returns.
 
         Raises:
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
         """
         return self._runner.call(self._section.tool_read_data_485())
 
     def tool_write_data_485(self, data: BytesLike) -> None:
         """Write bytes to the tool's port.
 
-        Not in the manual: how it differs from `tool_write_raw_data_485` is not known.
+        Not in the manual. It is not known how it differs from `tool_write_raw_data_485`.
 
         Args:
             data: the bytes, at least one.
 
         Raises:
-            ParameterError: there are none, or one is no byte; nothing was sent.
-            BusError: they were not written.
+            ParameterError: `data` is empty, or contains a value that is not a byte; nothing was
+                sent.
+            BusError: the bytes were not written.
         """
         self._runner.call(self._section.tool_write_data_485(data))
 
@@ -3410,10 +3431,10 @@ class Bus(_Section):
         """Take a frame out of the buffer of the CAN bus (读取一帧 CAN 数据).
 
         Returns:
-            The frame; None if none has come.
+            The frame; None if none has arrived.
 
         Raises:
-            OutcomeUnknown: it was sent, but not answered: a frame may be lost.
+            OutcomeUnknown: the request was sent, but not answered: a frame may be lost.
 
         Manual section 1.3.6.
         """
@@ -3428,7 +3449,7 @@ class Bus(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            BusError: it was not written.
+            BusError: the frame was not written.
 
         Manual section 1.3.6.
         """
@@ -3437,18 +3458,18 @@ class Bus(_Section):
     def read_data_can(self) -> bytes:
         """Take bytes out of the buffer of the CAN bus.
 
-        Not in the manual: how it differs from `read_raw_data_can`, and whether an identifier
-        comes first, is not known. So the bytes are given as they come.
+        Not in the manual. It is not known how it differs from `read_raw_data_can`, or whether an
+        identifier comes first. So the bytes are returned unchanged.
 
         Raises:
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
         """
         return self._runner.call(self._section.read_data_can())
 
     def write_data_can(self, id: Whole, data: BytesLike) -> None:
         """Write a frame to the CAN bus.
 
-        Not in the manual: how it differs from `write_raw_data_can` is not known.
+        Not in the manual. It is not known how it differs from `write_raw_data_can`.
 
         Args:
             id: its identifier, 0 to 0x1FFFFFFF.
@@ -3456,7 +3477,7 @@ class Bus(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            BusError: it was not written.
+            BusError: the frame was not written.
         """
         self._runner.call(self._section.write_data_can(id, data))
 
@@ -3468,8 +3489,8 @@ class Frames(_Section):
         robot.frames.set_load_data(Load(1.5))      # what the gripper holds from now on
 
     Motions take the names of a tool and a work object, or use those that were set last. The
-    weights decide how the arm holds itself in hand guiding, and when it takes a force for a
-    collision: set what is there.
+    controller uses the masses to hold the arm up in hand guiding and to detect collisions: set the
+    real ones.
     """
 
     __slots__ = ()
@@ -3505,7 +3526,7 @@ class Frames(_Section):
         self._runner.call(work)
 
     def set_load_data(self, load: Load | VectorLike) -> None:
-        """Set what the tool holds (设置抓取负载), also while a program runs.
+        """Set the load that the tool holds (设置抓取负载); this works while a program runs, too.
 
         Args:
             load: its mass, 0 to 35, and its centre in the tool's frame [kg, m]. A `Load`, or
@@ -3535,10 +3556,10 @@ class Frames(_Section):
         self._runner.call(self._section.set_wobj(name, wobj))
 
     def set_wobj_offset(self, wobj: PoseLike, active: bool) -> None:
-        """Shift the work object of all motions that follow (工件坐标系偏移量), or end that.
+        """Shift the work object of all later motions (工件坐标系偏移量), or end the shift.
 
-        The offset is multiplied to the work object's pose from the right: it is along the work
-        object's own axes. It stays until it is ended, also for other programs.
+        The work object's pose is multiplied by the offset from the right, so the offset is along
+        the work object's own axes. It holds until it is ended, also for other programs.
 
         Args:
             wobj: the offset [m, rad].
@@ -3577,8 +3598,8 @@ class Frames(_Section):
 class Kinematics(_Section):
     """Kinematics, as the controller computes it (manual 1.3.7).
 
-    It knows the arm's calibration. `aioduco.kinematics` computes on this computer, without a
-    controller, for the arm as designed.
+    The controller uses the arm's calibration. `aioduco.kinematics` computes on this computer,
+    without a controller, for the arm as designed.
     """
 
     __slots__ = ()
@@ -3587,7 +3608,7 @@ class Kinematics(_Section):
     def cal_fkine(
         self, joints: JointsLike, *, tool: PoseLike | None = None, wobj: PoseLike | None = None
     ) -> Pose:
-        """Compute the pose that joints lead to (正运动学).
+        """Compute the tool's pose at joint angles (正运动学).
 
         Args:
             joints: joint angles, -2π to 2π [rad]. Shape (6,).
@@ -3612,11 +3633,11 @@ class Kinematics(_Section):
         tool: PoseLike | None = None,
         wobj: PoseLike | None = None,
     ) -> Joints:
-        """Compute joints that lead to a pose (逆运动学).
+        """Compute joint angles for a pose (逆运动学).
 
-        Controllers answer a pose out of reach with `q_near` itself. So the answer is led back
-        through `cal_fkine` and compared with the pose: one that leads elsewhere is an error. Do
-        not set another tool or work object meanwhile if you leave them out here.
+        For a pose out of reach, controllers return `q_near` itself. So this function puts the
+        answer through `cal_fkine` and compares the result with the pose: another pose is an error.
+        If you leave out `tool` or `wobj`, do not set another one during the call.
 
         Args:
             pose: pose of the tool in the work object [m, rad].
@@ -3630,7 +3651,7 @@ class Kinematics(_Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            Unreachable: the controller found no joints that lead to the pose.
+            Unreachable: the controller found no joints for the pose.
 
         Manual section 1.3.7.
         """
@@ -3645,9 +3666,9 @@ class Kinematics(_Section):
         ref_pos: JointsLike,
         check_points: Iterable[PoseLike],
     ) -> Reachability:
-        """Tell whether an arm that is mounted somewhere reaches poses (可达性).
+        """Check whether an arm with a given pose of its base can reach poses (可达性).
 
-        Manual 4.3 has `tool` before `wobj`: on such a controller exchange them.
+        Manual 4.3 has `tool` before `wobj`: exchange them on such a controller.
 
         Args:
             base: pose of the arm's base in the world [m, rad].
@@ -3658,12 +3679,12 @@ class Kinematics(_Section):
             check_points: poses of the tool in the work object [m, rad], at least one.
 
         Returns:
-            Whether all can be reached, and the joints for each if so.
+            Whether all poses can be reached, and if so the joints for each.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            ControllerError: the controller says that all can be reached, but not with which
-                joints, as one of manual 4.3 does.
+            ControllerError: the controller says that all can be reached, but does not send the
+                joints, as a controller of manual 4.3 does.
 
         Manual section 1.3.7.
         """
@@ -3692,17 +3713,17 @@ class Kinematics(_Section):
 class Settings(_Section):
     """Speeds, collision detection, simulation, pendant (manual 1.3.7).
 
-    What is set here holds for all programs, and after the end of this one.
+    These settings apply to all programs, and remain after the end of this one.
     """
 
     __slots__ = ()
     _section: AioSettings
 
     def speed(self, val: Real) -> None:
-        """Set the global speed (全局速度百分比), which all motions are scaled by.
+        """Set the global speed (全局速度百分比), which scales all motions.
 
         Args:
-            val: percent, 1 to 100; fractions count.
+            val: percent, 1 to 100; fractions are allowed.
 
         Raises:
             ParameterError: it is out of range; nothing was sent.
@@ -3715,14 +3736,14 @@ class Settings(_Section):
     def get_global_speed(self) -> int:
         """Read the global speed (全局速度的百分比), in percent.
 
-        The wire has whole numbers here: of a speed with a fraction the fraction is missing.
+        The wire has whole numbers here: the fraction of a speed is lost.
 
         Manual section 1.3.7.
         """
         return self._runner.call(self._section.get_global_speed())
 
     def set_teach_speed(self, v: Whole) -> None:
-        """Set the speed of jogs (示教速度的百分比), which the speed of each jog is a share of.
+        """Set the speed of jogs (示教速度的百分比), which scales the speed of each jog.
 
         Args:
             v: percent, a whole number from 1 to 100.
@@ -3740,10 +3761,10 @@ class Settings(_Section):
         return self._runner.call(self._section.get_teach_speed())
 
     def collision_detect(self, level: Whole) -> None:
-        """Set how readily the arm takes a force for a collision (碰撞检测等级).
+        """Set the level of the collision detection (碰撞检测等级).
 
         Args:
-            level: 0 for no detection at all, else 1 to 5.
+            level: 0 for no detection, or 1 to 5.
 
         Raises:
             ParameterError: it is out of range; nothing was sent.
@@ -3756,7 +3777,7 @@ class Settings(_Section):
     def collision_detection_reset(self) -> None:
         """Clear the alarm of a collision (重置碰撞检测警告).
 
-        `Robot.recover` does it as part of leading the arm out of its stop.
+        `Robot.recover` includes this step.
 
         Raises:
             TaskError: it was not cleared.
@@ -3768,12 +3789,12 @@ class Settings(_Section):
     def simulation(self, sim: bool) -> None:
         """Switch between the controller's own simulation and the real arm (仿真或者真机模式).
 
-        In the simulation motions run and the states that are read move, for a dry run, while the
-        real arm stands. The simulated arm begins where the real one stands. Back at the real arm,
-        read where it is before the next motion: it has not moved.
+        The simulation is for dry runs: motions run and the states that are read change, while the
+        real arm stands. The simulated arm starts at the position of the real one. After switching
+        back, read the real arm's position before the next motion: it has not moved.
 
         The arm must be completely at rest, or it moves in an unforeseen way and stops with an
-        alarm. So this is refused while it moves; see to it that no other program moves it.
+        alarm. So this is refused while the arm moves. Make sure that no other program moves it.
 
         Args:
             sim: true for the simulation, false for the real arm.
@@ -3781,7 +3802,7 @@ class Settings(_Section):
         Raises:
             ParameterError: it is neither; nothing was sent.
             RobotStateError: the arm moves; nothing was sent.
-            TaskError: it was not switched; the text has the controller's reason.
+            TaskError: it was not switched; the message contains the controller's reason.
 
         Manual section 1.3.7.
         """
@@ -3805,8 +3826,8 @@ class Settings(_Section):
 class Optimization(_Section):
     """How motions are optimized (运动优化函数, manual 1.3.11).
 
-    What is switched here holds for all programs, and after the end of this one. Singularities
-    are only avoided while vibrations are not damped, which they are from the start on.
+    These settings apply to all programs, and remain after the end of this one. The controller
+    avoids singularities only while vibration control is off; it is on after the controller's start.
     """
 
     __slots__ = ()
@@ -3815,8 +3836,8 @@ class Optimization(_Section):
     def enable_speed_optimization(self) -> None:
         """Let the arm move as fast as its safety limits allow (开启速度优化).
 
-        In automatic mode the speeds given to motions then have no effect any more: the arm moves
-        faster than they say. It optimizes accelerations as well.
+        In automatic mode the speeds given to motions then have no effect: the arm moves faster.
+        This optimizes accelerations as well.
 
         Raises:
             TaskError: it was not switched.
@@ -3826,7 +3847,7 @@ class Optimization(_Section):
         self._runner.call(self._section.enable_speed_optimization())
 
     def disable_speed_optimization(self) -> None:
-        """Let the arm move at the speeds that motions are given (退出速度优化).
+        """Let the arm move at the speeds given to motions (退出速度优化).
 
         Raises:
             TaskError: it was not switched.
@@ -3846,7 +3867,7 @@ class Optimization(_Section):
         self._runner.call(self._section.enable_acc_optimization())
 
     def disable_acc_optimization(self) -> None:
-        """Let the arm accelerate as motions are told to (退出加速度优化).
+        """Let the arm accelerate at the values given to motions (退出加速度优化).
 
         Raises:
             TaskError: it was not switched.
@@ -3858,8 +3879,8 @@ class Optimization(_Section):
     def enable_singularity_control(self) -> None:
         """Let Cartesian motions go around singularities (开启奇异点规避).
 
-        Near one the arm changes over to a joint motion, and leaves the path a little. It has no
-        effect while vibrations are damped.
+        Near a singularity the arm changes over to a joint motion, and leaves the path a little.
+        This has no effect while vibration control is on.
 
         Raises:
             TaskError: it was not switched.
@@ -3879,9 +3900,9 @@ class Optimization(_Section):
         self._runner.call(self._section.disable_singularity_control())
 
     def enable_vibration_control(self) -> None:
-        """Damp vibrations as motions start and end, as from the start (开启振动控制).
+        """Damp vibrations as motions start and end (开启振动控制), the controller's default.
 
-        Each motion takes 200 to 400 ms longer by it.
+        It makes each motion 200 to 400 ms longer.
 
         Raises:
             TaskError: it was not switched.
@@ -3891,9 +3912,9 @@ class Optimization(_Section):
         self._runner.call(self._section.enable_vibration_control())
 
     def disable_vibration_control(self) -> None:
-        """Damp no vibrations as motions start and end (退出振动控制).
+        """Do not damp vibrations as motions start and end (退出振动控制).
 
-        It stays so after the program.
+        This setting remains after the end of the program.
 
         Raises:
             TaskError: it was not switched.
@@ -3915,12 +3936,12 @@ class Force(_Section):
         robot.force.fc_stop()
 
     It needs a force sensor that is mounted, connected and set up: with a wrong setup the arm
-    moves in an unforeseen way. Force acts only while a motion runs, such as `fc_move`; a stop
-    ends the motion, and the arm stands. Force control itself stays on until `fc_stop`: the next
-    motion gives way, too. Leaving the robot ends it, once the arm stands; a program that is killed
-    leaves it on.
+    moves in an unforeseen way. Force control acts only while a motion runs, such as `fc_move`; a
+    stop ends the motion, and the arm stands. Force control itself stays on until `fc_stop`: the
+    next motion gives way, too. Leaving the robot's block ends it once the arm stands; if the
+    program is killed, it stays on.
 
-    Vectors are along x, y, z, then about them. Shape (6,).
+    Vectors have the components along x, y, z, then those about x, y, z. Shape (6,).
     """
 
     __slots__ = ()
@@ -3940,7 +3961,7 @@ class Force(_Section):
         """End force control (退出机器人末端力控).
 
         All motions must have ended, or the arm moves in an unforeseen way and stops with an
-        alarm. So this is refused while it moves; see to it that no other program moves it.
+        alarm. So this is refused while the arm moves. Make sure that no other program moves it.
 
         Raises:
             RobotStateError: the arm moves; nothing was sent.
@@ -3964,20 +3985,20 @@ class Force(_Section):
     ) -> None:
         """Set how motions give way (配置机器人末端力控参数).
 
-        The arm gives way at the difference of the force from `ref_ft`, divided by `damp`, at
-        most at `max_vel`.
+        The speed at which the arm gives way is the difference between the force and `ref_ft`,
+        divided by `damp`, and at most `max_vel`.
 
         Args:
-            direction: for each direction whether it gives way. Shape (6,).
-            ref_ft: force that is kept up, -1000 to 1000 [N, N·m]. Shape (6,).
+            direction: whether the arm gives way in each direction. Shape (6,).
+            ref_ft: force that the arm maintains, -1000 to 1000 [N, N·m]. Shape (6,).
             damp: damping, above 0 in directions that give way [N/(m/s), N·m/(rad/s)]; 1000 to
                 2000 and 57 are usual. Shape (6,).
             max_vel: largest speed, -5 to 5 [m/s, rad/s]; 0.03 to 0.15 m/s are usual. Shape (6,).
-            dead_band: difference of the force below which nothing gives way, -1000 to 1000
+            dead_band: force difference below which the arm does not give way, -1000 to 1000
                 [N, N·m]. The manual calls it number_list. Shape (6,).
             tool: name of the tool about whose tip the arm gives way; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            frame: whose directions they are: a `ForceFrame`, 0 the tool's, 1 the work object's.
+            frame: frame of the directions, a `ForceFrame`: 0 the tool's, 1 the work object's.
                 The manual calls it type.
 
         Raises:
@@ -3996,7 +4017,7 @@ class Force(_Section):
     def fc_move(self) -> aio_command.MotionCommand:
         """Move by force control alone (仅基于末端力控产生的补偿运动).
 
-        Without a condition (`fc_wait_logic`) that comes true it does not end by itself.
+        It ends by itself only if a condition (`fc_wait_logic`) comes to hold.
         An interrupt while it waits stops the arm.
 
         Returns:
@@ -4016,20 +4037,20 @@ class Force(_Section):
         frame: ForceFrame | int = 0,
         force_property: GuardedForce | int = 0,
     ) -> None:
-        """Watch the force in force control (力安全监控): an emergency stop if it is exceeded.
+        """Monitor the force in force control (力安全监控): too large a force is an emergency stop.
 
         Args:
-            direction: for each direction whether it is watched. Shape (6,).
-            ref_ft: largest force, from 0, of either sign [N, N·m]. Shape (6,).
+            direction: whether the force is monitored in each direction. Shape (6,).
+            ref_ft: largest allowed force in both senses, from 0 [N, N·m]. Shape (6,).
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            frame: whose directions they are: a `ForceFrame`, 0 the tool's, 1 the work object's.
+            frame: frame of the directions, a `ForceFrame`: 0 the tool's, 1 the work object's.
                 The manual calls it type.
             force_property: a `GuardedForce`: 0 load and external force, 1 external force alone.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: it is not watched.
+            TaskError: the force is not monitored.
 
         Manual section 1.3.10.
         """
@@ -4039,21 +4060,21 @@ class Force(_Section):
         self._runner.call(work)
 
     def fc_guard_deact(self) -> None:
-        """Watch the force no more (禁用力安全监控).
+        """End the monitoring of the force (禁用力安全监控).
 
         Raises:
-            TaskError: it is watched on.
+            TaskError: the force is still monitored.
 
         Manual section 1.3.10.
         """
         self._runner.call(self._section.fc_guard_deact())
 
     def fc_force_set_value(self, direction: FlagsLike, ref_ft: VectorLike) -> None:
-        """Set what the force sensor reads at present (力传感器读数设置为指定值), to tare it.
+        """Set the force sensor's present reading (力传感器读数设置为指定值), to tare it.
 
         Args:
-            direction: for each direction of the sensor whether it is set. Shape (6,).
-            ref_ft: what it reads then [N, N·m]. Shape (6,).
+            direction: whether the reading is set in each direction of the sensor. Shape (6,).
+            ref_ft: the new reading [N, N·m]. Shape (6,).
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -4074,19 +4095,18 @@ class Force(_Section):
     ) -> None:
         """Set the condition on position (位置判断条件) under which motions end in force control.
 
-        It returns at once. When the conditions hold, as `fc_wait_logic` combines them, the
-        running motion ends, and those that follow are skipped until `fc_stop` or the next
-        `fc_wait_logic`.
+        It returns at once. When the conditions, combined as `fc_wait_logic` says, hold, the
+        running motion ends. Later motions are skipped until `fc_stop` or the next `fc_wait_logic`.
 
         Args:
             middle: middle of the range [m, rad]. Shape (6,).
-            range: how far the value may be from it [m, rad]; noise must fit in. 0 takes the axis
-                out of the condition. The manual leaves open whether the range is to each side,
-                or over all. Shape (6,).
+            range: width of the range [m, rad], larger than the noise; 0 takes the axis out of the
+                condition. The manual does not say whether it is the half width, to each side of
+                `middle`, or the full width. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
-            duration: how long it must hold, from 0 [s].
-            timeout: how long after the last `fc_wait_logic` the controller gives up, from 0 [s].
+            duration: time for which the condition must hold, from 0 [s].
+            timeout: time after the last `fc_wait_logic` when the controller gives up, from 0 [s].
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -4110,19 +4130,18 @@ class Force(_Section):
     ) -> None:
         """Set the condition on speed (速度判断条件) under which motions end in force control.
 
-        It returns at once. When the conditions hold, as `fc_wait_logic` combines them, the
-        running motion ends, and those that follow are skipped until `fc_stop` or the next
-        `fc_wait_logic`.
+        It returns at once. When the conditions, combined as `fc_wait_logic` says, hold, the
+        running motion ends. Later motions are skipped until `fc_stop` or the next `fc_wait_logic`.
 
         Args:
             middle: middle of the range, -5 to 5 and -2π to 2π [m/s, rad/s]. Shape (6,).
-            range: how far the value may be from it [m/s, rad/s]; noise must fit in. 0 takes the
-                axis out of the condition. The manual leaves open whether the range is to each side,
-                or over all. Shape (6,).
+            range: width of the range [m/s, rad/s], larger than the noise; 0 takes the axis out of
+                the condition. The manual does not say whether it is the half width, to each side
+                of `middle`, or the full width. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
-            duration: how long it must hold, from 0 [s].
-            timeout: how long after the last `fc_wait_logic` the controller gives up, from 0 [s].
+            duration: time for which the condition must hold, from 0 [s].
+            timeout: time after the last `fc_wait_logic` when the controller gives up, from 0 [s].
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -4146,19 +4165,18 @@ class Force(_Section):
     ) -> None:
         """Set the condition on force (力判断条件) under which motions end in force control.
 
-        It returns at once. When the conditions hold, as `fc_wait_logic` combines them, the
-        running motion ends, and those that follow are skipped until `fc_stop` or the next
-        `fc_wait_logic`.
+        It returns at once. When the conditions, combined as `fc_wait_logic` says, hold, the
+        running motion ends. Later motions are skipped until `fc_stop` or the next `fc_wait_logic`.
 
         Args:
             middle: middle of the range, -1000 to 1000 [N, N·m]. Shape (6,).
-            range: how far the value may be from it [N, N·m]; noise must fit in. 0 takes the axis
-                out of the condition. The manual leaves open whether the range is to each side,
-                or over all. Shape (6,).
+            range: width of the range [N, N·m], larger than the noise; 0 takes the axis out of the
+                condition. The manual does not say whether it is the half width, to each side of
+                `middle`, or the full width. Shape (6,).
             absolute: true for the value itself, false for its change since the last
                 `fc_wait_logic`.
-            duration: how long it must hold, from 0 [s].
-            timeout: how long after the last `fc_wait_logic` the controller gives up, from 0 [s].
+            duration: time for which the condition must hold, from 0 [s].
+            timeout: time after the last `fc_wait_logic` when the controller gives up, from 0 [s].
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -4172,13 +4190,14 @@ class Force(_Section):
         self._runner.call(work)
 
     def fc_wait_logic(self, logic: WholesLike | tuple[ForceLogic, ...]) -> None:
-        """Combine the conditions, and have them begin anew (条件判断间的逻辑关系).
+        """Combine the conditions, and restart them (条件判断间的逻辑关系).
 
         Args:
-            logic: for position, speed and force a `ForceLogic`: 0 off, 1 and, 2 or. Shape (3,).
+            logic: a `ForceLogic` each for position, speed and force: 0 off, 1 and, 2 or.
+                Shape (3,).
 
         Raises:
-            ParameterError: it is something else; nothing was sent.
+            ParameterError: `logic` is something else; nothing was sent.
             TaskError: it was not set.
 
         Manual section 1.3.10.
@@ -4186,10 +4205,10 @@ class Force(_Section):
         self._runner.call(self._section.fc_wait_logic(logic))
 
     def fc_get_ft(self) -> Vector:
-        """Read the force sensor (末端传感器的原始反馈读数), tared, in its frame [N, N·m].
+        """Read the force sensor (末端传感器的原始反馈读数), tared, in its own frame [N, N·m].
 
-        A read-only array of shape (6,). It is tared as the arm is enabled or disabled, and by
-        `fc_force_set_value`. Manual section 1.3.10.
+        A read-only array of shape (6,). The sensor is tared when the arm is enabled or disabled,
+        and by `fc_force_set_value`. Manual section 1.3.10.
         """
         return self._runner.call(self._section.fc_get_ft())
 
@@ -4201,15 +4220,15 @@ class Force(_Section):
 class Modbus(_Section):
     """Signals that the controller exchanges over Modbus (Modbus, manual 1.3.9).
 
-    A signal is a register or a coil of a device; it has a name in the controller, which reads it
-    again and again. For Modbus over the tool's RS-485 see `robot.bus`.
+    A signal is a register or a coil of a device. It has a name in the controller, which polls it.
+    For Modbus over the tool's RS-485 see `robot.bus`.
     """
 
     __slots__ = ()
     _section: AioModbus
 
     def modbus_read(self, signal_name: str) -> int:
-        """Read a signal (读取 modbus 节点), as the controller last had it from the device.
+        """Read the last value of a signal that the controller polled (读取 modbus 节点).
 
         Args:
             signal_name: its name.
@@ -4246,12 +4265,12 @@ class Modbus(_Section):
 
         Args:
             signal_name: its name.
-            frequency: 1 to 100, 10 unless it is set [Hz].
+            frequency: polls per second, 1 to 100 [Hz]; the controller's default is 10.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
             Refused: the controller lists an error: there is no such signal. The wire has no answer
-                to this function, so nothing else can tell.
+                to this function, so the error list is the only sign of a failure.
 
         Manual section 1.3.9.
         """
@@ -4260,21 +4279,21 @@ class Modbus(_Section):
     def modbus_write_multiple_regs(
         self, slave_num: Whole, name: str, word_list: WholesLike
     ) -> None:
-        """Write registers that follow each other (多寄存器写操作).
+        """Write consecutive registers (多寄存器写操作).
 
-        The name of a signal says which device is written to and from which address on; the unit at
-        it is `slave_num`, and they are registers whatever the signal is: the manual's examples
-        write registers and coils of two units by one name. It does not say more.
+        The name of a signal selects the device and the first address; `slave_num` selects the unit
+        at that device. Registers are written whatever the signal is: the manual's examples write
+        registers and coils of two units by one name. The manual does not say more.
 
         Args:
             slave_num: number of the unit, 0 to 255.
             name: name of a signal at the first register's address.
-            word_list: what is written, each 0 to 65535, or -32768 to -1 for the upper half; at
-                least one.
+            word_list: values to write, at least one, each 0 to 65535, or -32768 to -1 for the
+                upper half.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: they were not written.
+            TaskError: the registers were not written.
 
         Manual section 1.3.9.
         """
@@ -4283,18 +4302,18 @@ class Modbus(_Section):
     def modbus_write_multiple_coils(
         self, slave_num: Whole, name: str, byte_list: WholesLike
     ) -> None:
-        """Write coils that follow each other (多线圈写操作).
+        """Write consecutive coils (多线圈写操作).
 
-        What is written where is as for `modbus_write_multiple_regs`.
+        Device, unit and first address are selected as in `modbus_write_multiple_regs`.
 
         Args:
             slave_num: number of the unit, 0 to 255.
             name: name of a signal at the first coil's address.
-            byte_list: what is written, each 0 or 1; at least one.
+            byte_list: values to write, at least one, each 0 or 1.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            TaskError: they were not written.
+            TaskError: the coils were not written.
 
         Manual section 1.3.9.
         """
@@ -4308,16 +4327,16 @@ class Modbus(_Section):
         signal_type: Whole,
         signal_name: str,
     ) -> None:
-        """Have the controller exchange one more signal.
+        """Add a signal to those that the controller exchanges.
 
-        Not in the manual: what the numbers of the types mean is not known.
+        Not in the manual: the meaning of the types' numbers is not known.
 
         Args:
             ip: address of the device.
             slave_number: number of the device, 0 to 255.
             signal_address: address of the register or coil, 0 to 65535.
             signal_type: number of the type.
-            signal_name: name for it.
+            signal_name: name for the signal.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -4329,7 +4348,7 @@ class Modbus(_Section):
         self._runner.call(work)
 
     def modbus_delete_signal(self, signal_name: str) -> None:
-        """Have the controller exchange a signal no more.
+        """Remove a signal from those that the controller exchanges.
 
         Not in the manual.
 
@@ -4365,7 +4384,7 @@ class Log(_Section):
     def log_error(self, message: str) -> None:
         """Show a message on the pendant, and pause all tasks (产生弹窗, 并暂停当前所有任务).
 
-        Motions of this program pause as well; `Robot.resume` lets them go on.
+        Motions of this program pause as well; `Robot.resume` resumes them.
 
         Args:
             message: its text.
@@ -4382,10 +4401,10 @@ class Service(_Section):
     """Functions of the factory and of service technicians. None of them is in the manual.
 
     Warning:
-        What they set decides how joints are driven, and where the controller takes the arm to
-        be. A wrong value can make the arm move in an unforeseen way, or damage it, and may stay
-        after a restart. What the numbers mean is not published: use them only with the vendor's
-        instructions for this arm, and keep out of its reach.
+        They change how the joints are driven, and the position that the controller computes for
+        the arm. A wrong value can make the arm move in an unforeseen way, or damage it, and may
+        persist after a restart. The meaning of the numbers is not published: use them only with the
+        vendor's instructions for this arm, and keep out of its reach.
     """
 
     __slots__ = ()
@@ -4412,7 +4431,7 @@ class Service(_Section):
         self._runner.call(self._section.set_servo_config(axis_num, id, value, qfmt))
 
     def apply_servo_config(self, axis_num: Whole) -> None:
-        """Have an axis' servo drive use its parameters.
+        """Make an axis' servo drive use its parameters.
 
         Not in the manual.
 
@@ -4610,7 +4629,7 @@ class Service(_Section):
     def change_recipe(self) -> None:
         """Change the recipe.
 
-        Not in the manual: what a recipe is, and which one follows, is not known.
+        Not in the manual: it is not known what a recipe is, or which one follows.
 
         Warning:
             A wrong value can damage the arm, or make it move in an unforeseen way.
@@ -4682,23 +4701,23 @@ class Version(_Section):
 
     @property
     def controller(self) -> ControllerVersion:
-        """The version of the controller's software, as it was told while connecting.
+        """The version of the controller's software, which was read while connecting.
 
-        Unknown before that, and if the controller does not tell.
+        Unknown before that, and if the controller does not report it.
         """
         return self._section.controller
 
     def get_robot_version(self) -> str:
         """Read the version of the controller's software (控制器版本).
 
-        `controller` has it already. Manual section 1.3.16.
+        `controller` has the version already. Manual section 1.3.16.
         """
         return self._runner.call(self._section.get_robot_version())
 
     def get_robot_type(self) -> RobotType:
         """Read series, model, extension and serial number (机器人系列号, 型号, SN).
 
-        What the controller leaves out is empty. Manual section 1.3.7.
+        A value that the controller leaves out is empty. Manual section 1.3.7.
         """
         return self._runner.call(self._section.get_robot_type())
 
@@ -4713,7 +4732,7 @@ class Sections(ManualNames):
         speed: streams of speeds.
         program: programs and files of the controller.
         track: the track pool, and streams into it.
-        compound: the weave laid over motions.
+        compound: the weave that is superimposed on motions.
         external_axes: external axes.
         realtime: streams through the realtime queue, and the queue call by call.
         state: state of the arm and of the controller.
@@ -4727,7 +4746,7 @@ class Sections(ManualNames):
         force: force control.
         modbus: signals over Modbus.
         log: the controller's log and its pendant.
-        service: functions of the factory: only with its instructions.
+        service: functions for the factory: only to be used by its instructions.
         version: type of the arm, version of the software.
     """
 
@@ -4761,8 +4780,8 @@ class Sections(ManualNames):
         """Bring the arm into a state in which it can move: power on, enable, clear.
 
         A safety stop is cleared by powering off and on, a collision by its reset, a paused
-        program by a stop. Each step is taken when the controller's states call for it, and its
-        end is seen in them.
+        program by a stop. Each step is taken when the controller's states require it, and has
+        ended when they show its effect.
 
         Args:
             timeout: seconds in which the arm must be ready.
@@ -4772,15 +4791,15 @@ class Sections(ManualNames):
 
         Raises:
             RobotStateError: a person has to do something first, such as to release the emergency
-                stop; or the arm is not ready in time. It says what.
+                stop; or the arm is not ready in time. The message says which.
         """
         return self._runner.call(self._robot.bring_up(timeout=timeout))
 
     def recover(self, *, timeout: float = 30.0) -> RobotStates:
-        """Lead the arm out of a stop: clear, power off and on where that is needed, enable.
+        """Bring the arm out of a stop: clear, power off and on if needed, enable.
 
-        As `bring_up`; besides, a program that runs in the controller is ended, and a heartbeat
-        that was withheld beats again. Nothing moves by this.
+        It works as `bring_up`. In addition, it ends a program that runs in the controller, and
+        restarts a heartbeat that was withheld. It moves nothing.
 
         Args:
             timeout: seconds in which the arm must be ready.
@@ -4789,7 +4808,7 @@ class Sections(ManualNames):
             The states: enabled, with no program running.
 
         Raises:
-            PersonNeeded: a person has to do something first: it says what.
+            PersonNeeded: a person has to do something first: the message says what.
             RobotStateError: the arm is not ready in time.
             HeartbeatLost: no heartbeat was answered.
         """
@@ -4798,16 +4817,16 @@ class Sections(ManualNames):
     def wait_for(
         self, predicate: Callable[[Snapshot], bool], *, timeout: float | None = None
     ) -> Snapshot:
-        """Wait for a sample of the state that the predicate holds for, and return it.
+        """Wait for a sample of the state for which the predicate is true, and return it.
 
             robot.wait_for(lambda s: s.io.input(3), timeout=5.0)
 
         Args:
             predicate: called with each new sample.
-            timeout: seconds for which to wait; None for as long as it takes.
+            timeout: seconds for which to wait; None for no limit.
 
         Raises:
-            TimeoutError: none came in time.
+            TimeoutError: no such sample came in time.
             RobotStateError: the robot was closed meanwhile.
         """
         return self._runner.call(self._robot.wait_for(predicate, timeout=timeout))
@@ -4815,9 +4834,10 @@ class Sections(ManualNames):
     def stop(self) -> None:
         """Stop the arm, all tasks included (停止所有任务), and wait until it stands.
 
-        The stop waits behind nothing, is repeated over fresh connections until it is accepted,
-        and goes on to its end even if interrupted. It holds also for a motion that is on
-        its way to the controller. Motions that were running raise `TaskStopped`.
+        The stop never waits behind another call. It is repeated over fresh connections until the
+        controller accepts it, and continues to its end even if this is interrupted. It also applies
+        to a motion that is on its way to the controller. The awaits of running motions raise
+        `TaskStopped`.
 
         Raises:
             StopUnconfirmed: it is not known that the arm stands: press the emergency stop.
@@ -4850,7 +4870,7 @@ class Sections(ManualNames):
     def abort(self) -> None:
         """End the running motion and those read ahead, and wait until the arm stands.
 
-        It is not in manual 3.8, but on its wire; manual 4.3 describes it.
+        Manual 3.8 does not have it, but its wire does; manual 4.3 describes it.
 
         Raises:
             TaskError: the controller did not abort.
@@ -4859,16 +4879,16 @@ class Sections(ManualNames):
         self._runner.call(self._robot.abort())
 
     def rearm_heartbeat(self, *, timeout: float = 2.0) -> None:
-        """Go on after the event loop hung and the heartbeat was withheld.
+        """Resume the heartbeat after the event loop hung and the heartbeat was withheld.
 
-        The controller has stopped the arm by then. Nothing moves by this; motions may be started
-        again.
+        The controller has stopped the arm by then. This moves nothing; afterwards motions may be
+        started again.
 
         Args:
-            timeout: seconds in which a beat must be answered.
+            timeout: seconds within which a beat must be answered.
 
         Raises:
             ParameterError: the time is not above 0.
-            HeartbeatLost: none was.
+            HeartbeatLost: no beat was answered in time.
         """
         self._runner.call(self._robot.rearm_heartbeat(timeout=timeout))

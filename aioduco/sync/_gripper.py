@@ -1,4 +1,4 @@
-"""A gripper for programs that wait."""
+"""A gripper for blocking programs."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ class Gripper:
             gripper.activate()
             gripper.close(force=40.0)
 
-    An interrupt (Ctrl-C) halts the fingers before it goes on; what is held stays held.
+    An interrupt (Ctrl-C) halts the fingers before it is raised; a held object stays held.
 
     Args:
         robot: the robot, open.
-        make: makes the driver of a robot: a class, or a function such as `Robotiq.at_tool`.
-        *args: what else it takes.
-        **kwargs: the same by name.
+        make: the driver's class, or a function that makes the driver, such as `Robotiq.at_tool`.
+        *args: further arguments of `make`.
+        **kwargs: further keyword arguments of `make`.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class Gripper:
         return repr(self._gripper)
 
     def start(self) -> Self:
-        """Ask the gripper for its state, and go on doing so. Nothing moves.
+        """Read the gripper's state, and keep polling it. Nothing moves.
 
         Raises:
             ModbusError: the gripper does not answer as it should.
@@ -59,7 +59,7 @@ class Gripper:
         return self
 
     def shut_down(self) -> None:
-        """End asking. The gripper stays as it is, with what it holds."""
+        """End the polling. The gripper stays as it is, and keeps what it holds."""
         if self._runner.running:
             self._runner.call(self._gripper.aclose())
 
@@ -81,15 +81,15 @@ class Gripper:
 
     @property
     def state(self) -> GripperState:
-        """What the gripper said last; takes no time."""
+        """The state that was read last; this takes no time."""
         return self._gripper.state
 
     def read(self) -> GripperState:
-        """Ask the gripper for its state now: see `PolledGripper.read`."""
+        """Read the gripper's state now: see `PolledGripper.read`."""
         return self._runner.call(self._gripper.read())
 
     def activate(self) -> None:
-        """Make the gripper ready, if it has to be: see its driver."""
+        """Make the gripper ready, if it needs that: see its driver."""
         self._runner.call(self._gripper.activate())
 
     def move(
@@ -111,5 +111,5 @@ class Gripper:
         self._runner.call(self._gripper.halt())
 
     def check_held(self) -> None:
-        """Raise `ObjectLost` unless what was gripped is still held."""
+        """Raise `ObjectLost` unless the gripped object is still held."""
         self._gripper.check_held()

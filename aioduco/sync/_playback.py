@@ -1,4 +1,4 @@
-"""Recordings that are played, and waypoints that are run, for programs that wait."""
+"""Playing recordings and running waypoints, for blocking programs."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def play(
     feedback: Callable[[Feedback], object] | None = None,
     options: LaneOptions | None = None,
 ) -> TrajectoryResult:
-    """Lead the arm along a recorded path, after a check: see `aioduco.playback.play`.
+    """Move the arm along a recorded path, after a check: see `aioduco.playback.play`.
 
-    An interrupt (Ctrl-C) brings the arm to rest on the path before it goes on. `feedback` is called
-    on the robot's thread.
+    An interrupt (Ctrl-C) brings the arm to rest on the path before it is raised. `feedback` is
+    called on the robot's thread.
     """
-    from aioduco import playback  # noqa: PLC0415 - with numpy, for those who play something
+    from aioduco import playback  # noqa: PLC0415 - it loads numpy, so only when it is used
 
     work = playback.play(
         robot._robot,
@@ -57,9 +57,9 @@ def check_path_on(
     arm: Arm | str | None = None,
     envelope: Envelope | None = None,
 ) -> tuple[PathFinding, ...]:
-    """Say what speaks against leading the arm along a path: see `aioduco.playback.check_path_on`.
+    """List the reasons against moving the arm along a path: see `aioduco.playback.check_path_on`.
 
-    Nothing moves by this.
+    Nothing moves.
     """
     from aioduco import playback  # noqa: PLC0415
 
@@ -74,9 +74,9 @@ def check_waypoints_on(
     arm: Arm | str | None = None,
     envelope: Envelope | None = None,
 ) -> list[str]:
-    """Say what speaks against waypoints: see `aioduco.playback.check_waypoints_on`.
+    """List the reasons against running waypoints: see `aioduco.playback.check_waypoints_on`.
 
-    Nothing moves by this.
+    Nothing moves.
     """
     from aioduco import playback  # noqa: PLC0415
 

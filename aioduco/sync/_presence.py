@@ -1,4 +1,4 @@
-"""Which threads of the program are heard of: without a thread or a clock."""
+"""How long each thread of the program has made no call. It has no thread and no clock."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ __all__ = ["Presence"]
 
 
 class Presence:
-    """Keeps for each thread whether it is in a call, and when it left the last one.
+    """Stores for each thread whether it is in a call, and when its last call ended.
 
-    A thread writes only its own entries, so that no lock is needed.
+    A thread writes only its own entries, so no lock is needed.
     """
 
     def __init__(self) -> None:
@@ -16,16 +16,16 @@ class Presence:
         self._left: dict[int, float] = {}
 
     def enter(self, thread: int) -> None:
-        """A thread begins a call."""
+        """Note that a thread begins a call."""
         self._inside[thread] = self._inside.get(thread, 0) + 1
 
     def leave(self, thread: int, now: float) -> None:
-        """A thread's call is over."""
+        """Note that a thread's call has ended."""
         self._left[thread] = now
         self._inside[thread] -= 1
 
     def silence(self, thread: int, now: float) -> float:
-        """How long a thread has not been heard of [s]; 0.0 while it is in a call."""
+        """Time since a thread's last call ended [s]; 0.0 while it is in a call."""
         if self._inside.get(thread):
             return 0.0
         return now - self._left.get(thread, now)

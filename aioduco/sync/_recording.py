@@ -1,4 +1,4 @@
-"""A recording and a publication for programs that wait."""
+"""A recording and a publication for blocking programs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["Publication", "Recording"]
 
 
 class _Observer:
-    """What both are: begun and ended, with what went wrong."""
+    """The common part of both: begin, end, and error."""
 
     def __init__(self, runner: Runner, observer: RobotObserver) -> None:
         self._runner = runner
@@ -30,12 +30,12 @@ class _Observer:
 
     @property
     def handler(self) -> logging.Handler:
-        """Takes log lines; a program may add it to its own loggers."""
+        """The handler for log lines; a program may add it to its own loggers."""
         return self._observer.handler
 
     @property
     def running(self) -> bool:
-        """Whether what is seen is taken."""
+        """Whether the robot is being recorded or published."""
         return self._observer.running
 
     @property
@@ -49,20 +49,20 @@ class _Observer:
         return self._observer.error
 
     def start(self) -> Self:
-        """Begin: what happens from now on is seen.
+        """Begin to record or publish the robot.
 
         Raises:
             RobotStateError: the robot is not open, or this was started before.
-            RecordingError: the file cannot be written, or nothing can listen there.
+            RecordingError: the file cannot be written, or the address cannot be listened on.
             MissingExtra: the extra `record` is not installed.
         """
         self._runner.call(self._observer.start(), undo=lambda _: self._observer.stop())
         return self
 
     def stop(self) -> None:
-        """End: what was seen is written, and the file or the port is closed.
+        """Write the remaining data, and close the file or the port.
 
-        What fails is logged and not raised: `error` says it.
+        A failure is logged and not raised; it is in `error`.
         """
         if self._runner.running:
             self._runner.call(self._observer.stop())
@@ -88,7 +88,7 @@ class Recording(_Observer):
 
     @property
     def path(self) -> Path:
-        """The file; if there was one of its name, a number was added to it."""
+        """The file; if one of its name existed, a number was added to the name."""
         return self._recording.path
 
     def statistics(self) -> RecordingStatistics:
@@ -105,12 +105,12 @@ class Publication(_Observer):
 
     @property
     def port(self) -> int:
-        """The port that it listens on; before the start, the one that was asked for."""
+        """The port that it listens on; before the start, the requested one."""
         return self._publication.port
 
     @property
     def url(self) -> str:
-        """Where watchers connect to, such as `ws://127.0.0.1:8765`."""
+        """The address to which watchers connect, such as `ws://127.0.0.1:8765`."""
         return self._publication.url
 
     def statistics(self) -> PublicationStatistics:

@@ -1,4 +1,4 @@
-"""The robot for programs that wait."""
+"""The robot for blocking programs."""
 
 from __future__ import annotations
 
@@ -52,53 +52,53 @@ def connect(
     hold_limit: float | None = 1.0,
     program_limit: float | None = None,
 ) -> Robot:
-    """Name a robot; `with` connects to it, and leaves it standing.
+    """Create a robot; `with` connects to it, and stops the arm when its block is left.
 
         with aioduco.sync.connect("192.168.1.10") as robot:
             robot.bring_up()
             robot.motion.movej2(home, v=1.0, a=1.0)
 
-    The robot lives in an event loop on a thread of its own. So the heartbeat tells the controller
-    that this thread lives, not that the program's own does. What that leaves open, `hold_limit`
-    and `program_limit` close.
+    The robot runs in an event loop on a thread of its own. So the heartbeat shows the controller
+    that this thread is alive, not that the program's own thread is. `hold_limit` and
+    `program_limit` stop motions when the program's own thread makes no calls.
 
     Args:
-        host: name or address of the controller; 192.168.1.10 as it comes from the factory.
+        host: name or address of the controller; 192.168.1.10 by the factory setting.
         port: its TCP port.
-        call_timeout: most seconds that a call takes, the wait for a connection included.
-        connect_timeout: most seconds that opening a connection takes.
-        pool_size: most connections for calls other than motions and supervision, 1 to 64.
-        heartbeat: seconds without a sign of life of the robot's thread after which the
-            controller stops the arm, 0.2 to 60; None for no heartbeat: a lost connection then
-            stops nothing.
-        loop_stall_limit: seconds without the robot's thread running after which the program
-            counts as hung, and the heartbeat is withheld.
+        call_timeout: maximum seconds for a call, the wait for a connection included.
+        connect_timeout: maximum seconds for opening a connection.
+        pool_size: maximum number of connections for calls other than motions and supervision, 1 to
+            64.
+        heartbeat: seconds without a heartbeat of the robot's thread after which the controller
+            stops the arm, 0.2 to 60; None for no heartbeat: a lost connection then stops nothing.
+        loop_stall_limit: seconds for which the robot's thread may fail to run. After that the
+            program counts as hung, and the heartbeat is withheld.
         on_cancel: what happens to the arm when a wait for a motion is interrupted: "stop",
             "pause", or "detach" (it moves on).
-        stop_timeout: seconds in which a stop must be accepted by the controller.
-        standstill_timeout: seconds in which the arm must stand after that.
-        unanswered_timeout: most seconds for which a motion that was sent and not answered is
-            waited for after its call_timeout. The arm is stopped at once, but the motion may reach
-            the controller late, and no await of it returns before that is ruled out.
-        exit_ladder: what is done on the way out, and the time for each of it; None for all of it,
-            with the times above.
-        guard: "process" to have stop and heartbeat in a small process of their own, one for all
+        stop_timeout: seconds within which the controller must accept a stop.
+        standstill_timeout: seconds within which the arm must stand after that.
+        unanswered_timeout: maximum seconds to wait, after its call_timeout, for a motion that was
+            sent and not answered. The arm is stopped at once, but the motion may reach the
+            controller late, and no wait for it returns before that is ruled out.
+        exit_ladder: the steps when the robot is closed, and the time for each of them; None for
+            all of them, with the times above.
+        guard: "process" to run stop and heartbeat in a small process of their own, one for all
             robots of the program. None: on threads of the program.
-        state_rate: samples of the state a second, once `robot.feed` is used, up to 1000 [Hz].
+        state_rate: samples of the state per second, once `robot.feed` is used, up to 1000 [Hz].
         lag_limit: seconds for which the robot's thread may be blocked without a warning that
             says where; None for no warnings.
-        trace: a hook that sees each call and each connection, see `aioduco.trace`; it is called
-            on the robot's threads.
+        trace: a hook for each call and each connection, see `aioduco.trace`; it is called on the
+            robot's threads.
         record: a file, such as "run.mcap", to which the robot is recorded from its opening to its
-            closing; `Robot.recording` is that recording. A file that exists is kept: a number is
+            closing; `Robot.recording` is that recording. An existing file is kept: a number is
             added to the name. None for no recording; `Robot.record` makes one at any time.
         clock: the controller's time, by which times of the arm are measured; None for the time of
             this computer, which is right for every real arm. It is read on the robot's thread.
-        hold_limit: seconds without a call on the robot by the thread that started it after which
-            a motion without an end of its own (a jog, a velocity, with `time=None`) is stopped;
-            None for no limit. A call that is under way counts, and so does `Robot.sleep`.
+        hold_limit: seconds for which the thread that started a motion without an end of its own (a
+            jog, a velocity, with `time=None`) may make no call on the robot. After that the motion
+            is stopped. None for no limit. A call in progress counts, and so does `Robot.sleep`.
         program_limit: the same for every motion that was started; None for no limit: a motion
-            to a target then goes on to it, whatever the program does.
+            to a target then continues to its target, whatever the program does.
 
     Returns:
         The robot, not connected yet.
@@ -137,9 +137,10 @@ def connect(
 class Robot(Sections):
     """A robot arm and its controller. Made by `connect`, used in `with`.
 
-    Any thread may use it. Calls return when they are done; an interrupt (Ctrl-C) in one that
-    waits for a motion stops the arm before it goes on. Leaving the `with` block stops what this
-    program moves, sees it stand, and closes; so does the end of a program that forgot to.
+    Any thread may use it. Calls return when they are done; an interrupt (Ctrl-C) in a call that
+    waits for a motion stops the arm before it is raised. Leaving the `with` block stops this
+    program's motions, waits until the arm stands, and closes the robot. The end of a program that
+    did not close the robot does the same.
     """
 
     def __init__(self, runner: Runner) -> None:
@@ -167,30 +168,30 @@ class Robot(Sections):
         return self._robot.port
 
     def open(self) -> None:
-        """Connect, see that a controller answers, and start the heartbeat.
+        """Connect, check that a controller answers, and start the heartbeat.
 
-        For notebooks and prompts: between two cells, and while one computes, the heartbeat goes
-        on. Programs use `with`, which closes whatever happens.
+        This is for notebooks and interactive prompts: between two cells, and while a cell computes,
+        the heartbeat continues. Programs use `with`, which closes the robot in every case.
 
         Raises:
             ConnectError: the host is unknown, the port is closed, or nothing answers.
-            NotAController: something else than a controller answers.
-            ConnectTimeout: something accepts connections, but answers nothing.
+            NotAController: something other than a controller answers.
+            ConnectTimeout: something accepts connections, but does not answer.
             RobotStateError: it was opened before.
         """
         self._runner.open()
 
     def close(self) -> None:
-        """Stop what this program moves, see it stand, end the heartbeat, close.
+        """Stop this program's motions, wait until the arm stands, end the heartbeat, close.
 
-        It is gone through to its end even if it is interrupted.
+        This runs to its end even if it is interrupted.
 
         Raises:
             StopUnconfirmed: it is not known that the arm stands.
         """
         self._runner.close()
 
-    if not TYPE_CHECKING:  # for a type checker they are not there, as they are of no use
+    if not TYPE_CHECKING:  # hidden from type checkers, since these methods only raise an error
 
         async def __aenter__(self) -> None:
             raise TypeError(
@@ -199,7 +200,7 @@ class Robot(Sections):
             )
 
         async def __aexit__(self, *_: object) -> None:
-            """Python asks for it before it enters."""
+            """Do nothing: Python looks this method up before it calls `__aenter__`."""
 
     def __enter__(self) -> Self:
         self.open()
@@ -215,7 +216,7 @@ class Robot(Sections):
 
     @property
     def tasks(self) -> tuple[Task, ...]:
-        """The tasks of this program that live, in the order of their acceptance."""
+        """The tasks of this program that have not ended, in the order of their acceptance."""
         return tuple(Task(self._runner, task) for task in self._robot.tasks)
 
     @property
@@ -229,14 +230,14 @@ class Robot(Sections):
 
     @property
     def feed(self) -> Feed:
-        """Samples of the robot's state at a steady rate; it begins when it is first used."""
+        """Samples of the robot's state at a steady rate; the sampling begins at the first use."""
         if self._feed is None:
             self._feed = Feed(self._runner, self._robot.feed)
         return self._feed
 
     @property
     def events(self) -> Events:
-        """What happens to the robot, as it is seen."""
+        """The robot's events, as they are observed."""
         if self._events is None:
             self._events = Events(self._runner, self._robot.events)
         return self._events
@@ -256,20 +257,20 @@ class Robot(Sections):
     def record(self, path: str | PathLike[str], *, forces: bool = True) -> Recording:
         """Record the robot to an MCAP file: `with robot.record("run.mcap"):`.
 
-        Recorded are the samples of the feed at its rate, commands with their answers, tasks,
+        The file gets the samples of the feed at its rate, commands with their answers, tasks,
         events, figures and set-points of streams, and this package's log lines. Nothing waits for
-        the file; if it cannot be written any more, the recording ends, and the program goes on.
+        the file; if it cannot be written any more, the recording ends, and the program continues.
 
         Args:
-            path: the file. One that exists is kept: a number is added to the name.
-            forces: whether samples have forces, too: two more questions to the controller for
-                each, see `Feed.forces`.
+            path: the file. An existing file is kept: a number is added to the name.
+            forces: whether samples include forces: two more calls to the controller for each
+                sample, see `Feed.forces`.
 
         Returns:
             The recording, not started yet. Closing the robot ends it.
 
         Raises:
-            ParameterError: the path is no name of a file.
+            ParameterError: the path is not the name of a file.
         """
         made = self._runner.look(lambda: self._robot.record(path, forces=forces))
         return Recording(self._runner, made)
@@ -279,16 +280,17 @@ class Robot(Sections):
     ) -> Publication:
         """Publish the robot live on a WebSocket: `with robot.publish():`.
 
-        What `record` writes to a file is sent to every watcher that connects, on the same
-        channels: Foxglove and Lichtblick show it, and any program that speaks Foxglove's protocol
-        reads it. Watchers only watch. Nothing waits for them: one that is too slow loses messages.
+        Every watcher that connects gets the data that `record` writes to a file, on the same
+        channels. Foxglove and Lichtblick show it, and any program with Foxglove's protocol reads
+        it. Watchers cannot send commands. Nothing waits for them: a watcher that is too slow loses
+        messages.
 
         Args:
-            port: port to listen on; 0 for a free one, which `Publication.port` tells.
-            host: address of this computer to listen on. Anything but loopback lets everybody in
-                that network watch: there is no password.
-            forces: whether samples have forces, too: two more questions to the controller for
-                each, see `Feed.forces`.
+            port: port to listen on; 0 for a free one, see `Publication.port`.
+            host: address of this computer to listen on. An address other than loopback lets
+                everybody in that network watch: there is no password.
+            forces: whether samples include forces: two more calls to the controller for each
+                sample, see `Feed.forces`.
 
         Returns:
             The publication, not started yet. Closing the robot ends it.
@@ -306,10 +308,10 @@ class Robot(Sections):
         return None if made is None else Recording(self._runner, made)
 
     def sleep(self, seconds: float) -> None:
-        """Let time pass. Unlike `time.sleep` it counts as a call: see `hold_limit` of `connect`.
+        """Wait. Unlike `time.sleep`, this counts as a call: see `hold_limit` of `connect`.
 
         Args:
-            seconds: how long.
+            seconds: duration of the wait [s].
         """
         self._runner.sleep(seconds)
 
@@ -319,10 +321,10 @@ class Robot(Sections):
         It returns when the controller has accepted the stop; the arm is then slowing down.
 
         Args:
-            timeout: seconds in which a stop must be accepted.
+            timeout: seconds within which a stop must be accepted.
 
         Raises:
-            StopUnconfirmed: none was: press the emergency stop.
+            StopUnconfirmed: no stop was accepted: press the emergency stop.
 
         Manual section 1.3.3.
         """

@@ -1,12 +1,13 @@
-"""An event loop on a thread of its own, in which one robot lives.
+"""An event loop on a thread of its own, which runs one robot.
 
 Guarantees:
-- A call that is interrupted (Ctrl-C, or whatever else a signal handler raises) is cancelled on
-  the loop, and seen to its end there, before the interrupt goes on: a motion that was waited for
-  has been stopped by then. A second Ctrl-C does not cut that short.
-- When the main thread ends and the robot was not closed, it is closed, which stops what this
-  program moves. The loop's thread keeps the process alive for so long.
-- A motion without an end of its own does not outlive the attention of the thread that holds it.
+- A call that is interrupted (by Ctrl-C, or by another exception of a signal handler) is cancelled
+  on the loop, and runs to its end there, before the interrupt is raised: a motion that the call
+  waited for has been stopped by then. A second Ctrl-C does not shorten this.
+- If the main thread ends without closing the robot, the loop's thread closes it, which stops this
+  program's motions. The loop's thread keeps the process alive until then.
+- A motion without an end of its own is stopped when the thread that holds it has made no call for
+  `hold_limit`.
 """
 
 from __future__ import annotations
@@ -32,17 +33,17 @@ __all__ = ["Runner", "StartedCall"]
 
 _log = BackgroundLogger(__name__)
 
-#: seconds between two looks at the main thread, and at who holds a motion
+#: seconds between two checks of the main thread, and of the threads that hold motions
 _WATCH_EVERY = 0.05
-#: seconds between two moments at which a waiting thread can take an interrupt, where the system
-#: does not wake it for one
+#: seconds between two wake-ups of a waiting thread, at which it can take an interrupt on systems
+#: that do not wake it for one
 _WAKE_EVERY = 0.2
 
 T = TypeVar("T")
 
 
 class StartedCall(Generic[T]):
-    """One await on the loop, and the thread that waits for it."""
+    """A coroutine that runs on the loop while a thread waits for it."""
 
     def __init__(self, work: Coroutine[Any, Any, T]) -> None:
         self._work = work
@@ -53,23 +54,23 @@ class StartedCall(Generic[T]):
         self.error: BaseException | None = None
 
     async def run(self) -> None:
-        """Do the work; on the loop."""
+        """Run the coroutine; on the loop."""
         try:
             if self._withdrawn:
                 return
             with anyio.CancelScope() as self._scope:
                 self.answers.append(await self._work)
-        except Exception as exc:  # it is raised in the thread that waits
+        except Exception as exc:  # it is raised in the waiting thread
             self.error = exc
         finally:
             self._work.close()
             self.over.set()
 
     def withdraw(self) -> bool:
-        """Cancel the work, or see that it does not begin; on the loop.
+        """Cancel the work, or prevent its start; on the loop.
 
         Returns:
-            Whether it has begun: then its end is to be waited for.
+            Whether it has begun: then the caller must wait for its end.
         """
         self._withdrawn = True
         if self._scope is None:
@@ -85,7 +86,7 @@ class StartedCall(Generic[T]):
 
 
 class Runner:
-    """Runs one robot's event loop, and hands calls to it.
+    """Runs one robot's event loop, and passes calls to it.
 
     Args:
         robot: the robot, not open yet.
@@ -100,9 +101,9 @@ class Runner:
         self._program_limit = program_limit
         self._presence = Presence()
         self._holders: dict[int, int] = {}
-        #: tasks that were stopped since nobody held them any more
+        #: ids of the tasks that were stopped because their thread made no call for too long
         self._let_go: set[int] = set()
-        #: what is awaited when the robot has been closed, such as the ends of its streams
+        #: functions that are awaited after the robot has been closed: the ends of its streams
         self._at_close: list[Callable[[], Awaitable[None]]] = []
         self._portal: BlockingPortal | None = None
         self._ready = threading.Event()
@@ -141,7 +142,7 @@ class Runner:
             _to_the_end(self._thread.join)
 
     def ask_to_close(self) -> None:
-        """Have the robot closed and the thread end, without waiting; from anywhere."""
+        """Request that the loop closes the robot and ends; do not wait. From any thread."""
         self._asked_to_end = True
 
     def call(
@@ -149,12 +150,12 @@ class Runner:
         work: Coroutine[Any, Any, T],
         undo: Callable[[T], Coroutine[Any, Any, object]] | None = None,
     ) -> T:
-        """Do work on the loop, and wait for it.
+        """Run work on the loop, and wait for it.
 
         Args:
-            work: what is awaited there.
-            undo: awaited with the result if an interrupt comes when the work is done, and nobody
-                would get to know the result.
+            work: the coroutine to run there.
+            undo: called with the result and awaited, if an interrupt comes when the work is done,
+                so that the caller does not get the result.
 
         Returns:
             The result.
@@ -185,7 +186,7 @@ class Runner:
         return call.answers[0]
 
     def start(self, work: Coroutine[Any, Any, T]) -> StartedCall[T]:
-        """Have work done on the loop, which goes on to its end, and wait for nothing.
+        """Run work on the loop to its end, without waiting for it.
 
         Raises:
             RobotStateError: the robot is not open.
@@ -196,21 +197,21 @@ class Runner:
         return call
 
     def look(self, function: Callable[[], T]) -> T:
-        """Call something that does not wait, on the loop if it runs."""
+        """Call a function that does not block, on the loop if it runs."""
         if threading.get_ident() == self._thread.ident or not self.running:
             return function()
         return self.call(_await(function))
 
     def sleep(self, seconds: float) -> None:
-        """Let time pass; the thread counts as heard of meanwhile."""
+        """Wait; this counts as a call of the thread."""
         self.call(anyio.sleep(seconds))
 
     def holds(self, task: Task) -> None:
-        """Say that the calling thread has to do with a task."""
+        """Note that the calling thread holds a task."""
         self._holders[task.id] = threading.get_ident()
 
     def was_let_go(self, task: Task) -> bool:
-        """Whether a task was stopped because the program was not heard of."""
+        """Whether a task was stopped because its thread made no call for too long."""
         return task.id in self._let_go
 
     def _hand_over(self, call: StartedCall[T], work: Coroutine[Any, Any, T]) -> None:
@@ -240,7 +241,7 @@ class Runner:
         def withdraw() -> None:
             try:
                 begun = portal.call(call.withdraw)
-            except RuntimeError:  # the loop ends, and with it whatever was begun
+            except RuntimeError:  # the loop ends, and with it all work that was begun
                 return
             if begun:
                 call.wait()
@@ -252,14 +253,14 @@ class Runner:
             _to_the_end(undoing.wait)
             call.error = undoing.error
 
-    # What follows runs on the loop.
+    # The methods below run on the loop.
 
     def at_close(self, work: Callable[[], Awaitable[None]]) -> None:
-        """Have something awaited when the robot has been closed."""
+        """Register a function that is awaited after the robot has been closed."""
         self._at_close.append(work)
 
     def not_at_close(self, work: Callable[[], Awaitable[None]]) -> None:
-        """Take that back, if it was asked for."""
+        """Remove a function that was registered by `at_close`, if it was."""
         if work in self._at_close:
             self._at_close.remove(work)
 
@@ -308,7 +309,7 @@ class Runner:
 
     def _limit(self, task: Task) -> float | None:
         held = task.continuous
-        # In hand guiding it is a person who leads, and the arm rests when nobody does.
+        # In hand guiding a person moves the arm, and it stands when nobody does.
         endless = held is not None and held.time is None and not held.until_told
         limits = [self._program_limit, self._hold_limit if endless else None]
         return min((limit for limit in limits if limit is not None), default=None)
@@ -319,7 +320,7 @@ async def _await(function: Callable[[], T]) -> T:
 
 
 def _to_the_end(wait: Callable[[], object]) -> None:
-    """Wait, through any number of interrupts by Ctrl-C; the caller raises the first one."""
+    """Wait, and ignore every further Ctrl-C; the caller raises the first one."""
     while True:
         try:
             wait()

@@ -1,4 +1,4 @@
-"""The stop of several robots, for programs that wait."""
+"""The stop of several robots, for blocking programs."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ __all__ = ["stop_all"]
 def stop_all(robots: Iterable[Robot]) -> None:
     """Stop several arms (停止所有机械臂), and wait until all stand.
 
-    All are told before any is waited for, and each stop goes on to its end, as `Robot.stop`,
-    whatever becomes of the others, and even if this is interrupted.
+    All stops are sent before any of them is waited for. Each stop runs to its end, as `Robot.stop`
+    does, whatever happens to the others, and even if this is interrupted.
 
     Args:
         robots: the robots.
 
     Raises:
-        StopsUnconfirmed: of some it is not known that they stand, or they were not open; the
-            others stand. Press their emergency stops.
+        StopsUnconfirmed: some arms are not known to stand, or their robots were not open; the
+            others stand. Press the emergency stops of the former.
 
     Manual section 1.3.3.
     """
@@ -42,7 +42,7 @@ def stop_all(robots: Iterable[Robot]) -> None:
             left.pop(0)
         except DucoError as exc:
             errors[left.pop(0)] = exc
-        except KeyboardInterrupt as interrupt:  # told once more, which is safe, and so are the rest
+        except KeyboardInterrupt as interrupt:  # this stop is sent again, which is safe
             interrupts.append(interrupt)
     for call in started.values():
         interrupts += _waited_for(call)
@@ -59,7 +59,7 @@ def stop_all(robots: Iterable[Robot]) -> None:
 
 
 def _waited_for(call: StartedCall[None]) -> list[KeyboardInterrupt]:
-    """Wait for the end of a call; the interrupts that came meanwhile."""
+    """Wait for the end of a call, and return the interrupts that came in the meantime."""
     interrupts = []
     while not call.over.is_set():
         try:

@@ -1,8 +1,8 @@
-"""Streams of set-points for programs that wait.
+"""Streams of set-points for blocking programs.
 
-The stream itself lives on the robot's event loop, with its worker beside it: what is waited for
-here is only that a set-point has been taken. A program that computes too long between two of them
-is noticed by the stream's `hold`.
+The stream itself runs on the robot's event loop, with its worker beside it: the functions here only
+wait until a set-point has been taken. If a program computes longer than the stream's `hold` between
+two set-points, the stream ends.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ class Stream:
     """A stream of set-points to the controller. Use it in `with`.
 
     Entering starts the worker and connects it; the arm does not move before the first set-point.
-    Leaving follows what was sent to its end and leaves the arm at rest. Leaving by an error or
-    by an interrupt (Ctrl-C) brings the arm to rest at once. So does closing the robot.
+    Leaving follows the sent set-points to their end and leaves the arm at rest. Leaving by an error
+    or by an interrupt (Ctrl-C) brings the arm to rest at once. So does closing the robot.
     """
 
     def __init__(self, runner: Runner, stream: aio_stream.Stream) -> None:
         self._runner = runner
         self._stream = stream
-        #: how it ended, if the robot was closed before it
+        #: the error with which it ended, if the robot was closed before it
         self._cut_off: StreamError | None = None
 
     def __repr__(self) -> str:
@@ -69,12 +69,12 @@ class Stream:
 
     @property
     def taken(self) -> int:
-        """How many of the program's set-points the worker has taken."""
+        """Number of the program's set-points that the worker has taken."""
         return self._runner.look(lambda: self._stream.taken)
 
     @property
     def pid(self) -> int | None:
-        """The worker's process; None for a thread, and before it is started."""
+        """Id of the worker's process; None for a thread, and before it is started."""
         return self._runner.look(lambda: self._stream.pid)
 
     @property
@@ -110,10 +110,10 @@ class Stream:
         exc: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """End the stream and see its worker go.
+        """End the stream and wait until its worker has exited.
 
         Raises:
-            StreamError: the stream ended by something else than this, and no error is under way.
+            StreamError: the stream ended for another reason, and the block raised no error.
         """
         if self._runner.running:
             self._runner.call(self._close(exc))
@@ -129,20 +129,20 @@ class Stream:
         self._runner.not_at_close(self._leave)
 
     async def _leave(self) -> None:
-        """The robot has been closed, and has ended the stream."""
+        """Close the stream after the robot's closing has ended it."""
         try:
             await self._stream.__aexit__(None, None, None)
         except StreamError as exc:
             self._cut_off = exc
 
     def ended(self) -> None:
-        """Wait until the stream has ended, for whatever reason, and its worker is gone."""
+        """Wait until the stream has ended, for whatever reason, and its worker has exited."""
         self._runner.call(self._stream.ended())
 
     def halt(self) -> None:
         """Send nothing more; from any thread or signal handler, at once.
 
-        The arm is not decelerated by this: it is for those who stop the robot themselves.
+        This does not decelerate the arm: it is for callers that stop the robot themselves.
         """
         self._stream.halt()
 
@@ -151,38 +151,39 @@ class Stream:
     def send(self, point: VectorLike) -> None:
         """Send one set-point.
 
-        The first one waits until the worker has compared it with where the arm is. Later ones
-        wait while enough are queued, or never, if the stream takes only the latest.
+        The first call waits until the worker has compared the set-point with the arm's position.
+        Later calls wait while enough set-points are queued; if the stream takes only the latest
+        one, they never wait.
 
         Args:
             point: the set-point, in the stream's units. Shape (6,).
 
         Raises:
-            ParameterError: it is not allowed; nothing was sent, and the stream goes on.
-            SetPointTooFar: it is too far from the one before; nothing was sent.
-            StreamError: the stream has ended; says why.
+            ParameterError: it is not allowed; nothing was sent, and the stream continues.
+            SetPointTooFar: it is too far from the previous one; nothing was sent.
+            StreamError: the stream has ended; the error says why.
         """
         self._runner.call(self._stream.send(point))
 
     def send_chunk(self, actions: Any, at: float | None = None) -> None:
-        """Send a chunk of actions; from its time on it replaces what was sent before.
+        """Send a chunk of actions; from its time on it replaces the actions sent before.
 
-        For streams opened with `chunks=True`. The actions are as far apart as `source_rate` says.
-        Where this chunk and what was sent before disagree, the worker blends from one to the
-        other within the stream's limits. Actions whose time has passed are left out, and counted:
-        `StreamStatistics.chunks_late`, `chunks_dropped` and `actions_late`. Behind the last action
+        For streams opened with `chunks=True`. `source_rate` is the rate of the actions. Where this
+        chunk and the earlier actions differ, the worker blends from one to the other within the
+        stream's limits. Actions whose time has passed are left out, and counted:
+        `StreamStatistics.chunks_late`, `chunks_dropped` and `actions_late`. After the last action
         the arm stands; after `hold` the stream ends.
 
         Args:
             actions: set-points in the stream's units, 1 to 1000 of them. Shape (n, 6).
-            at: when the first one is due, by `time.monotonic()`, up to 60 s from now [s]. For
+            at: due time of the first action, by `time.monotonic()`, up to 60 s from now [s]. For
                 actions of a policy that is the time of the observation. None: now.
 
         Raises:
-            ParameterError: it is not allowed; nothing was sent, and the stream goes on.
-            SetPointTooFar: two neighbours are further from one another than `max_step`, or it is
-                further from what was sent before; nothing was sent.
-            StreamError: the stream has ended; says why.
+            ParameterError: it is not allowed; nothing was sent, and the stream continues.
+            SetPointTooFar: two neighbours are further apart than `max_step`, or the chunk is
+                further than that from the actions sent before; nothing was sent.
+            StreamError: the stream has ended; the error says why.
         """
         self._runner.call(self._stream.send_chunk(actions, at))
 
@@ -190,10 +191,10 @@ class Stream:
         """Send every set-point of an iterator, to its end.
 
         Args:
-            source: gives the set-points.
+            source: the iterable of set-points.
 
         Raises:
-            StreamError: the stream has ended; says why.
+            StreamError: the stream has ended; the error says why.
         """
         for point in source:
             self.send(point)
@@ -201,35 +202,35 @@ class Stream:
     def play(self, trajectory: Any, times: Any = None) -> None:
         """Send a whole array, and wait until the worker has taken it.
 
-        All of it is checked before any of it is sent. It is brought to the stream's rate by
-        monotone cubic interpolation, and queued as far ahead as the ring is long, so that a
-        stall of the program does not reach the arm.
+        The whole array is checked before any of it is sent. It is resampled to the stream's rate
+        by monotone cubic interpolation, and queued as far ahead as the ring buffer is long, so that
+        a stall of the program does not affect the arm.
 
         Args:
             trajectory: the set-points. Shape (n, 6).
-            times: when each is due, rising, from the first one on [s]. Shape (n,). None: one
-                for each period of the stream.
+            times: due times of the set-points, ascending, from the first one on [s]. Shape (n,).
+                None: one for each period of the stream.
 
         Raises:
             ParameterError: the array is not allowed; nothing was sent.
-            SetPointTooFar: two neighbours are too far from one another; nothing was sent.
-            StreamError: the stream has ended; says why.
+            SetPointTooFar: two neighbours are too far apart; nothing was sent.
+            StreamError: the stream has ended; the error says why.
         """
         self._runner.call(self._stream.play(trajectory, times))
 
     def ticks(self, rate: float | None = None) -> Iterator[Tick]:
-        """Rounds of the program's own loop, on an absolute schedule.
+        """Pace the program's own loop, on an absolute schedule.
 
             for tick in stream.ticks(30):
                 stream.send(policy(tick.time))
 
-        Ticks for which the program is not ready in time are left out, never made up for.
+        Ticks for which the program is not ready in time are skipped, and not made up for.
 
         Args:
-            rate: ticks per second [Hz]; None: as many as the stream takes set-points.
+            rate: ticks per second [Hz]; None: the rate at which the stream takes set-points.
 
         Raises:
-            StreamError: the stream has ended; says why.
+            StreamError: the stream has ended; the error says why.
         """
         ticks = self._stream.ticks(rate)
 
@@ -241,16 +242,16 @@ class Stream:
 
 
 class OffsetStream(Stream):
-    """A stream of offsets in the tool's frame, each from where the one before led to.
+    """A stream of offsets in the tool's frame, each from the target of the one before.
 
     `send` takes one offset (x, y, z [m], rx, ry, rz [rad]), `play` a list of them without times.
     """
 
 
 class TrackStream(Stream):
-    """A stream into the track pool: points of a path, each perhaps with outputs to set.
+    """A stream into the track pool: points of a path, optionally with outputs to set.
 
-    `play` takes no times: the controller plans them, by speed and acceleration.
+    `play` takes no times: the controller plans them from speed and acceleration.
     """
 
     def __init__(self, runner: Runner, stream: aio_track.TrackStream) -> None:
@@ -260,14 +261,14 @@ class TrackStream(Stream):
     def send(self, point: VectorLike, op: Op | None = None) -> None:
         """Send one point of the path.
 
-        The first points wait in the worker until there are enough of them to begin.
+        The worker keeps the first points until there are enough of them to begin.
 
         Args:
             point: the point, in the stream's units. Shape (6,).
-            op: what is set there; only for streams opened with `operations`.
+            op: outputs to set there; only for streams opened with `operations`.
 
         Raises:
-            ParameterError: it is not allowed; nothing was sent, and the stream goes on.
-            StreamError: the stream has ended; says why.
+            ParameterError: it is not allowed; nothing was sent, and the stream continues.
+            StreamError: the stream has ended; the error says why.
         """
         self._runner.call(self._track.send(point, op))

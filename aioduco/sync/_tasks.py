@@ -1,4 +1,4 @@
-"""Motions and tasks for programs that wait."""
+"""Motions and tasks for blocking programs."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ P = ParamSpec("P")
 class Task:
     """A task that the controller accepted. `with task:` ties it to a block.
 
-    When the block is left, a motion with an end of its own is waited for, and one without is
-    ended. If the block raises, the arm is stopped, or what `on_cancel` says.
+    Leaving the block waits for a motion with an end of its own, and ends a motion without one. If
+    the block raises, the arm is stopped, paused or left moving, as `on_cancel` says.
 
-    The controller stops, pauses and resumes all its tasks together, never one alone: so do
-    `cancel`, `pause` and `resume`.
+    The controller stops, pauses and resumes all its tasks together, never one alone. So `cancel`,
+    `pause` and `resume` act on all of them.
     """
 
     def __init__(self, runner: Runner, task: aio_task.Task) -> None:
@@ -96,17 +96,17 @@ class Task:
 
     @property
     def outcome(self) -> Outcome | None:
-        """How the task ended; None while it lives."""
+        """How the task ended; None before its end."""
         return self._task.outcome
 
     @property
     def done(self) -> bool:
-        """Whether the task has ended, or was lost sight of."""
+        """Whether the task has ended, or its end cannot be determined any more."""
         return self._task.done
 
     @property
     def errors(self) -> tuple[str, ...]:
-        """What a task that failed added to the controller's error list since its acceptance."""
+        """Entries of a failed task on the controller's error list, since its acceptance."""
         return self._task.errors
 
     @property
@@ -120,11 +120,11 @@ class Task:
         return self._task.remaining
 
     def progress(self) -> float | None:
-        """Ask where the arm is, and tell which part of the way it has gone, 0 to 1.
+        """Read the arm's position, and return the fraction of the way that is done, 0 to 1.
 
         Returns:
-            None if it is unknown: it is known of `movej2` if the arm stood when it was accepted,
-            and of every motion that has finished (1).
+            The fraction; None if it is unknown. It is known for `movej2` if the arm stood when the
+            motion was accepted, and for every motion that has finished (1).
 
         Raises:
             ConnectionLost: the controller does not answer.
@@ -142,17 +142,17 @@ class Task:
     def wait(self, timeout: float | None = None) -> Outcome:
         """Wait for the end of the task.
 
-        An interrupt (Ctrl-C) stops the arm before it goes on, or does what `on_cancel` says.
+        An interrupt (Ctrl-C) stops the arm, or does what `on_cancel` says, before it is raised.
 
         Args:
-            timeout: seconds for which to wait; None for as long as it takes.
+            timeout: seconds for which to wait; None for no limit.
 
         Returns:
             How it ended: finished or blended.
 
         Raises:
             TaskError: it ended otherwise: one of the subclasses.
-            TimeoutError: it has not ended in time. It goes on.
+            TimeoutError: it has not ended in time; it continues.
         """
         self._runner.holds(self._task)
         return self._noting(lambda: self._runner.call(self._wait(timeout)))
@@ -171,9 +171,9 @@ class Task:
         return self._task.result()
 
     def states(self) -> Iterator[TaskState]:
-        """Each state from the first on, once, until the end.
+        """Iterate over the task's states, each of them once, until the end.
 
-        Leaving the loop does nothing to the arm. An interrupt while it waits does: see `wait`.
+        Leaving the loop does not affect the arm. An interrupt while it waits does: see `wait`.
         """
         states = aiter(self._task)
 
@@ -203,10 +203,10 @@ class Task:
         return self._runner.call(self._task.cancel())
 
     def end(self) -> Outcome:
-        """End a motion that goes on by the function made for that, and wait until the arm stands.
+        """End a motion without an end of its own by its own function; wait until the arm stands.
 
-        Other tasks go on. A motion that comes to an end by itself is cancelled. What cannot be
-        ended is stopped.
+        Other tasks continue. A motion with an end of its own is cancelled. If the function fails,
+        the arm is stopped.
 
         Returns:
             The outcome of this task.
@@ -248,7 +248,7 @@ class MotionCommand:
 
     def __init__(self, runner: Runner, command: aio_command.MotionCommand) -> None:
         self._runner = runner
-        #: the same motion for programs that await
+        #: the same motion for asyncio programs
         self.awaitable = command
 
     def __repr__(self) -> str:
@@ -257,7 +257,7 @@ class MotionCommand:
     def run(self) -> Outcome:
         """Send the motion and wait for its end.
 
-        An interrupt (Ctrl-C) stops the arm before it goes on.
+        An interrupt (Ctrl-C) stops the arm before it is raised.
 
         Returns:
             How it ended: finished or blended.
@@ -269,7 +269,7 @@ class MotionCommand:
             OutcomeUnknown: it was sent, but not answered; the arm was stopped.
             ConnectionLost: it was not sent.
         """
-        self.awaitable.hand_over()  # if it cannot be sent, an error is raised
+        self.awaitable.hand_over()  # no warning of an unused motion: a failure raises an error
         return self._runner.call(self._run())
 
     async def _run(self) -> Outcome:
@@ -296,10 +296,10 @@ class MotionCommand:
 
 
 class MotionPath:
-    """A path made of motions, which blend; tied to a block. `robot.motion.path` makes it.
+    """A path of motions that blend, for use in `with`. `robot.motion.path` makes it.
 
-    When the block is left, the arm has come to the end of the last one. If the block raises, the
-    arm is stopped, or what `on_cancel` says.
+    When the block is left, the arm has reached the end of the last motion. If the block raises, the
+    arm is stopped, paused or left moving, as `on_cancel` says.
     """
 
     def __init__(self, runner: Runner, path: aio_path.MotionPath) -> None:
@@ -311,27 +311,27 @@ class MotionPath:
 
     @property
     def ahead(self) -> int:
-        """How many motions the controller has at most, the running one included."""
+        """Maximum number of motions in the controller, the running one included."""
         return self._path.ahead
 
     @property
     def outcomes(self) -> tuple[Outcome, ...]:
-        """How the motions ended that are known to have: finished or blended."""
+        """Outcomes of the motions that are known to have ended: finished or blended."""
         return self._path.outcomes
 
     def add(self, motion: MotionCommand) -> Task:
         """Send a motion behind the others, and return its task when it is accepted.
 
-        While the controller has `ahead` motions, it waits before that until one of them has ended.
-        So the program is ahead of the arm: what is to happen at a place belongs into an `op` of
-        the motion, or behind the block.
+        While the controller has `ahead` motions, this first waits until one of them has ended. So
+        the program is ahead of the arm: put an action for a certain place into an `op` of the
+        motion, or behind the block.
 
         Args:
             motion: the motion, such as `robot.motion.movel.prepare(..., r=0.03)`.
 
         Raises:
-            ParameterError: it is no motion; nothing was sent.
-            TaskError: one before it did not succeed; nothing was sent.
+            ParameterError: it is not a motion; nothing was sent.
+            TaskError: a motion before it did not succeed; nothing was sent.
             Refused: the controller refused it.
             RobotStateError: the block was left, or the arm was stopped since; nothing was sent.
             HeartbeatLost, OutcomeUnknown, ConnectionLost: as `MotionCommand.start` says.
@@ -356,11 +356,11 @@ class MotionPath:
 
 
 def awaitables(motions: Iterable[Any]) -> list[aio_command.MotionCommand]:
-    """The same motions for programs that await.
+    """Return the same motions for asyncio programs.
 
     Raises:
-        MotionCarriedOut: something is how a motion ended.
-        ParameterError: something else is no motion.
+        MotionCarriedOut: an element is the outcome of a motion.
+        ParameterError: an element is something else than a motion.
     """
     given = list(motions)
     check_motions(
@@ -401,7 +401,7 @@ class MotionFunction(Generic[P]):
         return inspect.signature(self._make).replace(return_annotation="Outcome")
 
     def __get__(self, instance: object, owner: type | None = None) -> MotionFunction[P]:
-        # With it, help() and editors take this for a function. It is bound already.
+        # With this method, help() and editors treat the object as a function. It is bound already.
         return self
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> Outcome:
@@ -420,7 +420,7 @@ class MotionFunction(Generic[P]):
 
 
 class moves(Generic[P]):  # noqa: N801  # a decorator
-    """Makes a method that returns a motion for programs that await one that carries it out."""
+    """Turns a method that returns an asyncio motion into a function that carries it out."""
 
     def __init__(self, method: Callable[Concatenate[Any, P], aio_command.MotionCommand]) -> None:
         self._method = method
@@ -428,7 +428,7 @@ class moves(Generic[P]):  # noqa: N801  # a decorator
 
     def __get__(self, section: Any, owner: type | None = None) -> MotionFunction[P]:
         if section is None:
-            # of the class, for help(): there is nothing to run it, and it lacks its section
+            # read from the class, as help() does: there is no robot to run it, and no section
             return MotionFunction(None, self._method, self.__doc__)
         make: Callable[P, aio_command.MotionCommand] = MethodType(self._method, section)
         return MotionFunction(section._runner, make, self.__doc__)

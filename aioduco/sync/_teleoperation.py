@@ -1,4 +1,4 @@
-"""Teleoperation for programs that wait."""
+"""Teleoperation for blocking programs."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def teleoperate(
     options: LaneOptions | None = None,
     on_reading: Callable[[Reading], None] | None = None,
 ) -> TeleopReport:
-    """Lead the arm by a device until the person ends it: see `aioduco.teleoperation.teleoperate`.
+    """Move the arm by a device until the person ends it: see `aioduco.teleoperation.teleoperate`.
 
-    An interrupt (Ctrl-C) brings the arm to rest before it goes on. `on_reading` is called on the
+    An interrupt (Ctrl-C) brings the arm to rest before it is raised. `on_reading` is called on the
     robot's thread.
     """
-    from aioduco import teleoperation  # noqa: PLC0415 - with numpy, for those who use it
+    from aioduco import teleoperation  # noqa: PLC0415 - it loads numpy, so only when it is used
 
     work = teleoperation.teleoperate(
         robot._robot,

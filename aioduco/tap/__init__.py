@@ -1,4 +1,4 @@
-"""What any client and any controller say to each other, seen from between them."""
+"""The calls and answers between any client and any controller, recorded by a relay between them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Calls and answers out of the bytes that passed between clients and a controller. No I/O."""
+"""Decodes calls and answers from the bytes between clients and a controller. No I/O."""
 
 from __future__ import annotations
 
@@ -20,18 +20,17 @@ __all__ = ["Conversation", "TapNote", "TappedCall"]
 
 
 class TappedCall(NamedTuple):
-    """A call that passed, when it was answered or cannot be any more.
+    """A call between client and controller that was answered, or cannot be answered any more.
 
     Attributes:
-        connection: number of its connection, from 0 in the order in which clients came.
+        connection: number of its connection, from 0 in the order in which clients connected.
         function: its name on the wire.
-        arguments: by the name of the parameter; what did not come is left out. Of a function that
-            the wire does not have, its bytes in hex, as `body`.
-        answer: what the controller answered; None if it did not.
-        error: what the controller answered instead, or why there is no answer; empty if there is
-            one.
-        at: when the last byte of the call came, by `time.monotonic()` [s].
-        duration: until the last byte of the answer came [s]; None if none did.
+        arguments: the arguments by name of the parameter; missing ones are left out. For a function
+            that the wire does not have: its bytes in hex, as `body`.
+        answer: the controller's answer; None if there is none.
+        error: the controller's error, or why there is no answer; empty if there is an answer.
+        at: arrival of the call's last byte, by `time.monotonic()` [s].
+        duration: time until the arrival of the answer's last byte [s]; None without an answer.
     """
 
     connection: int
@@ -50,12 +49,12 @@ class TappedCall(NamedTuple):
 
 
 class TapNote(NamedTuple):
-    """What happened to a connection.
+    """An event of a connection.
 
     Attributes:
-        connection: its number.
-        at: when, by `time.monotonic()` [s].
-        text: what, for people.
+        connection: number of the connection.
+        at: time of the event, by `time.monotonic()` [s].
+        text: description of the event, for people.
     """
 
     connection: int
@@ -68,7 +67,7 @@ class TapNote(NamedTuple):
 
 @dataclass(slots=True)
 class _Talk:
-    """What one connection has said and not finished."""
+    """The unfinished data of one connection."""
 
     calls: Inbox = field(
         default_factory=lambda: Inbox(frozenset({MessageType.CALL, MessageType.ONEWAY}))
@@ -76,17 +75,18 @@ class _Talk:
     answers: Inbox = field(
         default_factory=lambda: Inbox(frozenset({MessageType.REPLY, MessageType.EXCEPTION}))
     )
-    #: calls without an answer, oldest first, and when each came
+    #: calls without an answer, oldest first, each with its time of arrival
     open: deque[tuple[float, Message]] = field(default_factory=deque)
-    #: what cannot be read any more
+    #: directions that cannot be decoded any more
     lost: set[CopyKind] = field(default_factory=set)
 
 
 class Conversation:
-    """Puts together what a relay has copied, whatever the bytes are and however they are cut.
+    """Decodes the copies of a relay, whatever the bytes are and however they are split.
 
-    An answer belongs to the oldest open call of its connection with its sequence id. Bytes that
-    are no message of the wire end what is read of their side of the connection, and that is said.
+    An answer belongs to the oldest open call of its connection with its sequence id. If bytes are
+    not a message of the wire, their side of the connection is not decoded any more, and a `TapNote`
+    reports this.
     """
 
     def __init__(self) -> None:
@@ -95,12 +95,12 @@ class Conversation:
     def feed(
         self, at: float, connection: int, kind: CopyKind, data: bytes
     ) -> Iterator[TappedCall | TapNote]:
-        """Take in a copy; what is complete with it.
+        """Process a copy; iterate over the calls and events that it completes.
 
         Args:
-            at: when it was made, by `time.monotonic()` [s].
-            connection: its number.
-            kind: what it is of.
+            at: time of the copy, by `time.monotonic()` [s].
+            connection: number of the connection.
+            kind: kind of the copy.
             data: the bytes.
         """
         talk = self._talks.setdefault(connection, _Talk())

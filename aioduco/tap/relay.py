@@ -1,12 +1,13 @@
-"""The process that stands between clients and a controller: bytes pass, and copies of them.
+"""The process between clients and a controller: it forwards the bytes, and copies them to the tap.
 
 Guarantees:
-- Bytes are passed on as they come, before their copy, and whatever they are.
-- Who reads the copies slowly, or not at all, holds up no byte: beyond `KEPT` bytes copies are left
-  out, and that is said.
-- A connection ends on each side as it ended on the other. When the process ends, all end.
+- Bytes are forwarded as they arrive, whatever they are, and before their copy.
+- If the program reads the copies slowly, or not at all, no byte is delayed: when `KEPT` bytes of
+  copies wait, further copies are left out, and this is reported.
+- A connection ends on each side as it ended on the other. When the process ends, all connections
+  end.
 
-It loads little, and does nothing else, so that a call is late by two switches of processes.
+The process loads little, and does nothing else, so it delays a call only by two process switches.
 """
 
 from __future__ import annotations
@@ -29,48 +30,49 @@ if TYPE_CHECKING:
 
 __all__ = ["HEAD", "KEPT", "CopyKind", "main"]
 
-#: of a copy: time of `time.monotonic` [s], number of the connection, kind, bytes that follow
+#: head of a copy: time of `time.monotonic` [s], number of the connection, kind, number of bytes
 HEAD: Final = struct.Struct("<dIBI")
-#: bytes of copies that wait at most
+#: maximum bytes of copies that wait
 KEPT: Final = 64 * 1024 * 1024
-#: seconds in which copies are gathered, so that who reads them wakes up less often than bytes pass
+#: seconds for which copies are collected, so that their reader wakes up less often than bytes pass
 _GATHER: Final = 0.01
-#: of a processor [ns]: what wakes up for one call goes before what decodes a hundred
+#: time slice of a processor [ns]: it is short, so that this process, which wakes up for one call,
+#: runs before a process that decodes a hundred calls
 _SLICE: Final = 100_000
-#: bytes that wait for one side at most, before the other one is read again
+#: maximum bytes that wait for one side; while more wait, the other side is not read
 _AHEAD: Final = 1024 * 1024
 _CHUNK: Final = 64 * 1024
-#: in which the program takes what is left at the end [s]
+#: seconds within which the program must take the remaining copies at the end
 _FAREWELL: Final = 5.0
-#: an end without a good-bye: what is not sent yet is thrown away, and the other side is told
+#: `SO_LINGER` for a reset: unsent bytes are discarded, and the other side gets an error
 _RESET: Final = struct.pack("ii", 1, 0)
 
 _READ, _WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
 
 
 class CopyKind(IntEnum):
-    """What a copy is of."""
+    """Kind of a copy, which determines its data."""
 
-    #: a client came; its address
+    #: a client has connected; data: its address
     OPENED = 0
-    #: from the client to the controller
+    #: data: bytes from the client to the controller
     REQUEST = 1
-    #: from the controller to the client
+    #: data: bytes from the controller to the client
     ANSWER = 2
-    #: the connection is over; which side ended it
+    #: the connection has ended; data: the side that ended it
     CLOSED = 3
-    #: the controller could not be reached; why
+    #: the controller could not be reached; data: the reason
     REFUSED = 4
-    #: copies that were left out; how many bytes
+    #: copies were left out; data: their number of bytes
     MISSED = 5
 
 
 class _Copies:
-    """Copies on their way to the program, which may be slow.
+    """Copies that wait to be sent to the program, which may be slow.
 
     Args:
-        link: where they go.
-        selector: waits until more can be sent.
+        link: socket to the program.
+        selector: selector that waits until more can be sent.
     """
 
     def __init__(self, link: socket.socket, selector: selectors.BaseSelector) -> None:
@@ -82,13 +84,13 @@ class _Copies:
         self._due = 0.0
 
     def left(self) -> float | None:
-        """Seconds until they are to be sent; None if there are none, or none that can be sent."""
+        """Return the seconds until they are sent; None if there are none, or none can be sent."""
         if not self._waiting or self._full:
             return None
         return max(0.0, self._due - time.monotonic())
 
     def put(self, at: float, number: int, kind: CopyKind, data: bytes = b"") -> None:
-        """Add one; `send` sends it."""
+        """Add a copy; `send` sends it."""
         if len(self._waiting) + len(data) > KEPT and kind in (CopyKind.REQUEST, CopyKind.ANSWER):
             self._missed[number] = self._missed.get(number, 0) + len(data)
             return
@@ -100,10 +102,10 @@ class _Copies:
         self._waiting += HEAD.pack(at, number, kind, len(data)) + data
 
     def send(self) -> None:
-        """Send what can be sent now.
+        """Send the bytes that can be sent now.
 
         Raises:
-            OSError: the program is gone.
+            OSError: the program has exited.
         """
         try:
             sent = self._link.send(self._waiting)
@@ -115,10 +117,10 @@ class _Copies:
             self._selector.modify(self._link, _READ | _WRITE * self._full)
 
     def finish(self) -> None:
-        """Send all that waits, unless the program does not take it.
+        """Send all waiting copies.
 
         Raises:
-            OSError: it did not.
+            OSError: the program did not take them in time, or has exited.
         """
         self._link.settimeout(_FAREWELL)
         self._link.sendall(self._waiting)
@@ -129,7 +131,7 @@ class _Side:
 
     Args:
         sock: the socket.
-        kind: what its bytes are.
+        kind: kind of the copies of its bytes.
     """
 
     def __init__(self, sock: socket.socket, kind: CopyKind) -> None:
@@ -139,11 +141,11 @@ class _Side:
         self.sock = sock
         self.kind = kind
         self.connected = kind is CopyKind.REQUEST
-        #: bytes that wait until it takes them
+        #: bytes that wait to be sent to it
         self.waiting = bytearray()
-        #: whether it says no more
+        #: whether it has closed its direction
         self.ended = False
-        #: whether it was told that the other one says no more
+        #: whether the close of the other side's direction was passed on to it
         self.told = False
 
 
@@ -151,9 +153,9 @@ class _Link:
     """One connection: a client's socket and one to the controller.
 
     Args:
-        relay: whose it is.
-        number: of the connection, from 0.
-        client: its socket.
+        relay: the relay.
+        number: number of the connection, from 0.
+        client: socket of the client.
         server: a socket that is being connected to the controller.
     """
 
@@ -168,11 +170,11 @@ class _Link:
         self._watch()
 
     def other(self, side: _Side) -> _Side:
-        """The opposite side."""
+        """Return the opposite side."""
         return self.server if side is self.client else self.client
 
     def ready(self, side: _Side, mask: int) -> None:
-        """Do what a side is ready for."""
+        """Write to and read from a side, as far as it is ready."""
         try:
             if mask & _WRITE:
                 if not side.connected:
@@ -206,7 +208,7 @@ class _Link:
         side.connected = True
 
     def _pass_on(self, side: _Side) -> None:
-        """Take what a side says, and say it to the other one; then keep a copy."""
+        """Read from a side, and write to the other one; then make a copy."""
         data = side.sock.recv(_CHUNK)
         at = time.monotonic()
         other = self.other(side)
@@ -236,7 +238,7 @@ class _Link:
             self._relay.watch(side.sock, _READ * reads | _WRITE * writes, (self, side))
 
     def _cut(self, side: _Side, error: OSError) -> None:
-        """A side is gone: the other one is told in the same way."""
+        """Reset the connection after an error of one side."""
         if not self.server.connected:
             self._relay.end(self, CopyKind.REFUSED, str(error).encode())
         else:
@@ -256,10 +258,10 @@ class _Relay:
     """All connections, on one thread.
 
     Args:
-        listener: where clients come.
+        listener: socket to which clients connect.
         controller: address and port of the controller.
-        family: of the controller's address.
-        link: to the program; the relay ends when the program closes it.
+        family: address family of the controller's address.
+        link: socket to the program; the relay ends when the program closes it.
     """
 
     def __init__(
@@ -284,7 +286,7 @@ class _Relay:
         self.selector.register(link, _READ)
 
     def run(self) -> None:
-        """Pass on until the program closes its socket."""
+        """Forward bytes until the program closes its socket."""
         while True:
             for key, mask in self.selector.select(self.copies.left()):
                 if key.fileobj is self._program:
@@ -295,21 +297,21 @@ class _Relay:
                     self._accept()
                 else:
                     link, side = key.data
-                    # One that an earlier one of these ended is not looked at.
+                    # An earlier event of this batch may have ended the connection.
                     if link in self._links:
                         link.ready(side, mask)
             if self.copies.left() == 0.0:
                 self.copies.send()
 
     def close(self) -> None:
-        """End all connections, and tell what passed until then."""
+        """End all connections, and send the remaining copies."""
         for link in tuple(self._links):
             self.end(link, CopyKind.CLOSED, b"tap")
             link.close(reset=True)
         self.copies.finish()
 
     def watch(self, sock: socket.socket, events: int, data: tuple[_Link, _Side]) -> None:
-        """Wait for other events of a socket."""
+        """Set the events of a socket for which to wait."""
         if self._watched.get(sock) == events:
             return
         if self._watched.get(sock):
@@ -319,12 +321,12 @@ class _Relay:
         self._watched[sock] = events
 
     def forget(self, sock: socket.socket) -> None:
-        """Wait for nothing more of a socket."""
+        """Wait for no events of a socket any more."""
         if self._watched.pop(sock, 0):
             self.selector.unregister(sock)
 
     def end(self, link: _Link, kind: CopyKind, why: bytes) -> None:
-        """A connection is over."""
+        """Note and report that a connection has ended."""
         self._links.discard(link)
         self.copies.put(time.monotonic(), link.number, kind, why)
 
@@ -332,7 +334,7 @@ class _Relay:
         try:
             client, address = self._listener.accept()
         except OSError:
-            return  # it went away before it was accepted
+            return  # the client disconnected before it was accepted
         number, self._number = self._number, self._number + 1
         where = f"{address[0]}:{address[1]}".encode()
         self.copies.put(time.monotonic(), number, CopyKind.OPENED, where)
@@ -349,14 +351,14 @@ class _Relay:
 def main(arguments: Sequence[str]) -> int:
     """Relay between clients and a controller until the program closes its socket.
 
-    What it is told first are the controller's host and port, and where to listen; it answers with
-    the address that it listens on, or with the text of what is wrong.
+    The program first sends the controller's host and port, and the address to listen on. The relay
+    answers with the address that it listens on, or with the text of an error.
 
     Args:
-        arguments: of the process: the descriptor of the socket to the program.
+        arguments: arguments of the process: the descriptor of the socket to the program.
 
     Returns:
-        Status of the process.
+        Exit status of the process.
     """
     channel = ValueChannel.of(arguments)
     host, port, listen = channel.receive()
@@ -377,5 +379,5 @@ def main(arguments: Sequence[str]) -> int:
         finally:
             relay.close()
     except OSError:
-        return 1  # the program is gone
+        return 1  # the program has exited
     return 0

@@ -1,4 +1,4 @@
-"""A relay, and what passed through it."""
+"""A relay, and the calls that passed through it."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ if TYPE_CHECKING:
 
 __all__ = ["Tap"]
 
-#: until the relay says where it listens [s]
+#: time-out for the relay to report its address [s]
 _START = 60.0
 _CHUNK = 256 * 1024
 
 
 class Tap:
-    """Stands between clients and a controller, and tells each call that passes.
+    """Relays between clients and a controller, and reports each call.
 
         with Tap("192.168.1.10", listen=("127.0.0.1", 7003)) as tap:
             for item in tap:              # clients connect to tap.host, tap.port
                 print(item)
 
-    Any client and any controller may be at its ends: it passes on bytes as they come, in a process
-    of its own, and reads a copy of them. A call is late by some tenths of a millisecond. Without
-    heartbeats of its own, it takes no part: if it ends, the connections through it end, as if the
-    cable had been cut, and the controller does what its heartbeat has it do.
+    It works with any client and any controller: a process of its own forwards the bytes as they
+    come, and the tap decodes a copy of them. A call is delayed by some tenths of a millisecond. The
+    tap sends nothing of its own, no heartbeat either. If it ends, the connections through it end,
+    as if the cable had been cut, and the controller reacts as when a client's heartbeat stops.
 
     Args:
         host: address of the controller.
@@ -103,14 +103,14 @@ class Tap:
             linked.close()
 
     def end(self) -> None:
-        """End all connections through it; what passed until then is told yet. From any thread."""
+        """End all connections through it; earlier calls are still reported. From any thread."""
         link = self._link
         if link is not None:
             with contextlib.suppress(OSError):
                 link.shutdown(socket.SHUT_WR)
 
     def __iter__(self) -> Iterator[TappedCall | TapNote]:
-        """What passes, as it passes, until `end`."""
+        """Iterate over the calls and events as they occur, until `end`."""
         link = self._link
         if link is None:
             raise RuntimeError("the tap is not open: use it in a `with` block")

@@ -1,9 +1,9 @@
 """Help for tests of programs that drive an arm: faults on the wire, leaks, waiting.
 
-A `FaultProxy` stands between a client and a controller, real or simulated, and does to chosen
-calls what networks and controllers do to them. `no_leaks` finds what was left behind, and
+A `FaultProxy` stands between a client and a controller, real or simulated, and applies faults of
+networks and controllers to chosen calls. `no_leaks` finds resources that were not closed, and
 `eventually` waits for a condition where a test would otherwise sleep. `nothing_forgiven` asserts
-that every call kept to the manual.
+that every call conforms to the manual.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a failed test leaves of its arm: the recording, its last lines, and a picture."""
+"""Files that a failed test leaves: the recording, its events, last states, plots, and a picture."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ _LAST = ("/joint_states", "/joint_setpoints", "/state", "/io", "/wrench")
 
 
 def leave_artefacts(folder: Path, simulator: Simulator | None) -> list[str]:
-    """Write what can be told of an arm beside its recording.
+    """Write files about an arm's run next to its recording.
 
     Args:
-        folder: where to write, and where the recording lies, if there is one.
-        simulator: the simulated controller; None for an arm.
+        folder: folder to write to; it also has the recording, if there is one.
+        simulator: the simulated controller; None for a real arm.
 
     Returns:
-        The names of the files, and what could not be written, for people.
+        The names of the files, and messages about those that could not be written.
     """
     found = []
     if (folder / RECORDING).exists():

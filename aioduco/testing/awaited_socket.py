@@ -1,4 +1,4 @@
-"""One end of a TCP connection, awaited, that can also be ended by a reset."""
+"""One end of a TCP connection, with asynchronous methods; it can also end with a reset."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _CHUNK = 1 << 16
 
 
 class AwaitedSocket:
-    """A non-blocking socket, awaited.
+    """A non-blocking socket with asynchronous methods.
 
-    Plain sockets and not anyio's streams, since those send a FIN before they close: a caller
-    behind them never sees a reset.
+    It uses a plain socket and not anyio's streams, since those send a FIN before they close: the
+    other side would never see a reset.
     """
 
     def __init__(self, sock: socket.socket) -> None:
@@ -50,7 +50,7 @@ class AwaitedSocket:
         return endpoint
 
     async def receive(self) -> bytes:
-        """The next bytes; empty when the other side will send no more, or reset."""
+        """Receive the next bytes; empty when the other side has sent its FIN or a reset."""
         while True:
             try:
                 return self._socket.recv(_CHUNK)
@@ -60,10 +60,10 @@ class AwaitedSocket:
                 return b""
 
     async def send(self, data: bytes) -> None:
-        """Send all of it, in one piece however many send at once.
+        """Send all data in one piece, even if several tasks send at the same time.
 
         Raises:
-            OSError: the other side is gone.
+            OSError: the other side has closed.
         """
         rest = memoryview(data)
         async with self._sending:
@@ -75,11 +75,11 @@ class AwaitedSocket:
 
     def end_sending(self) -> None:
         """Send a FIN: no more will come."""
-        with contextlib.suppress(OSError):  # it is gone already
+        with contextlib.suppress(OSError):  # it has ended already
             self._socket.shutdown(socket.SHUT_WR)
 
     def close(self, how: Ending) -> None:
-        """Close the socket. Nothing may be waiting on it any more."""
+        """Close the socket. No task may be waiting on it any more."""
         if how is Ending.RESET:
             linger = struct.pack("ii", 1, 0)
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)

@@ -1,8 +1,8 @@
 """Cancel a program at its first await, at its second, and so on to its last.
 
 A coroutine can be cancelled only where it is suspended. The harness steps the coroutine itself,
-counts its suspensions, and strikes at a chosen one; so it needs no guesses about time, and no
-place where a cancellation can arrive is left out.
+counts its suspensions, and cancels it at a chosen one. So it needs no guesses about time, and it
+covers every place where a cancellation can arrive.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ class Cancelled:
     """One run of a program that was to be cancelled.
 
     Attributes:
-        at: number of the await at which it was, from 1.
-        struck: whether the program came so far.
+        at: number of the await at which it was to be cancelled, from 1.
+        struck: whether the program reached this await and was cancelled.
         strikes: how often it was cancelled.
-        awaits: how many awaits it came to in all.
-        error: what it raised, other than the cancellation; None if nothing.
-        ended: "cancelled" if the cancellation came out of it, "returned", or "raised".
+        awaits: number of awaits that it reached in all.
+        error: exception that it raised, other than the cancellation; None if there was none.
+        ended: "cancelled" if it raised the cancellation, "returned", or "raised".
     """
 
     at: int
@@ -51,7 +51,7 @@ class Cancelled:
 
 
 class _Stepped:
-    """Runs a coroutine, and strikes at chosen suspensions."""
+    """Runs a coroutine, and cancels it at chosen suspensions."""
 
     def __init__(self, program: Coroutine[Any, Any, object], at: int, again: int, how: How) -> None:
         self._program = program
@@ -80,13 +80,13 @@ class _Stepped:
                     error = exc
 
     def _strike(self, waited: Any) -> BaseException | None:
-        """Cancel; returns what is to be raised in the program at once, if anything."""
+        """Cancel; return the exception to raise in the program at once, if any."""
         self.strikes += 1
         if self._how == "scope":
             self.scope.cancel()
             return None
-        # As a task of the event loop is cancelled: by way of what it waits for. A bare yield
-        # waits for nothing.
+        # The event loop cancels a task in the same way: by the future that it waits for. A bare
+        # yield waits for nothing.
         if waited is not None and waited.cancel():
             return None
         return anyio.get_cancelled_exc_class()()
@@ -105,10 +105,10 @@ async def cancel_at(
         program: makes the coroutine.
         at: number of the await, from 1.
         how: by a cancel scope or as a task.
-        again: at how many of the awaits that follow it is cancelled once more.
+        again: number of the awaits that follow at which it is cancelled once more.
 
     Returns:
-        What came of it.
+        The result of the run.
     """
     stepped = _Stepped(program(), at, again, how)
     error: Exception | None = None
@@ -122,7 +122,7 @@ async def cancel_at(
                 raise
         except Exception as exc:
             ended, error = "raised", exc
-    # raises if not only the program was cancelled
+    # raises if the caller was cancelled, too
     await anyio.lowlevel.checkpoint()
     return Cancelled(at, stepped.strikes > 0, stepped.strikes, stepped.awaits, error, ended)
 
@@ -136,15 +136,15 @@ async def cancel_at_every_await(
     first: int = 1,
     step: int = 1,
 ) -> int:
-    """Run a program again and again, cancelled at one await later each time, to its last.
+    """Run a program repeatedly, and cancel it at a later await each time, up to its last.
 
     Args:
         program: makes the coroutine; called for each run.
-        check: awaited after each run with what came of it; raises if that is wrong.
+        check: awaited with the result of each run; raises if that is wrong.
         how: by a cancel scope or as a task.
-        again: at how many of the awaits that follow it is cancelled once more.
+        again: number of the awaits that follow at which it is cancelled once more.
         first: number of the await to begin with.
-        step: how many awaits to go on by.
+        step: number of awaits by which the next run is cancelled later.
 
     Returns:
         How many runs were cancelled.

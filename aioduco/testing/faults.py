@@ -1,8 +1,8 @@
-"""What can go wrong on the wire, as values, and plans that say when.
+"""Faults on the wire, as values, and plans that choose the calls that get them.
 
-A fault is placed on one call: the proxy asks its script for each request that arrives. Faults
-differ in what the server saw and in what the caller sees; each docstring has both, since a client
-must tell "nothing was done" from "it may have been done".
+A fault applies to one call: for each request that arrives, the proxy asks its script. Faults differ
+in what the server receives and in what the caller receives. Each docstring says both, since a
+client must distinguish "nothing was done" from "it may have been done".
 """
 
 from __future__ import annotations
@@ -72,9 +72,9 @@ class Delay:
     """Hold the request, the reply, or both back for a time.
 
     Attributes:
-        request: s before the request is passed on.
-        reply: s before the reply is passed on.
-        jitter: s; up to so much is added to each of the two that is not zero.
+        request: seconds before the request is forwarded.
+        reply: seconds before the reply is forwarded.
+        jitter: seconds; up to this time is added to each of the two that is not zero.
     """
 
     request: float = 0.0
@@ -84,7 +84,7 @@ class Delay:
 
 @dataclass(frozen=True, slots=True)
 class Throttle:
-    """Pass the request and the reply on slowly.
+    """Forward the request and the reply slowly.
 
     Attributes:
         rate: bytes per second.
@@ -95,28 +95,29 @@ class Throttle:
 
 @dataclass(frozen=True, slots=True)
 class DropRequest:
-    """Swallow the request: the server never sees it, the caller gets no reply."""
+    """Drop the request: the server never receives it, the caller gets no reply."""
 
 
 @dataclass(frozen=True, slots=True)
 class DropReply:
-    """Swallow the reply: the server has carried the call out, the caller gets no reply."""
+    """Drop the reply: the server has carried out the call, the caller gets no reply."""
 
 
 @dataclass(frozen=True, slots=True)
 class HoldReply:
     """Keep the reply, and send it when the next call is made on the same connection.
 
-    A client that goes on using a connection after a time-out takes it for the next call's.
+    A client that continues to use a connection after a time-out takes it for the reply to its next
+    call.
     """
 
 
 @dataclass(frozen=True, slots=True)
 class HalfOpen:
-    """From this request on pass nothing on, in both directions, and keep the sockets.
+    """From this request on forward nothing in either direction, but keep the sockets open.
 
     Attributes:
-        seconds: s until both sides are reset; None for ever.
+        seconds: seconds until both sides are reset; None for never.
     """
 
     seconds: float | None = None
@@ -129,8 +130,8 @@ class Cut:
     Attributes:
         at: where in the call.
         how: by a reset or by an orderly close.
-        fraction: how much of the message is passed on before, for a cut inside one; at least
-            one byte is passed on and at least one is not.
+        fraction: share of the message that is forwarded before a cut inside it; at least one
+            byte is forwarded and at least one is not.
     """
 
     at: Place
@@ -143,7 +144,7 @@ class RepeatReply:
     """Send the reply more than once.
 
     Attributes:
-        times: how many more.
+        times: number of repetitions.
     """
 
     times: int = 1
@@ -151,11 +152,11 @@ class RepeatReply:
 
 @dataclass(frozen=True, slots=True)
 class Garbage:
-    """Send bytes that are no message in place of the reply.
+    """Send bytes that are not a message in place of the reply.
 
     Attributes:
         data: the bytes.
-        reply: send the reply too, after them.
+        reply: whether the reply is sent after them.
     """
 
     data: bytes = b"HTTP/1.1 400 Bad Request\r\n\r\n"
@@ -164,10 +165,10 @@ class Garbage:
 
 @dataclass(frozen=True, slots=True)
 class WrongSeqid:
-    """Answer with a sequence id of another call.
+    """Answer with the sequence id of another call.
 
     Attributes:
-        offset: what is added to the right one.
+        offset: number that is added to the right id.
     """
 
     offset: int = -1
@@ -178,7 +179,7 @@ class WrongMethod:
     """Answer as if another function had been called.
 
     Attributes:
-        name: that function.
+        name: name of that function.
     """
 
     name: str = "get_tcp_pose"
@@ -186,7 +187,7 @@ class WrongMethod:
 
 @dataclass(frozen=True, slots=True)
 class WrongKind:
-    """Answer by a message that is a call."""
+    """Answer with a message of the type of a call."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,8 +196,8 @@ class ApplicationError:
 
     Attributes:
         code: 1 is an unknown method, 6 an internal error.
-        message: what went wrong.
-        forward: pass the request on to the server all the same.
+        message: text of the error.
+        forward: whether the request is forwarded to the server all the same.
     """
 
     code: int = 6
@@ -220,18 +221,18 @@ Fault = (
     | ApplicationError
 )
 
-#: Says for the n-th call since the plan was set, and its method, what is done to it.
+#: Returns the fault for the n-th call since the plan was set, from n and the call's method.
 Plan = Callable[[int, str], Fault | None]
 
 _SEQID_RANGE: Final = 1 << 32
 
 
 def rewritten(fault: Fault | None, reply: Message) -> bytes:
-    """The bytes that go to the caller in place of a reply.
+    """Make the bytes that are sent to the caller in place of a reply.
 
     Args:
-        fault: what is done to the call.
-        reply: what the server answered.
+        fault: the fault of the call.
+        reply: the server's reply.
 
     Returns:
         The bytes; those of the reply itself for a fault that does not change it.
@@ -258,8 +259,8 @@ def rewritten(fault: Fault | None, reply: Message) -> bytes:
 class Chaos:
     """A plan that draws faults from a menu; the same seed draws the same ones.
 
-    The draw for a call depends on the seed and on the call's number only, so that a run can be
-    repeated as far as the calls come in the same order.
+    The draw for a call depends only on the seed and on the call's number. So a run can be repeated
+    as long as the calls come in the same order.
     """
 
     def __init__(self, seed: int, menu: Sequence[Fault], *, rate: float = 1.0) -> None:
@@ -267,7 +268,7 @@ class Chaos:
 
         Args:
             seed: any number.
-            menu: what is drawn from, each entry equally often.
+            menu: faults to draw from, each equally often.
             rate: share of the calls that get a fault, 0 to 1.
         """
         self.seed = seed
@@ -275,7 +276,7 @@ class Chaos:
         self._rate = rate
 
     def __call__(self, index: int, method: str) -> Fault | None:  # noqa: ARG002 - a Plan
-        """What is done to the call with this number."""
+        """Draw the fault for the call with this number; None for no fault."""
         draw = random.Random(f"{self.seed}:{index}")
         return draw.choice(self._menu) if draw.random() < self._rate else None
 
@@ -298,10 +299,10 @@ class _Rule:
 
 
 class Script:
-    """What is done to which call. Any thread may change it while calls pass.
+    """Chooses the fault for each call. Any thread may change it while calls pass.
 
-    A fault for the call's method comes before one that was queued for the next call, and that
-    before the plan.
+    A fault for the call's method takes precedence over one that was queued for the next call, and
+    that over the plan.
     """
 
     def __init__(self) -> None:
@@ -312,18 +313,18 @@ class Script:
         self._index = 0
 
     def next(self, *faults: Fault) -> None:
-        """Do these to the next calls, one to each, whatever their methods are."""
+        """Apply these faults to the next calls, one to each, whatever their methods are."""
         with self._lock:
             self._queue.extend(faults)
 
     def on(self, method: str, fault: Fault, *, times: int | None = 1, skip: int = 0) -> None:
-        """Do this to calls of one method.
+        """Apply a fault to calls of one method.
 
         Args:
             method: name of the function on the wire.
-            fault: what is done.
-            times: to how many calls; None for all.
-            skip: how many calls of the method pass untouched before.
+            fault: the fault.
+            times: number of calls to which it is applied; None for all.
+            skip: number of calls of the method that pass unchanged before.
         """
         with self._lock:
             self._rules.setdefault(method, []).append(_Rule(fault, skip, times))
@@ -335,14 +336,14 @@ class Script:
             self._index = 0
 
     def clear(self) -> None:
-        """Remove all faults: calls pass untouched."""
+        """Remove all faults: calls pass unchanged."""
         with self._lock:
             self._queue.clear()
             self._rules.clear()
             self._plan = None
 
     def decide(self, method: str) -> Fault | None:
-        """What is done to a call of this method that arrives now."""
+        """Choose the fault for a call of this method that arrives now; None for no fault."""
         with self._lock:
             for rule in self._rules.get(method, ()):
                 if (fault := rule.take()) is not None:

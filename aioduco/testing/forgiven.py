@@ -1,4 +1,4 @@
-"""Asserts that a program kept to the manual in every call."""
+"""Assert that every call of a program conforms to the manual."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["nothing_forgiven"]
 
 @contextlib.contextmanager
 def nothing_forgiven(simulator: Simulator) -> Iterator[None]:
-    """The simulator forgives nothing while the block runs.
+    """Assert that the simulator forgives nothing while the block runs.
 
         with nothing_forgiven(duco_simulator):
             await my_program.paint(duco_robot)
@@ -23,10 +23,10 @@ def nothing_forgiven(simulator: Simulator) -> Iterator[None]:
     `Simulator(strict=True)` refuses such calls instead.
 
     Args:
-        simulator: a lenient one, which the program in the block talks to.
+        simulator: a lenient simulator, which the program in the block uses.
 
     Raises:
-        AssertionError: It took calls that are off the manual; says which and how often.
+        AssertionError: It accepted calls that deviate from the manual; the message lists them.
     """
     before = simulator.forgiven
     yield

@@ -18,11 +18,11 @@ __all__ = ["Resources", "no_leaks"]
 
 @dataclass(frozen=True, slots=True)
 class Resources:
-    """What this process holds at one moment.
+    """The resources of this process at one moment.
 
     Attributes:
         threads: names of the threads, by their ids.
-        files: what each open file descriptor leads to, by its number; a socket is
+        files: target of each open file descriptor, by its number; a socket is
             "socket:[inode]".
         children: command lines of the child processes, by their ids; a child that has ended and
             was not waited for is "(not waited for)".
@@ -34,14 +34,14 @@ class Resources:
 
     @classmethod
     def now(cls) -> Resources:
-        """Look at this process. Needs Linux."""
+        """List the present resources of this process. Needs Linux."""
         threads = {t.native_id or 0: t.name for t in threading.enumerate()}
         return cls(threads, _files(), _children(os.getpid()))
 
     def beyond(self, before: Resources) -> list[str]:
-        """What is here and was not there before, one line each; empty when nothing is.
+        """List what was not there before, one line each; empty if nothing is new.
 
-        A descriptor or an id that has been taken anew counts, although its number is an old one.
+        A descriptor or an id that has been reused counts as new, although its number is old.
         """
         left = [
             f"{kind} {number}: {name}"
@@ -57,7 +57,7 @@ class Resources:
 
 
 class no_leaks:  # noqa: N801 - used like a function, as contextlib.suppress is
-    """Everything that the block opens is closed when the block ends, or soon after.
+    """Assert that everything that the block opens is closed when it ends, or soon after.
 
         with no_leaks():
             with Simulator() as simulator:
@@ -71,7 +71,7 @@ class no_leaks:  # noqa: N801 - used like a function, as contextlib.suppress is
         """Make the context.
 
         Args:
-            timeout: s that what was opened may take to go.
+            timeout: seconds within which everything must be closed after the block.
         """
         self._timeout = timeout
         self._before = Resources({}, {}, {})
@@ -86,10 +86,10 @@ class no_leaks:  # noqa: N801 - used like a function, as contextlib.suppress is
         exc: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Wait until all is gone.
+        """Wait until everything is closed.
 
         Raises:
-            AssertionError: something is left; says what.
+            AssertionError: something is left; the message lists it.
         """
         if exc is None:
             eventually(self._gone, self._timeout, what=self._left)
@@ -103,10 +103,10 @@ class no_leaks:  # noqa: N801 - used like a function, as contextlib.suppress is
         exc: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Wait until all is gone.
+        """Wait until everything is closed.
 
         Raises:
-            AssertionError: something is left; says what.
+            AssertionError: something is left; the message lists it.
         """
         if exc is None:
             await eventually_async(self._gone, self._timeout, what=self._left)
@@ -134,7 +134,7 @@ def _children(parent: int) -> dict[int, str]:
         if not entry.name.isdigit():
             continue
         try:
-            # the name in brackets may hold anything; what follows it are plain fields
+            # the name in brackets may contain anything; plain fields follow it
             state, ppid = (entry / "stat").read_text().rpartition(")")[2].split()[:2]
             if int(ppid) != parent:
                 continue

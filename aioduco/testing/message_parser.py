@@ -1,4 +1,4 @@
-"""The messages of the wire, for what stands between a client and a server."""
+"""A parser of the wire's messages, for a proxy between a client and a server."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ __all__ = ["Message", "MessageError", "MessageParser", "MessageType", "applicati
 
 
 class MessageError(ValueError):
-    """The bytes are no message of this wire."""
+    """The bytes are not a message of the wire."""
 
 
 class MessageParser:
     """Finds whole messages in a stream of bytes.
 
-    Each byte is looked at once, however the stream is cut. After a `MessageError` the parser is
-    of no more use: nothing in the stream says where the next message would begin.
+    Each byte is read once, however the stream is split. After a `MessageError` the parser cannot
+    continue: nothing in the stream tells where the next message would begin.
     """
 
     def __init__(self) -> None:
@@ -25,7 +25,7 @@ class MessageParser:
 
     @property
     def pending(self) -> bytes:
-        """The bytes that were fed and are in no message yet."""
+        """The bytes that were fed and do not belong to a complete message yet."""
         return self._inbox.pending
 
     def feed(self, data: bytes) -> list[Message]:
@@ -38,8 +38,8 @@ class MessageParser:
             The messages that these bytes complete, oldest first.
 
         Raises:
-            MessageError: the bytes are no message. Messages that came whole before them in
-                the same piece are returned first, and the error is raised by the next call.
+            MessageError: the bytes are not a message. Complete messages before them in the
+                same piece are returned first; the next call raises the error.
         """
         self._inbox.feed(data)
         found: list[Message] = []

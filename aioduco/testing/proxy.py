@@ -1,4 +1,4 @@
-"""A TCP proxy between a client and a controller that puts faults where a test wants them."""
+"""A TCP proxy between a client and a controller that applies faults chosen by a test."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ class FaultProxy:
             assert proxy.calls("movej2")[0].forwarded is not None
 
     It runs on an event loop in a thread of its own. So the same proxy serves tests of plain
-    threads and of coroutines, and what it does to the wire goes on while the loop under test is
-    blocked, which is one of the things to be tested. All methods may be called from any thread;
-    those that must wait for the proxy's thread wait for less than a switch of threads takes.
+    threads and of coroutines, and it continues while the event loop under test is blocked, which
+    is one of the cases to be tested. All methods may be called from any thread; those that must
+    wait for the proxy's thread wait for less than a thread switch takes.
 
     Attributes:
         host: address on which it listens; always loopback.
@@ -47,7 +47,7 @@ class FaultProxy:
         """Make a proxy; `with` starts it.
 
         Args:
-            upstream_host: address of the controller, in numbers.
+            upstream_host: numeric address of the controller.
             upstream_port: its TCP port.
             seed: seed of the jitter of delays.
         """
@@ -93,20 +93,20 @@ class FaultProxy:
     ) -> None:
         self.__exit__(kind, exc, traceback)
 
-    # What is done to calls
+    # Faults of calls
 
     def next(self, *faults: Fault) -> None:
-        """Do these to the next calls, one to each, whatever their methods are."""
+        """Apply these faults to the next calls, one to each, whatever their methods are."""
         self._script.next(*faults)
 
     def on(self, method: str, fault: Fault, *, times: int | None = 1, skip: int = 0) -> None:
-        """Do this to calls of one method.
+        """Apply a fault to calls of one method.
 
         Args:
             method: name of the function on the wire.
-            fault: what is done.
-            times: to how many calls; None for all.
-            skip: how many calls of the method pass untouched before.
+            fault: the fault.
+            times: number of calls to which it is applied; None for all.
+            skip: number of calls of the method that pass unchanged before.
         """
         self._script.on(method, fault, times=times, skip=skip)
 
@@ -115,37 +115,37 @@ class FaultProxy:
         self._script.schedule(plan)
 
     def clear(self) -> None:
-        """Forget what is to be done to calls, open the proxy, and accept connections again."""
+        """Remove all faults of calls, forward again, and accept connections again."""
         self._script.clear()
         self.thaw()
         self.accept()
 
-    # What is done to connections
+    # Faults of connections
 
     def cut(self, how: Ending = Ending.RESET) -> None:
         """End all connections; when this returns, their sockets are closed."""
         self._portal.call(self._cut, how)
 
     def freeze(self) -> None:
-        """Pass nothing on, in both directions, and keep all sockets, until `thaw`."""
+        """Forward nothing in either direction, but keep all sockets open, until `thaw`."""
         self._portal.call(self._gate.close)
 
     def thaw(self) -> None:
-        """Pass on again what was held back by `freeze`."""
+        """Forward again, beginning with what `freeze` has held back."""
         self._portal.call(self._gate.open)
 
     def refuse(self) -> None:
-        """Refuse new connections; those that are open stay so."""
+        """Refuse new connections; open ones stay open."""
         self._portal.call(self._refuse)
 
     def accept(self) -> None:
         """Accept new connections again."""
         self._portal.call(self._accept)
 
-    # What passed
+    # Records
 
     def calls(self, method: str | None = None) -> tuple[CallRecord, ...]:
-        """The calls that came so far, oldest first.
+        """The calls received so far, oldest first.
 
         Args:
             method: only calls of this function of the wire.
@@ -154,7 +154,7 @@ class FaultProxy:
         return calls if method is None else tuple(c for c in calls if c.method == method)
 
     def connections(self) -> tuple[ConnectionRecord, ...]:
-        """The connections that came so far, oldest first."""
+        """The connections accepted so far, oldest first."""
         return tuple(self._records.connections)
 
     def statistics(self) -> ProxyStatistics:
@@ -162,7 +162,7 @@ class FaultProxy:
         return self._records.statistics()
 
     def forget(self) -> None:
-        """Forget the calls that came so far; for long runs."""
+        """Drop the records of the calls received so far; for long runs."""
         self._portal.call(self._records.forget)
 
     # On the proxy's own loop
@@ -211,7 +211,7 @@ class FaultProxy:
             try:
                 client, _ = listener.accept()
             except OSError:
-                continue  # it went away before it was accepted
+                continue  # the client closed it before it was accepted
             relay = Relay(
                 AwaitedSocket(client),
                 self._upstream,

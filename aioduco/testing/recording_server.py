@@ -1,4 +1,4 @@
-"""A controller that answers from a script and keeps every call: no arm, no physics, no state."""
+"""A controller that answers from a script and records every call: no arm, no physics, no state."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ __all__ = ["ReceivedCall", "RecordingServer"]
 
 @dataclass(frozen=True, slots=True)
 class ReceivedCall:
-    """A call that a server received whole.
+    """A call that a server has received completely.
 
     Attributes:
         method: the function of the wire.
-        args: its arguments, in the order of the wire; what was left out has its zero value.
-        at: when it came, in s of `time.monotonic`.
+        args: its arguments, in the order of the wire; one that was left out has its zero value.
+        at: when it was received, in s of `time.monotonic`.
         thread: id of the thread that served it; each connection has its own.
     """
 
@@ -42,8 +42,8 @@ class RecordingServer:
             ...                                  # connect to server.host, server.port
             assert [call.args[1] for call in server.received("movej2")] == [1.0]
 
-    A call is remembered before it is answered. It speaks the wire through the simulator's own
-    server, so a client cannot tell it from the simulator by anything but its answers.
+    A call is recorded before it is answered. The simulator's own server handles the connections, so
+    only the answers differ from those of the simulator.
 
     Attributes:
         host: address on which it listens.
@@ -54,9 +54,9 @@ class RecordingServer:
         """Make a server; `with` starts it.
 
         Args:
-            answers: by function of the wire what it returns, or a callable that is given the
-                arguments and returns it. What a callable raises goes to the caller as a Thrift
-                application error, and so does a call of a function that is not here.
+            answers: result of each function of the wire, by its name, or a callable that gets the
+                arguments and returns the result. The caller gets a Thrift application error if
+                the callable raises, or if it calls a function that is not here.
         """
         self._answers: dict[str, Any] = {}
         self._received: list[ReceivedCall] = []
@@ -94,7 +94,7 @@ class RecordingServer:
 
         Args:
             method: the function of the wire.
-            answer: a value, or a callable that is given the arguments and returns it.
+            answer: a value, or a callable that gets the arguments and returns it.
 
         Raises:
             KeyError: the wire has no such function.
@@ -104,7 +104,7 @@ class RecordingServer:
         self._answers[method] = answer
 
     def received(self, method: str | None = None) -> tuple[ReceivedCall, ...]:
-        """The calls that came so far, oldest first.
+        """The calls received so far, oldest first.
 
         Args:
             method: only calls of this function of the wire.
@@ -127,7 +127,7 @@ class RecordingServer:
 
 
 class _NoAnswer(Refusal):
-    """A function was called that the script does not have."""
+    """A function was called that is not in the script."""
 
 
 class _Answering:

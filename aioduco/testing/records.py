@@ -1,4 +1,4 @@
-"""What passed through a proxy, call by call."""
+"""Records of the calls and connections that passed through a proxy."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ __all__ = ["CallRecord", "ConnectionRecord", "ProxyStatistics", "Records"]
 class CallRecord:
     """One call that reached the proxy.
 
-    Times are those of `time.monotonic`, in s; None: it has not happened.
+    Times are those of `time.monotonic`, in s; None if the event has not happened.
 
     Attributes:
-        connection: number of the connection, from 0 in the order in which they came.
-        request: the request, as it came.
-        fault: what was done to the call.
-        received: when the request had come whole.
-        forwarded: when the last byte of the request went to the server.
-        replied: when the server's reply had come whole.
-        answered: when the last byte of an answer, true or false, went to the caller.
+        connection: number of the connection, from 0 in the order of acceptance.
+        request: the request, as it was received.
+        fault: the fault that was applied to the call.
+        received: when the whole request had been received.
+        forwarded: when the last byte of the request was sent to the server.
+        replied: when the server's whole reply had been received.
+        answered: when the last byte of an answer, genuine or forged, was sent to the caller.
     """
 
     connection: int
@@ -55,7 +55,7 @@ class ConnectionRecord:
     """One connection that the proxy accepted.
 
     Attributes:
-        index: its number, from 0 in the order in which they came.
+        index: its number, from 0 in the order of acceptance.
         opened: when it was accepted, in s of `time.monotonic`.
         closed: when it ended; None while it is open.
         ended_by: "client", "server", "fault" or "proxy"; None while it is open.
@@ -74,7 +74,7 @@ class ProxyStatistics(NamedTuple):
         connections: connections accepted.
         open: connections open now.
         calls: requests received.
-        faults: calls that something was done to.
+        faults: calls to which a fault was applied.
     """
 
     connections: int
@@ -100,37 +100,37 @@ class Records:
         return ProxyStatistics(opened, opened - self._closed, calls, self._faults)
 
     def connected(self) -> int:
-        """A connection was accepted; its number."""
+        """Record that a connection was accepted; return its number."""
         self.connections.append(ConnectionRecord(len(self.connections), time.monotonic()))
         return len(self.connections) - 1
 
     def disconnected(self, index: int, ended_by: str) -> None:
-        """A connection ended."""
+        """Record that a connection has ended."""
         self._closed += 1
         self.connections[index] = replace(
             self.connections[index], closed=time.monotonic(), ended_by=ended_by
         )
 
     def called(self, connection: int, request: Message, fault: Fault | None) -> int:
-        """A request came; the number of its record."""
+        """Record a request; return the number of its record."""
         self._faults += fault is not None
         self.calls.append(CallRecord(connection, request, fault, time.monotonic()))
         return self._forgotten + len(self.calls) - 1
 
     def forwarded(self, call: int) -> None:
-        """A request went to the server."""
+        """Record that a request was sent to the server."""
         self._note(call, lambda record, now: replace(record, forwarded=now))
 
     def replied(self, call: int) -> None:
-        """A reply came from the server."""
+        """Record that the server has replied."""
         self._note(call, lambda record, now: replace(record, replied=now))
 
     def answered(self, call: int) -> None:
-        """An answer went to the caller."""
+        """Record that an answer was sent to the caller."""
         self._note(call, lambda record, now: replace(record, answered=now))
 
     def forget(self) -> None:
-        """Drop the calls that came so far; the counts go on."""
+        """Drop the calls received so far; the counts continue."""
         self._forgotten += len(self.calls)
         self.calls.clear()
 

@@ -34,23 +34,23 @@ if TYPE_CHECKING:
 
 __all__ = ["Gate", "Relay"]
 
-#: how often a throttled sender sends a slice, s
+#: time between two slices of a throttled sender [s]
 _SLICE = 0.002
 
 
 class Gate:
-    """Open or closed; while it is closed, nothing passes."""
+    """A gate, open or closed; while it is closed, nothing passes."""
 
     def __init__(self) -> None:
         self._opened = anyio.Event()
         self._opened.set()
 
     def open(self) -> None:
-        """Let pass what waits."""
+        """Open the gate; what waits passes."""
         self._opened.set()
 
     def close(self) -> None:
-        """Let nothing pass."""
+        """Close the gate; nothing passes."""
         if self._opened.is_set():
             self._opened = anyio.Event()
 
@@ -60,12 +60,12 @@ class Gate:
 
 
 class Relay:
-    """Passes the messages of one connection on, with the faults of the script.
+    """Forwards the messages of one connection, with the faults of the script.
 
-    Each direction is a task, so that a reply on its way does not wait for a request that is
-    held back. Invariants: whatever ends the relay, both sockets are closed in `run`, after both
-    tasks have ended, and nowhere else; a message goes to the server before its record waits
-    for a reply, so a reply always finds its call.
+    Each direction is a task, so that a reply does not wait for a request that is held back.
+    Invariants: whatever ends the relay, both sockets are closed in `run`, after both tasks have
+    ended, and nowhere else; a call is added to `_waiting` before its request is sent to the
+    server, so a reply always finds its call.
     """
 
     def __init__(
@@ -89,7 +89,7 @@ class Relay:
         self._scope = anyio.CancelScope()
         self._how = Ending.CLOSE
         self._ended_by: str | None = None
-        #: calls that the server has and has not answered, oldest first
+        #: calls that were sent to the server and are not answered yet, oldest first
         self._waiting: deque[tuple[int, Fault | None]] = deque()
         self._held: list[bytes] = []
         self._ended = anyio.Event()
@@ -99,14 +99,14 @@ class Relay:
         await self._ended.wait()
 
     def cut(self, how: Ending, ended_by: str = "proxy") -> None:
-        """End the connection on both sides, whatever is going on."""
+        """End the connection on both sides at once, whatever state it is in."""
         if self._ended_by is None:
             self._ended_by = ended_by
         self._how = how
         self._scope.cancel()
 
     async def run(self) -> None:
-        """Pass messages on until the connection has ended."""
+        """Forward messages until the connection has ended."""
         server: AwaitedSocket | None = None
         try:
             with self._scope:
@@ -131,7 +131,7 @@ class Relay:
         sink: AwaitedSocket,
         name: str,
     ) -> None:
-        """Take one side's messages until it will send no more; then send it a FIN, too."""
+        """Handle one side's messages until it sends no more; then send a FIN to the other side."""
         parser = MessageParser()
         readable = True
         try:
@@ -146,13 +146,13 @@ class Relay:
                             await handle(message)
                         found = parser.feed(b"")
                 except MessageError:
-                    # not the proxy's to judge: it is passed on as it came, like all that follows
+                    # the proxy does not reject it: it forwards this and all that follows unchanged
                     readable = False
                     await self._send(sink, parser.pending)
             await self._gate.passed()
             await self._own_gate.passed()
         except OSError:
-            # the sink is gone: what comes from the source is lost
+            # the sink has closed: data from the source are lost
             self.cut(Ending.CLOSE, "server" if name == "client" else "client")
             return
         if self._ended_by is None:
@@ -194,7 +194,7 @@ class Relay:
             await self._cut(fault.how)
 
     async def _reply(self, reply: Message) -> None:
-        if not self._waiting:  # no call waits for it: the proxy passes it on
+        if not self._waiting:  # no call waits for it: forward it
             await self._send(self._client, reply.encode())
             return
         call, fault = self._waiting.popleft()
@@ -239,5 +239,5 @@ class Relay:
 
 
 def _part(data: bytes, fraction: float) -> bytes:
-    """So much of the message, but never none and never all of it."""
+    """A share of the message: at least one byte, but never all of it."""
     return data[: min(max(1, int(len(data) * fraction)), len(data) - 1)]

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
 __all__ = ["eventually", "eventually_async"]
 
-#: s between two looks at first, and at last: a condition that comes soon is seen soon, and one
-#: that takes long does not keep the processor from what it waits for
+#: seconds between two checks, at first and at last: a condition that holds soon is detected soon,
+#: and a long wait leaves the processor to what it waits for
 _FIRST = 0.0005
 _LAST = 0.02
 
@@ -24,10 +24,10 @@ def eventually(
     """Wait, in a plain thread, until a condition holds.
 
     Args:
-        condition: looked at again and again; it must have no effects.
-        timeout: s after which waiting ends: a net for what never comes, so long that no busy
-            machine reaches it.
-        what: what is waited for, for the error; a callable is asked only then.
+        condition: checked repeatedly; it must have no side effects.
+        timeout: seconds after which waiting ends: so many that only a condition that never holds
+            reaches them, even on a busy machine.
+        what: what is waited for, for the error message; a callable is called only then.
 
     Raises:
         AssertionError: the condition does not hold after the time-out.
@@ -42,10 +42,10 @@ async def eventually_async(
     """Wait, in a coroutine, until a condition holds.
 
     Args:
-        condition: looked at again and again; it must have no effects and not block.
-        timeout: s after which waiting ends: a net for what never comes, so long that no busy
-            machine reaches it.
-        what: what is waited for, for the error; a callable is asked only then.
+        condition: checked repeatedly; it must have no side effects and not block.
+        timeout: seconds after which waiting ends: so many that only a condition that never holds
+            reaches them, even on a busy machine.
+        what: what is waited for, for the error message; a callable is called only then.
 
     Raises:
         AssertionError: the condition does not hold after the time-out.
@@ -57,7 +57,7 @@ async def eventually_async(
 def _pauses(
     condition: Callable[[], object], timeout: float, what: str | Callable[[], str]
 ) -> Iterator[float]:
-    """How long to wait, again and again, until the condition holds."""
+    """Yield the seconds to sleep before each further check, until the condition holds."""
     deadline = time.monotonic() + timeout
     pause = _FIRST
     while not condition():

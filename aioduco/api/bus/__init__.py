@@ -15,9 +15,9 @@ class Bus(CabinetPort, ToolPort, CanBus):
         await robot.bus.tool_write_raw_data_485(b"\\x01\\x06\\x01\\x00\\x00\\x01\\x49\\xf6")
         answer = await robot.bus.tool_read_raw_data_485(8)
 
-    Bytes go in as `bytes` or as numbers, of which 255 and -1 are the same byte, and come out as
-    `bytes`. What came over a bus stays in the controller's buffer until it is read: read until
-    nothing is left before a request whose answer matters.
+    Functions take bytes as `bytes` or as numbers; 255 and -1 are the same byte. They return
+    `bytes`. Data from a bus stays in the controller's buffer until it is read. Before a request
+    whose answer matters, read until the buffer is empty.
     """
 
     __slots__ = ()

@@ -22,7 +22,7 @@ class CabinetPort(Section):
     async def set_baudrate_485(self, value: Whole) -> None:
         """Set the bit rate of the cabinet's RS-485 port (设置 485 波特率).
 
-        It is that of the cabinet; the wire has no such function for the tool's.
+        This is the cabinet's port; the wire has no such function for the tool's port.
 
         Args:
             value: bits a second, a whole number from 1. The manual lists no rates.
@@ -40,14 +40,14 @@ class CabinetPort(Section):
         """Take bytes out of the buffer of the cabinet's port (485 读取原生数据).
 
         Args:
-            len: how many at most, a whole number from 1.
+            len: maximum number of bytes, a whole number from 1.
 
         Returns:
-            The bytes; none if none have come.
+            The bytes; empty if none have arrived.
 
         Raises:
             ParameterError: the number is out of range; nothing was sent.
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
 
         Manual section 1.3.6.
         """
@@ -61,18 +61,18 @@ class CabinetPort(Section):
     ) -> bytes:
         """Take a frame that begins with a head from the cabinet's port (485 匹配头).
 
-        One arm was seen to answer this with nothing where `read_raw_data_485` gave bytes.
+        On one arm this returned nothing where `read_raw_data_485` returned bytes.
 
         Args:
             head: the bytes that the frame begins with, at least one.
             len: length of the frame, a whole number from 1.
 
         Returns:
-            The frame; nothing if none has come.
+            The frame; empty if none has arrived.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
 
         Manual section 1.3.6.
         """
@@ -87,11 +87,11 @@ class CabinetPort(Section):
             tail: the bytes that it ends with, at least one.
 
         Returns:
-            The frame; nothing if none has come.
+            The frame; empty if none has arrived.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
 
         Manual section 1.3.6.
         """
@@ -105,8 +105,9 @@ class CabinetPort(Section):
             data: the bytes, at least one.
 
         Raises:
-            ParameterError: there are none, or one is no byte; nothing was sent.
-            BusError: they were not written.
+            ParameterError: `data` is empty, or contains a value that is not a byte; nothing was
+                sent.
+            BusError: the bytes were not written.
 
         Manual section 1.3.6.
         """
@@ -118,12 +119,12 @@ class CabinetPort(Section):
 
         Args:
             data: the bytes, at least one.
-            head: what is put before them, at least one byte.
+            head: the bytes that are put before the data, at least one.
 
         Raises:
-            ParameterError: an argument is empty, or has something that is no byte; nothing was
-                sent.
-            BusError: they were not written.
+            ParameterError: an argument is empty, or contains a value that is not a byte; nothing
+                was sent.
+            BusError: the bytes were not written.
 
         Manual section 1.3.6.
         """
@@ -138,13 +139,13 @@ class CabinetPort(Section):
 
         Args:
             data: the bytes, at least one.
-            head: what is put before them, at least one byte.
-            tail: what is put behind them, at least one byte.
+            head: the bytes that are put before the data, at least one.
+            tail: the bytes that are put behind the data, at least one.
 
         Raises:
-            ParameterError: an argument is empty, or has something that is no byte; nothing was
-                sent.
-            BusError: they were not written.
+            ParameterError: an argument is empty, or contains a value that is not a byte; nothing
+                was sent.
+            BusError: the bytes were not written.
 
         Manual section 1.3.6.
         """
@@ -156,25 +157,26 @@ class CabinetPort(Section):
     async def read_data_485(self) -> bytes:
         """Take bytes out of the buffer of the cabinet's port.
 
-        Not in the manual: how it differs from `read_raw_data_485` is not known, and neither
-        is how many bytes it gives.
+        Not in the manual. It is not known how it differs from `read_raw_data_485`, or how many
+        bytes it returns.
 
         Raises:
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
         """
         return octets(await self._rpc.read_data_485())
 
     async def write_data_485(self, data: BytesLike) -> None:
         """Write bytes to the cabinet's port.
 
-        Not in the manual: how it differs from `write_raw_data_485` is not known.
+        Not in the manual. It is not known how it differs from `write_raw_data_485`.
 
         Args:
             data: the bytes, at least one.
 
         Raises:
-            ParameterError: there are none, or one is no byte; nothing was sent.
-            BusError: they were not written.
+            ParameterError: `data` is empty, or contains a value that is not a byte; nothing was
+                sent.
+            BusError: the bytes were not written.
         """
         data_ = ranges.BYTES("data", data)
         written("write_data_485", await self._rpc.write_data_485(data_))

@@ -18,7 +18,7 @@ class CanFrame(NamedTuple):
     """A frame that came over the CAN bus.
 
     Attributes:
-        id: the lowest eight bits of the sender's identifier: the wire carries no more of it.
+        id: the lowest eight bits of the sender's identifier; the wire carries no more.
         data: its bytes.
     """
 
@@ -50,10 +50,10 @@ class CanBus(Section):
         """Take a frame out of the buffer of the CAN bus (读取一帧 CAN 数据).
 
         Returns:
-            The frame; None if none has come.
+            The frame; None if none has arrived.
 
         Raises:
-            OutcomeUnknown: it was sent, but not answered: a frame may be lost.
+            OutcomeUnknown: the request was sent, but not answered: a frame may be lost.
 
         Manual section 1.3.6.
         """
@@ -69,7 +69,7 @@ class CanBus(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            BusError: it was not written.
+            BusError: the frame was not written.
 
         Manual section 1.3.6.
         """
@@ -79,18 +79,18 @@ class CanBus(Section):
     async def read_data_can(self) -> bytes:
         """Take bytes out of the buffer of the CAN bus.
 
-        Not in the manual: how it differs from `read_raw_data_can`, and whether an identifier
-        comes first, is not known. So the bytes are given as they come.
+        Not in the manual. It is not known how it differs from `read_raw_data_can`, or whether an
+        identifier comes first. So the bytes are returned unchanged.
 
         Raises:
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
         """
         return octets(await self._rpc.read_data_can())
 
     async def write_data_can(self, id: Whole, data: BytesLike) -> None:  # noqa: A002
         """Write a frame to the CAN bus.
 
-        Not in the manual: how it differs from `write_raw_data_can` is not known.
+        Not in the manual. It is not known how it differs from `write_raw_data_can`.
 
         Args:
             id: its identifier, 0 to 0x1FFFFFFF.
@@ -98,7 +98,7 @@ class CanBus(Section):
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            BusError: it was not written.
+            BusError: the frame was not written.
         """
         id_, data_ = ranges.CAN_ID("id", id), ranges.BYTES("data", data)
         written("write_data_can", await self._rpc.write_data_can(id_, data_))

@@ -1,4 +1,4 @@
-"""Bytes as the wire carries them: signed."""
+"""Conversion of the wire's bytes, which are signed."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ __all__ = ["octets", "written"]
 
 
 def octets(wire: Sequence[int]) -> bytes:
-    """Bytes that came as signed numbers."""
+    """Convert the wire's signed numbers to bytes."""
     return bytes(value & 0xFF for value in wire)
 
 
 def written(function: str, answer: bool) -> None:
-    """Check what a function that writes to a bus returned.
+    """Check the answer of a function that writes to a bus.
 
     Raises:
-        BusError: it is not true.
+        BusError: the answer is false.
     """
     if not answer:
         raise BusError(function)

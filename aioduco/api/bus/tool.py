@@ -23,14 +23,14 @@ class ToolPort(Section):
         """Take bytes out of the buffer of the tool's port (末端 485 读取原生数据).
 
         Args:
-            len: how many at most, a whole number from 1.
+            len: maximum number of bytes, a whole number from 1.
 
         Returns:
-            The bytes; none if none have come.
+            The bytes; empty if none have arrived.
 
         Raises:
             ParameterError: the number is out of range; nothing was sent.
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
 
         Manual section 1.3.6.
         """
@@ -44,18 +44,18 @@ class ToolPort(Section):
     ) -> bytes:
         """Take a frame that begins with a head from the tool's port (末端 485 匹配头).
 
-        One arm was seen to answer this with nothing where `tool_read_raw_data_485` gave bytes.
+        On one arm this returned nothing where `tool_read_raw_data_485` returned bytes.
 
         Args:
             head: the bytes that the frame begins with, at least one.
             len: length of the frame, a whole number from 1.
 
         Returns:
-            The frame; nothing if none has come.
+            The frame; empty if none has arrived.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
 
         Manual section 1.3.6.
         """
@@ -70,11 +70,11 @@ class ToolPort(Section):
             tail: the bytes that it ends with, at least one.
 
         Returns:
-            The frame; nothing if none has come.
+            The frame; empty if none has arrived.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
 
         Manual section 1.3.6.
         """
@@ -88,8 +88,9 @@ class ToolPort(Section):
             data: the bytes, at least one.
 
         Raises:
-            ParameterError: there are none, or one is no byte; nothing was sent.
-            BusError: they were not written.
+            ParameterError: `data` is empty, or contains a value that is not a byte; nothing was
+                sent.
+            BusError: the bytes were not written.
 
         Manual section 1.3.6.
         """
@@ -101,12 +102,12 @@ class ToolPort(Section):
 
         Args:
             data: the bytes, at least one.
-            head: what is put before them, at least one byte.
+            head: the bytes that are put before the data, at least one.
 
         Raises:
-            ParameterError: an argument is empty, or has something that is no byte; nothing was
-                sent.
-            BusError: they were not written.
+            ParameterError: an argument is empty, or contains a value that is not a byte; nothing
+                was sent.
+            BusError: the bytes were not written.
 
         Manual section 1.3.6.
         """
@@ -121,13 +122,13 @@ class ToolPort(Section):
 
         Args:
             data: the bytes, at least one.
-            head: what is put before them, at least one byte.
-            tail: what is put behind them, at least one byte.
+            head: the bytes that are put before the data, at least one.
+            tail: the bytes that are put behind the data, at least one.
 
         Raises:
-            ParameterError: an argument is empty, or has something that is no byte; nothing was
-                sent.
-            BusError: they were not written.
+            ParameterError: an argument is empty, or contains a value that is not a byte; nothing
+                was sent.
+            BusError: the bytes were not written.
 
         Manual section 1.3.6.
         """
@@ -139,25 +140,26 @@ class ToolPort(Section):
     async def tool_read_data_485(self) -> bytes:
         """Take bytes out of the buffer of the tool's port.
 
-        Not in the manual: how it differs from `tool_read_raw_data_485` is not known, and neither
-        is how many bytes it gives.
+        Not in the manual. It is not known how it differs from `tool_read_raw_data_485`, or how
+        many bytes it returns.
 
         Raises:
-            OutcomeUnknown: it was sent, but not answered: bytes may be lost.
+            OutcomeUnknown: the request was sent, but not answered: bytes may be lost.
         """
         return octets(await self._rpc.tool_read_data_485())
 
     async def tool_write_data_485(self, data: BytesLike) -> None:
         """Write bytes to the tool's port.
 
-        Not in the manual: how it differs from `tool_write_raw_data_485` is not known.
+        Not in the manual. It is not known how it differs from `tool_write_raw_data_485`.
 
         Args:
             data: the bytes, at least one.
 
         Raises:
-            ParameterError: there are none, or one is no byte; nothing was sent.
-            BusError: they were not written.
+            ParameterError: `data` is empty, or contains a value that is not a byte; nothing was
+                sent.
+            BusError: the bytes were not written.
         """
         data_ = ranges.BYTES("data", data)
         written("tool_write_data_485", await self._rpc.tool_write_data_485(data_))

@@ -16,8 +16,8 @@ class ExternalAxes(Schemes, AxisMotions):
             target, v=0.2, a=0.5, scheme_name="rail", epose=[1.5, 0, 0], eaxis_v=0.1
         )
 
-    A stop is for the arm and for these axes. Whether an axis stands, though, nothing on the wire
-    tells: what this package calls standing is the arm's.
+    A stop stops the arm and these axes. But the wire does not report whether an axis stands: where
+    this package says that the arm stands, that says nothing about the axes.
     """
 
     __slots__ = ()

@@ -16,15 +16,15 @@ if TYPE_CHECKING:
 
 __all__ = ["AxisMotions"]
 
-#: how long a jog goes on unless the program says otherwise [s]
+#: duration of a jog if the program gives none [s]
 JOG_TIME = 1.0
 
 
 class AxisMotions(Section):
     """Motions of external axes, alone or together with the arm.
 
-    What `def_acc` means here, the manual leaves open: by its name, and by section 1.3.5, the
-    controller then chooses the acceleration; the text of section 1.3.14 says the opposite.
+    The manual contradicts itself about `def_acc` here. By its name, and by section 1.3.5, the
+    controller chooses the acceleration if it is true; the text of section 1.3.14 says the opposite.
     """
 
     __slots__ = ()
@@ -34,11 +34,11 @@ class AxisMotions(Section):
     ) -> MotionCommand:
         """Move external axes (外部轴移动); the arm stays where it is.
 
-        The manual has a parameter def_acc here, the wire has none.
+        The manual has a parameter def_acc here; the wire does not.
 
         Args:
             scheme_name: name of the scheme.
-            epose: where to, three values [rad or m, as the scheme is]. Shape (3,).
+            epose: target, three values [rad or m, as the scheme is]. Shape (3,).
             v: highest speed of the axes (vel), above 0 [rad/s or m/s].
             op: outputs set on the way; triggers by distance have no effect here.
 
@@ -64,16 +64,17 @@ class AxisMotions(Section):
             async with robot.external_axes.move_jog_eaxis("rail", 1, vel=5, time=10.0):
                 await released()                # leaving the block ends the jog
 
-        The controller goes on until it is told to end. No function is documented that ends this
-        one, so this program stops all tasks, as `Robot.stop` does: when the block is left, or
+        The controller jogs until a command ends the jog. No function is documented that ends this
+        one alone, so this program stops all tasks, as `Robot.stop` does, when the block is left or
         after `time`. Cancelling its await, or an error inside its block, stops them too.
 
         Args:
             scheme_name: name of the scheme.
-            direction: 1 or -1; what is sent for each are the same numbers.
+            direction: 1 or -1; it is sent unchanged.
             vel: speed in percent, above 0, up to 100.
-            time: seconds after which this program ends it, from 0.001; None to go on until the
-                block is left: only the heartbeat then stops the axes of a program that hangs.
+            time: seconds after which this program ends the jog, from 0.001; None: the jog runs
+                until the block is left. Then only the heartbeat stops the axes if the program
+                hangs.
 
         Returns:
             The motion, not sent yet.
@@ -87,7 +88,7 @@ class AxisMotions(Section):
         direction_ = ranges.JOG_DIRECTION("direction", direction)
         vel_ = ranges.JOG_SPEED("vel", vel)
         ranges.RUN_TIME("time", time)
-        # Nothing tells whether these axes stand, so it goes on until it is told to end.
+        # The wire does not report whether these axes stand, so only a command ends the motion.
         return self._held(
             lambda rpc: rpc.move_jog_eaxis(name, direction_, vel_, False),
             "stop",
@@ -112,11 +113,11 @@ class AxisMotions(Section):
         """Move the joints and external axes together (外部轴关节运动), as `movej2`.
 
         Args:
-            joints: where to, six angles in [-2π, 2π] [rad].
+            joints: target, six angles in [-2π, 2π] [rad].
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
             scheme_name: name of the scheme.
-            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
             eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
             r: blend radius into the next motion [m]; 0 to stop at the end.
             op: outputs set on the way; triggers by distance have no effect here.
@@ -128,7 +129,7 @@ class AxisMotions(Section):
         Raises:
             ParameterError: an argument is out of range.
 
-        Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` hold.
+        Manual section 1.3.14. It gives no ranges for v and a: those of `movej2` apply.
         """
         q = ranges.JOINTS("joints", joints)
         v_ = ranges.EAXIS_JOINT_SPEED("v", v)
@@ -162,14 +163,14 @@ class AxisMotions(Section):
         外部轴关节运动到位姿.
 
         Args:
-            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
             scheme_name: name of the scheme.
-            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
             eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way; triggers by distance have no effect here.
@@ -181,7 +182,7 @@ class AxisMotions(Section):
         Raises:
             ParameterError: an argument is out of range.
 
-        Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` hold.
+        Manual section 1.3.14. It gives no ranges for v and a: those of `movej_pose2` apply.
         """
         p = ranges.POSE("pose", pose)
         v_ = ranges.EAXIS_JOINT_SPEED("v", v)
@@ -218,14 +219,14 @@ class AxisMotions(Section):
         """Move the tool along a line, with external axes (外部轴直线运动), as `movel`.
 
         Args:
-            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest speed of the tool, above 0, up to 5 [m/s].
             a: highest acceleration of the tool, above 0 [m/s²].
             scheme_name: name of the scheme.
-            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
             eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way.
@@ -277,16 +278,16 @@ class AxisMotions(Section):
 
         Args:
             via: a pose on the arc (p1): x, y, z [m], rx, ry, rz [rad].
-            pose: where to (p2): the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose (p2) of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest speed of the tool, above 0, up to 5 [m/s].
             a: highest acceleration of the tool, above 0 [m/s²].
             scheme_name: name of the scheme.
-            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
             eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            mode: the orientation: 0 goes over to the end's, 1 stays as at the start, 2 stays
-                fixed to the arc's tangent.
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            mode: orientation of the tool: 0 changes to that of the end pose, 1 stays as at the
+                start, 2 stays fixed to the arc's tangent.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way.
@@ -298,7 +299,7 @@ class AxisMotions(Section):
         Raises:
             ParameterError: an argument is out of range.
 
-        Manual section 1.3.14, which has no mode; the wire has.
+        Manual section 1.3.14. It has no `mode`; the wire does.
         """
         p1, p2 = ranges.POSE("via", via), ranges.POSE("pose", pose)
         v_ = ranges.EAXIS_LINE_SPEED("v", v)
@@ -343,11 +344,11 @@ class AxisMotions(Section):
             v: highest speed of the tool, above 0, up to 5 [m/s].
             a: highest acceleration of the tool, above 0 [m/s²].
             scheme_name: name of the scheme.
-            epose: where to for the axes, three values [rad or m, as the scheme is]. Shape (3,).
+            epose: target of the axes, three values [rad or m, as the scheme is]. Shape (3,).
             eaxis_v: highest speed of the axes, above 0 [rad/s or m/s].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            mode: the orientation: 1 stays as at the start, 2 stays fixed to the circle's tangent.
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            mode: orientation of the tool: 1 as at the start, 2 fixed to the circle's tangent.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way.
@@ -359,7 +360,7 @@ class AxisMotions(Section):
         Raises:
             ParameterError: an argument is out of range.
 
-        Not in the manual: on the wire alone. Ranges are those of `movec_eaxis`.
+        Not in the manual, only on the wire. The ranges are those of `movec_eaxis`.
         """
         p1_, p2_ = ranges.POSE("p1", p1), ranges.POSE("p2", p2)
         v_ = ranges.EAXIS_LINE_SPEED("v", v)

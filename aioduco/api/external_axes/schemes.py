@@ -1,4 +1,4 @@
-"""Schemes of external axes: which there are, which are active, how they are set."""
+"""Schemes of external axes: read, activate and configure them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from aioduco.models.external_axis import (
 
 __all__ = ["Schemes"]
 
-#: for what the controller does before it answers [s]: drives are switched
+#: time-out of calls that the controller answers only after it has switched drives [s]
 _SWITCHING = 10.0
 
 
@@ -27,12 +27,12 @@ class Schemes(Section):
 
         Args:
             scheme_name: name of the scheme.
-            timeout: seconds in which it must have happened.
+            timeout: seconds within which the controller must have finished.
 
         Raises:
             ParameterError: the name is empty; nothing was sent.
             TaskError: it was not activated.
-            OutcomeUnknown: it took longer.
+            OutcomeUnknown: the controller did not answer within `timeout`.
 
         Manual section 1.3.14.
         """
@@ -45,12 +45,12 @@ class Schemes(Section):
 
         Args:
             scheme_name: name of the scheme.
-            timeout: seconds in which it must have happened.
+            timeout: seconds within which the controller must have finished.
 
         Raises:
             ParameterError: the name is empty; nothing was sent.
             TaskError: it was not deactivated.
-            OutcomeUnknown: it took longer.
+            OutcomeUnknown: the controller did not answer within `timeout`.
 
         Manual section 1.3.14.
         """
@@ -61,8 +61,8 @@ class Schemes(Section):
     async def get_eaxis_info(self) -> tuple[ExternalAxisState, ...]:
         """Read the state of each scheme of external axes (外部轴反馈信息).
 
-        It is on the wire of 3.8 and described by manual 4.3; the struct stands in section 1.2 of
-        manual 3.8.
+        The wire of 3.8 has this function, and manual 4.3 describes it. Section 1.2 of manual 3.8
+        describes the struct.
         """
         schemes = await self._rpc.get_eaxis_info()
         return tuple(ExternalAxisState(one.scheme_name, one.status, one.pos) for one in schemes)
@@ -78,8 +78,8 @@ class Schemes(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: they were not set.
 
-        Not in the manual: on the wire alone. Read what the controller's own page shows before
-        and after.
+        Not in the manual, only on the wire. Check what the controller's own page shows before and
+        after the call.
         """
         num_ = ranges.EAXIS_NUMBER("num", num)
         checked("param", param, ExternalAxis)
@@ -96,8 +96,8 @@ class Schemes(Section):
             ParameterError: an argument is out of range; nothing was sent.
             TaskError: they were not set.
 
-        Not in the manual: on the wire alone. Read what the controller's own page shows before
-        and after.
+        Not in the manual, only on the wire. Check what the controller's own page shows before and
+        after the call.
         """
         num_ = ranges.EAXIS_NUMBER("num", num)
         checked("param", param, ExternalAxisScheme)
@@ -114,7 +114,7 @@ class Schemes(Section):
             ParameterError: the number is out of range; nothing was sent.
             TaskError: it was not added.
 
-        Not in the manual: on the wire alone.
+        Not in the manual, only on the wire.
         """
         num_ = ranges.EAXIS_NUMBER("num", num)
         done("add_eaxis_scheme", await self._rpc.add_eaxis_scheme(num_, True))
@@ -129,7 +129,7 @@ class Schemes(Section):
             ParameterError: the number is out of range; nothing was sent.
             TaskError: it was not deleted.
 
-        Not in the manual: on the wire alone.
+        Not in the manual, only on the wire.
         """
         num_ = ranges.EAXIS_NUMBER("num", num)
         done("delete_eaxis_scheme", await self._rpc.delete_eaxis_scheme(num_, True))

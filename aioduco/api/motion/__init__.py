@@ -39,12 +39,12 @@ _AHEAD = Integer(1, 1000, "motions", source="this package")
 
 
 class PlannedMotion(Protocol):
-    """What can be executed: a `Plan` of `aioduco.planning`, a `RecordedPath` of a recording."""
+    """A motion for `execute`: a `Plan` of `aioduco.planning`, a `RecordedPath` of a recording."""
 
     async def run_on(
         self, motion: Any, read_joints: Any, **options: Any
     ) -> TrajectoryResult | None:
-        """Carry it out by a robot's motions."""
+        """Carry it out with a robot's motions."""
         ...
 
 
@@ -58,11 +58,11 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         move = await robot.motion.movel(target, v=0.2, a=0.5).start()
         await robot.motion.run(approach, pass_by, retreat)
 
-    A motion with a blend radius `r` blends only into one that the controller has in time: see
+    A motion with a blend radius `r` blends only into one that the controller receives in time: see
     `run` and `path`.
 
-    Motions at a velocity, jogs and hand guiding go on until they are told to end: they are tied
-    to a block, which ends them when it is left.
+    Motions at a velocity, jogs and hand guiding run until a command ends them. Use them in a
+    block: leaving it ends them.
     """
 
     __slots__ = ("_endpoint",)
@@ -74,13 +74,14 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
     async def set_blend_ahead(self, per: int, num: int = 1) -> None:
         """Set how early the controller reads the next motion, to blend into it (融合预读取).
 
-        It holds for programs of the controller, and for calls that block, which this package does
-        not make: what `run` and `path` send ahead is known to the controller as it comes.
+        It applies to programs of the controller and to blocking calls, which this package does not
+        make: the controller has the motions that `run` and `path` send ahead as soon as they
+        arrive.
 
         Args:
-            per: percent of a motion after which the next is read, 0 to 100; usually 0 or 50.
-            num: how many motions are read ahead if `per` is 0, 1 to 3: more for short motions
-                that follow each other fast.
+            per: share of a motion after which the next one is read, 0 to 100 [%]; usually 0 or 50.
+            num: number of motions that are read ahead if `per` is 0, 1 to 3: more for short motions
+                in fast succession.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -95,23 +96,24 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
     async def run(self, *motions: MotionCommand, ahead: int = 3) -> tuple[Outcome, ...]:
         """Send motions one after another, ahead of the arm, and wait for all of them.
 
-        The controller can blend a motion into the next only if it has that one in time. So some
-        are sent ahead; the others follow as the first ones end. `path` does so for motions that
-        are not all known beforehand.
+        The controller can blend a motion into the next one only if it receives that one in time.
+        So the first `ahead` motions are sent at once, and one more each time that a motion ends.
+        `path` does the same for motions that are not all known beforehand.
 
         Args:
-            motions: in the order in which they are to be carried out.
-            ahead: how many the controller has at most, the running one included, 1 to 1000.
+            motions: the motions, in the order in which they are to be carried out.
+            ahead: maximum number of motions in the controller, the running one included, 1 to
+                1000.
 
         Returns:
             The outcome of each: finished or blended.
 
         Raises:
-            TaskError: one did not succeed. Those after it were stopped, or not sent.
-            ParameterError: something in `motions` is no motion, or `ahead` is out of range;
+            TaskError: a motion did not succeed. Those after it were stopped, or not sent.
+            ParameterError: an element of `motions` is not a motion, or `ahead` is out of range;
                 nothing was sent.
-            MotionCarriedOut: something in `motions` is how a motion ended, since it was carried
-                out, not made: the arm has moved.
+            MotionCarriedOut: an element of `motions` is the outcome of a motion. The motion was
+                carried out instead of only made: the arm has moved.
 
         If this is cancelled, the arm is stopped.
         """
@@ -131,15 +133,15 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
                     await path.add(robot.motion.movel(corner, v=0.2, a=0.5, r=mm(30)))
 
         A motion that is awaited alone has no successor until it has ended, so it never blends.
-        Here `add` returns while the arm is still on its way, as the manual's blocking calls
-        do at the beginning of a blend. When the block is left, all motions have ended.
+        Here `add` returns while the arm is still moving, as the manual's blocking calls do at the
+        beginning of a blend. When the block is left, all motions have ended.
 
         Args:
-            ahead: how many motions the controller has at most, the running one included, 1 to
+            ahead: maximum number of motions in the controller, the running one included, 1 to
                 1000. With 1 nothing blends.
 
         Returns:
-            The path; nothing is sent before its block.
+            The path; nothing is sent before its block is entered.
 
         Raises:
             ParameterError: `ahead` is out of range.
@@ -161,27 +163,28 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         reach: float = 0.05,
         options: LaneOptions | None = None,
     ) -> TrajectoryResult:
-        """Follow joint positions at given times to the end, and see the arm arrive.
+        """Follow joint positions at given times to the end, and wait until the arm has arrived.
 
-        What ROS calls FollowJointTrajectory: tolerances on the way and at the goal, feedback on
-        the way. Cancelling this brings the arm to rest on the path before it goes on.
+        This is ROS's FollowJointTrajectory: tolerances on the path and at the goal, feedback during
+        the motion. Cancelling this brings the arm to rest on the path before control returns.
 
         Args:
             trajectory: the joint positions and their times.
             v: largest speed of each joint, 0.000175 to 3.93 [rad/s]; a trajectory that is faster
                 is refused.
-            a: largest acceleration of each joint, from 0.000175 [rad/s²]; the corners of a
-                trajectory that is sharper are rounded.
-            tolerances: how far the arm may be from it; None: the defaults of `Tolerances`.
-            feedback: called about 50 times a second with where the arm is on its way.
+            a: largest acceleration of each joint, from 0.000175 [rad/s²]; sharper corners of the
+                trajectory are rounded.
+            tolerances: largest distances of the arm from the trajectory; None: the defaults of
+                `Tolerances`.
+            feedback: callback that gets a `Feedback` about 50 times a second.
             through: "realtime" for the controller's realtime queue, "servoj" for one call per
                 set-point, "auto" for the queue if this controller has one, else servoj.
             rate: set-points per second through servoj [Hz]; the queue has 1000.
-            reach: how far each joint may be from the first point [rad].
+            reach: largest distance of each joint from the first point at the start [rad].
             options: how the worker runs; None: in a process of its own.
 
         Returns:
-            How it was followed, the arm being at the goal.
+            How the trajectory was followed; the arm is at the goal.
 
         Raises:
             ParameterError: the trajectory is too fast for `v`; nothing was sent.
@@ -189,7 +192,7 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
             PathToleranceViolated: the arm strayed from the path; it was brought to rest.
             GoalToleranceViolated: the arm did not come close enough to the last point in time.
             RobotStateError: something else moves the arm; nothing was sent.
-            StreamError: the stream ended by something else; says why.
+            StreamError: the stream ended for another reason; the error says which.
 
         Manual sections 1.3.5 and 1.3.15.
         """
@@ -233,35 +236,37 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
     ) -> TrajectoryResult | None:
         """Carry out a plan of `aioduco.planning` (执行规划), supervised to its end.
 
-        Cancelling this brings the arm to rest on the plan's path before it goes on.
+        Cancelling this brings the arm to rest on the plan's path before control returns.
 
         Args:
-            plan: the plan; it must begin where the arm is, to 0.01 rad for each joint.
-            watch: the `Scene` that is planned in: each time that it changes meanwhile, the rest of
-                the way is checked; if it is not free any more, the arm is brought to rest on it.
-            planner: a `Planner`, with `watch`: it then plans a way from there to the same end,
-                which is followed instead.
+            plan: the plan; its first point must be the arm's position, to 0.01 rad for each joint.
+            watch: the `Scene` that the plan was made in. Each time that it changes during the
+                motion, the rest of the path is checked; if that is not free any more, the arm is
+                brought to rest on the path.
+            planner: a `Planner`, only with `watch`: it then plans a path from there to the same
+                end, which the arm follows instead.
             through: "realtime" for the controller's realtime queue, "servoj" for one call per
                 set-point, "auto" for the queue if this controller has one, else servoj; "blended"
                 for joint motions of the controller that blend, as fast as it makes them within
                 the plan's limits, and without `watch`, `tolerances` and `feedback`.
-            tolerances: how far the arm may be from the plan; None: the defaults of `Tolerances`.
-            feedback: called about 50 times a second with where the arm is on its way.
+            tolerances: largest distances of the arm from the plan; None: the defaults of
+                `Tolerances`.
+            feedback: callback that gets a `Feedback` about 50 times a second.
             options: how the worker runs; None: in a process of its own.
 
         Returns:
-            How it was followed; None for blended motions.
+            How the plan was followed; None for blended motions.
 
         Raises:
             FirstPointTooFar: the arm is not where the plan begins; nothing was sent.
-            PlanObstructed: the way is not free in the scene that is watched; the arm stands where
-                it was, or was brought to rest on its way.
-            PlanningError: no way around what is new was found; the arm stands.
+            PlanObstructed: the path is not free in the scene that is watched; the arm did not
+                start, or was brought to rest on the path.
+            PlanningError: no path around the change was found; the arm stands.
             ParameterError: an argument is not allowed; nothing was sent.
             PathToleranceViolated: the arm strayed from the path; it was brought to rest.
             GoalToleranceViolated: the arm did not come close enough to the end in time.
             RobotStateError: something else moves the arm; nothing was sent.
-            StreamError: the stream ended by something else; says why.
+            StreamError: the stream ended for another reason; the error says which.
             TaskError: a blended motion did not succeed.
         """
         if not callable(getattr(plan, "run_on", None)):
@@ -281,15 +286,15 @@ class Motion(JointMotions, Lines, Curves, Velocity, ServoMotions, Jogging, Teach
         )
 
     async def _joints_at_rest(self) -> list[float]:
-        """Read the joints, once the arm stands: what was stopped last may still come to rest."""
+        """Read the joints once the arm stands: after a stop it may still be coming to rest."""
         timeout = self._supervisor.settings.standstill_timeout
-        # what moves on is refused when the plan is sent
+        # if the arm still moves, the plan is refused when it is sent
         with contextlib.suppress(StopUnconfirmed):
             await self._supervisor.stop_coordinator.rest(None, timeout)
         return await self._rpc.get_actual_joints_position()
 
     async def _has_queue(self) -> bool:
-        """Whether the controller has a realtime queue; older ones do not know the function."""
+        """Whether the controller has a realtime queue; older controllers lack the function."""
         try:
             await self._rpc.get_realtime_data_queue_size()
         except UnknownFunction:

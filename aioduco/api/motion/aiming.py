@@ -1,4 +1,4 @@
-"""Motions given in another frame than the wire's, turned by where the tool is as they are sent."""
+"""Motions given in another frame than the wire's, rotated by the tool's pose when they are sent."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ __all__ = ["ToolAim", "twist_in_tool"]
 
 
 class ToolAim:
-    """Turns the first argument of a motion into the tool's frame.
+    """Converts the first argument of a motion into the tool's frame.
 
     Args:
         supervisor: the robot.
-        frame: in which the motion is given.
-        turning: how it is turned.
-        turn: turns six numbers by where the tool is.
+        frame: frame in which the motion is given.
+        turning: the reads that give the tool's pose in that frame.
+        turn: function that rotates six numbers by the tool's pose.
     """
 
     __slots__ = ("_supervisor", "_turn", "_turning", "frame")
@@ -44,10 +44,10 @@ class ToolAim:
         self.frame: str = frame
 
     async def arguments(self, command: Command) -> tuple[Any, ...]:
-        """Read where the tool is, and return the arguments with the first one turned.
+        """Read the tool's pose, and return the arguments with the first one converted.
 
         Raises:
-            StaleState: the controller does not say where the tool is; nothing was sent.
+            StaleState: the controller does not report the tool's pose; nothing was sent.
         """
         self._supervisor.check_open(command.name)
         given, *others = command.args
@@ -65,5 +65,5 @@ class ToolAim:
 
 
 def twist_in_tool(twist: Sequence[float], place: Config) -> tuple[float, ...]:
-    """A velocity, along and about the tool's axes [m/s, rad/s]."""
+    """Convert a velocity to one along and about the tool's axes [m/s, rad/s]."""
     return turned(twist, place, back=True)

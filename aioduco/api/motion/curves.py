@@ -45,13 +45,13 @@ class Curves(Section):
 
         Args:
             via: a pose on the arc (p1): x, y, z [m], rx, ry, rz [rad].
-            pose: where to (p2): the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose (p2) of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest speed of the tool, 0.01 to 5 [m/s].
             a: highest acceleration of the tool, from 0.01 [m/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            mode: the orientation: 0 goes over to the end's, 1 stays as at the start, 2 stays
-                fixed to the arc's tangent.
-            q_near: joint angles near the target, to check its branch [rad]; None for the present.
+            mode: orientation of the tool: 0 changes to that of the end pose, 1 stays as at the
+                start, 2 stays fixed to the arc's tangent.
+            q_near: joint angles near the target [rad], to check its branch; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way.
@@ -96,7 +96,7 @@ class Curves(Section):
         op: Op | None = None,
         def_acc: bool = False,
     ) -> MotionCommand:
-        """Move the tool along a whole circle (圆周运动), from where it is through two poses.
+        """Move the tool along a whole circle (圆周运动), from its present pose through two poses.
 
         Args:
             p1: the first pose on the circle: x, y, z [m], rx, ry, rz [rad].
@@ -104,8 +104,8 @@ class Curves(Section):
             v: highest speed of the tool, 0.01 to 5 [m/s].
             a: highest acceleration of the tool, from 0.01 [m/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            mode: the orientation: 1 stays as at the start, 2 stays fixed to the circle's tangent.
-            q_near: joint angles near the target, to check its branch [rad]; None for the present.
+            mode: orientation of the tool: 1 as at the start, 2 fixed to the circle's tangent.
+            q_near: joint angles near the target [rad], to check its branch; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way.
@@ -149,12 +149,12 @@ class Curves(Section):
     ) -> MotionCommand:
         """Move the tool along a spline through poses (样条运动).
 
-        Of two splines in a row, the second must not begin with the pose with which the first
-        ends.
+        If two splines follow each other, the second one must not begin with the last pose of the
+        first.
 
         Args:
-            poses: 1 to 50 poses of the tool in the work object, of which the first may be where
-                the arm is; x, y, z [m], rx, ry, rz [rad]. Shape (n, 6).
+            poses: 1 to 50 poses of the tool in the work object; the first may be the present
+                pose; x, y, z [m], rx, ry, rz [rad]. Shape (n, 6).
             v: highest speed of the tool, 0.01 to 5 [m/s].
             a: highest acceleration of the tool, from 0.01 [m/s²].
             tool: name of the tool; empty for the one in use.
@@ -196,16 +196,16 @@ class Curves(Section):
     ) -> MotionCommand:
         """Move the tool along a spline, and set outputs at its points (样条运动, 触发点位 OP).
 
-        Of two splines in a row, the second must not begin with the pose with which the first
-        ends.
+        If two splines follow each other, the second one must not begin with the last pose of the
+        first.
 
         Args:
-            points: 1 to 50 poses of the tool in the work object, each with what is set there.
+            points: 1 to 50 poses of the tool in the work object, each with outputs to set there.
             v: speed of the tool, 0.00001 to 5 [m/s].
             a: acceleration of the tool, from 0.00001 [m/s²].
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            op: outputs set on the way of the whole spline.
+            op: outputs set on the way along the whole spline.
             r: blend radius into the next motion [m]; 0 to stop at the end.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 
@@ -250,15 +250,16 @@ class Curves(Section):
 
         Args:
             center: pose of the spiral's centre (p1): x, y, z [m], rx, ry, rz [rad].
-            pose: where to (p2): x, y, z [m], rx, ry, rz [rad]; None in mode 0, which ignores it.
-            rev: turns in all, negative for clockwise.
-            length: way along the axis (len) [m], its sign by the right hand; mode 1 ignores it.
+            pose: target pose (p2): x, y, z [m], rx, ry, rz [rad]; None in mode 0, which ignores it.
+            rev: total number of turns, negative for clockwise.
+            length: distance along the axis (len) [m], signed by the right-hand rule; mode 1
+                ignores it.
             radius: radius at the end (rad, once red in the manual), from 0 [m]; mode 1 ignores
                 it.
-            mode: 0 by parameters, 1 by the end.
+            mode: 0 for a spiral given by parameters, 1 for one given by its end.
             v: highest speed of the tool, 0.01 to 5 [m/s].
             a: highest acceleration of the tool, from 0.01 [m/s²].
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way.
@@ -268,7 +269,7 @@ class Curves(Section):
             The motion, not sent yet.
 
         Raises:
-            ParameterError: an argument is out of range, or mode 1 has no end.
+            ParameterError: an argument is out of range, or `pose` is missing in mode 1.
 
         Manual section 1.3.5.
         """
@@ -276,7 +277,7 @@ class Curves(Section):
         mode_ = ranges.SPIRAL_MODE("mode", mode)
         if pose is None and mode_ == 1:
             raise ParameterError("pose", pose, "a pose in mode 1: the spiral's end")
-        # In mode 0 the controller takes no notice of it, but reads six numbers.
+        # In mode 0 the controller ignores the pose, but reads six numbers.
         p2 = p1 if pose is None else ranges.POSE("pose", pose)
         rev_ = ranges.SPIRAL_TURNS("rev", rev)
         length_ = ranges.SPIRAL_LENGTH("length", length)

@@ -1,4 +1,4 @@
-"""Jogging: one joint or one Cartesian direction, for as long as it is held."""
+"""Jogging of one joint or one Cartesian direction, by a step or until a command ends it."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Jogging"]
 
-#: how long a jog without a step goes on unless the program says otherwise [s]
+#: duration of a jog without a step if the program gives none [s]
 JOG_TIME = 1.0
 _ENDING = "stop_manual_move"
 
 
 class Jogging(Section):
-    """Jogging (点动): steps, and motions that go on until they are told to end."""
+    """Jogging (点动): steps, and motions that run until a command ends them."""
 
     __slots__ = ()
 
@@ -37,20 +37,20 @@ class Jogging(Section):
             async with robot.motion.move_jog(Jog.cartesian("z", -1, vel=5), time=10.0):
                 await released()                # leaving the block ends the jog
 
-        A step ends by itself. Without a step the controller goes on until it is told to end: this
-        program tells it when the block is left, at the latest after `time`. Cancelling its await,
-        or an error inside its block, stops the arm.
+        A step ends by itself. Without a step the controller jogs until a command ends the jog:
+        this program sends that command when the block is left, at the latest after `time`.
+        Cancelling its await, or an error inside its block, stops the arm.
 
         Args:
-            jog: what is jogged, made by `Jog.joint` or `Jog.cartesian`.
-            time: seconds after which this program ends a jog without a step, from 0.001; None to
-                go on until the block is left or `stop_manual_move` is called. The wire has no
-                such time: only the heartbeat stops the arm of a program that hangs.
-            directions: what the controller understands as the two directions: the manuals
-                contradict each other. Try it with a small step at a low speed.
+            jog: the jog, made by `Jog.joint` or `Jog.cartesian`.
+            time: seconds after which this program ends a jog without a step, from 0.001; None: it
+                runs until the block is left or `stop_manual_move` is called. The wire has no such
+                time: if the program hangs, only the heartbeat stops the arm.
+            directions: the controller's meaning of the two directions: the manuals contradict
+                each other. Try it with a small step at a low speed.
 
         Returns:
-            The motion, not sent yet. Without a step, its end is when the arm stands.
+            The motion, not sent yet. Without a step, it ends when the arm stands.
 
         Raises:
             ParameterError: an argument is out of range.
@@ -72,8 +72,8 @@ class Jogging(Section):
     async def stop_manual_move(self) -> None:
         """End a jog (结束点动), and wait until the arm stands.
 
-        If a jog of this program is running and cannot be ended so, or if this is cancelled, the
-        arm is stopped as by `Robot.stop`.
+        If a jog of this program is running and cannot be ended in this way, or
+        if this is cancelled, the arm is stopped as by `Robot.stop`.
 
         Raises:
             TaskError: the controller did not end it.

@@ -35,7 +35,7 @@ class JointMotions(Section):
         """Move to joint angles, all joints together (关节运动).
 
         Args:
-            joints: where to, six angles in [-2π, 2π] [rad].
+            joints: target, six angles in [-2π, 2π] [rad].
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
@@ -78,11 +78,11 @@ class JointMotions(Section):
         """Move the tool to a pose, all joints together, not along a line (关节运动到位姿).
 
         Args:
-            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way; triggers by distance have no effect here.
@@ -122,7 +122,7 @@ class JointMotions(Section):
         """Move to joint angles at a speed in percent (关节运动). `movej2` takes it in rad/s.
 
         Args:
-            joints: where to, six angles in [-2π, 2π] [rad].
+            joints: target, six angles in [-2π, 2π] [rad].
             v: highest joint speed in percent of what the arm can do, above 0, up to 100.
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
             r: blend radius into the next motion [m]; 0 to stop at the end.
@@ -136,9 +136,10 @@ class JointMotions(Section):
             ParameterError: an argument is out of range.
 
         Warns:
-            UnitWarning: `v` reads like rad/s: it has a point, and is no more than 3.93.
+            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
 
-        Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
+        Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
+        its users report.
         """
         q = ranges.JOINTS("joints", joints)
         v_, a_ = ranges.percent_of_speed("v", v), ranges.PERCENT("a", a)
@@ -165,11 +166,11 @@ class JointMotions(Section):
         `movej_pose2` takes the speed in rad/s.
 
         Args:
-            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest joint speed in percent of what the arm can do, above 0, up to 100.
             a: highest joint acceleration in percent of what the arm can do, above 0, up to 100.
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way; triggers by distance have no effect here.
@@ -182,9 +183,10 @@ class JointMotions(Section):
             ParameterError: an argument is out of range.
 
         Warns:
-            UnitWarning: `v` reads like rad/s: it has a point, and is no more than 3.93.
+            UnitWarning: `v` looks like rad/s: it has a decimal point, and is at most 3.93.
 
-        Not in the manual: on the wire of 3.8, and much used; percent is what its users say.
+        Not in the manual. The wire of 3.8 has it, and it is much used; the unit, percent, is what
+        its users report.
         """
         p = ranges.POSE("pose", pose)
         v_, a_ = ranges.percent_of_speed("v", v), ranges.PERCENT("a", a)

@@ -37,11 +37,11 @@ class Lines(Section):
         """Move the tool to a pose along a line (直线运动). The manual prints its name as move1.
 
         Args:
-            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest speed of the tool, 0.01 to 5 [m/s].
             a: highest acceleration of the tool, from 0.01 [m/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            q_near: joint angles near the target, to check its branch [rad]; None for the present.
+            q_near: joint angles near the target [rad], to check its branch; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             op: outputs set on the way.
@@ -81,9 +81,9 @@ class Lines(Section):
         """Move the tool by an offset in its own frame, along a line (沿工具坐标系直线移动).
 
         Args:
-            offset: by how much: x, y, z [m], rx, ry, rz [rad], in the frame of the tool.
-            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
-                proportion.
+            offset: translation x, y, z [m] and rotation rx, ry, rz [rad], in the tool's frame.
+            v: highest speed of the tool, 0.01 to 5 [m/s]; an offset without translation turns at
+                a speed scaled from it.
             a: highest acceleration of the tool, from 0.01 [m/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
             tool: name of the tool; empty for the one in use.
@@ -122,15 +122,15 @@ class Lines(Section):
         op: Op | None = None,
         def_acc: bool = False,
     ) -> MotionCommand:
-        """Move the tool along a line by what lies between two poses, in the tool's frame.
+        """Move the tool along a line by the offset between two poses, in the tool's frame.
 
         沿工具坐标系直线移动两点之差: the target is the present pose · p1⁻¹ · p2.
 
         Args:
             p1: the pose from which the offset is taken; x, y, z [m], rx, ry, rz [rad].
             p2: the pose to which the offset is taken; x, y, z [m], rx, ry, rz [rad].
-            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
-                proportion.
+            v: highest speed of the tool, 0.01 to 5 [m/s]; an offset without translation turns at
+                a speed scaled from it.
             a: highest acceleration of the tool, from 0.01 [m/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
             tool: name of the tool; empty for the one in use.
@@ -172,9 +172,10 @@ class Lines(Section):
         """Move the tool by an offset in the work object's frame (沿工件坐标系直线移动), in a line.
 
         Args:
-            offset: by how much: x, y, z [m], rx, ry, rz [rad], in the frame of the work object.
-            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
-                proportion.
+            offset: translation x, y, z [m] and rotation rx, ry, rz [rad], in the work object's
+                frame.
+            v: highest speed of the tool, 0.01 to 5 [m/s]; an offset without translation turns at
+                a speed scaled from it.
             a: highest acceleration of the tool, from 0.01 [m/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
             wobj: name of the work object; empty for the one in use.
@@ -213,19 +214,19 @@ class Lines(Section):
         op: Op | None = None,
         def_acc: bool = False,
     ) -> MotionCommand:
-        """Move the tool along a line by what lies between two poses, in the work object's frame.
+        """Move the tool along a line by the offset between two poses, in the work object's frame.
 
         沿工件坐标系直线移动两点之差: the offset from p1 to p2 as it is in the work object's frame.
 
         Args:
             p1: the pose from which the offset is taken; x, y, z [m], rx, ry, rz [rad].
             p2: the pose to which the offset is taken; x, y, z [m], rx, ry, rz [rad].
-            v: highest speed of the tool, 0.01 to 5 [m/s]; a turn without a way takes it in
-                proportion.
+            v: highest speed of the tool, 0.01 to 5 [m/s]; an offset without translation turns at
+                a speed scaled from it.
             a: highest acceleration of the tool, from 0.01 [m/s²].
             r: blend radius into the next motion [m]; 0 to stop at the end.
-            tool: name of the tool that the two poses are of; empty for the one in use.
-            wobj: name of the work object that they are in; empty for the one in use.
+            tool: name of the tool of the two poses; empty for the one in use.
+            wobj: name of the work object of the two poses; empty for the one in use.
             op: outputs set on the way.
             def_acc: whether the controller chooses the acceleration in place of `a`.
 

@@ -1,7 +1,7 @@
 """Set-points of the servo functions, one at a time.
 
-For set-points at a rate there are streams, with a schedule and a connection of their own: these
-functions wait for the answer to each one.
+These functions wait for the answer to each set-point. For set-points at a fixed rate use streams,
+which have a schedule and a connection of their own.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 
 __all__ = ["ServoMotions"]
 
-#: the vendor's own; the manual gives the first two
+#: the vendor's defaults; the manual gives the first two
 _KP, _KD, _SMOOTH_VEL, _SMOOTH_ACC = 200.0, 25.0, 10.0, 1.0
 
 
 class ServoMotions(Section):
-    """Set-points that the arm goes to by its own planning, each taking over from the last.
+    """Set-points to which the controller plans the motion; each one replaces the one before.
 
-    A set-point of another kind waits until the arm is at the last one of the present kind. One
-    that was taken over from counts as blended.
+    A set-point of another kind waits until the arm has reached the last one of the present kind. A
+    set-point that was replaced counts as blended.
     """
 
     __slots__ = ()
@@ -45,16 +45,16 @@ class ServoMotions(Section):
         smooth_vel: float = _SMOOTH_VEL,
         smooth_acc: float = _SMOOTH_ACC,
     ) -> MotionCommand:
-        """Go to joint angles, each joint for itself (关节伺服运动), from whatever motion it is in.
+        """Go to joint angles, each joint independently (关节伺服运动), from any state of motion.
 
         Args:
-            joints: where to, six angles in [-2π, 2π] [rad].
+            joints: target, six angles in [-2π, 2π] [rad].
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
             kp: proportional gain, from 0; 200 is recommended.
             kd: derivative gain, from 0; 25 is recommended.
-            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
-            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+            smooth_vel: smoothing of the speed, 1 to 100; a larger value lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; a larger value lags more.
 
         Returns:
             The motion, not sent yet.
@@ -84,19 +84,19 @@ class ServoMotions(Section):
         smooth_vel: float = _SMOOTH_VEL,
         smooth_acc: float = _SMOOTH_ACC,
     ) -> MotionCommand:
-        """Go to a pose of the tool, each joint for itself (关节伺服运动到位姿).
+        """Go to a pose of the tool, each joint independently (关节伺服运动到位姿).
 
         Args:
-            pose: where to: the tool in the work object; x, y, z [m], rx, ry, rz [rad].
+            pose: target pose of the tool in the work object; x, y, z [m], rx, ry, rz [rad].
             v: highest joint speed, 0.01·π/180 to 1.25·π [rad/s].
             a: highest joint acceleration, from 0.01·π/180 [rad/s²].
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             kp: proportional gain, from 0; 200 is recommended.
             kd: derivative gain, from 0; 25 is recommended.
-            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
-            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+            smooth_vel: smoothing of the speed, 1 to 100; a larger value lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; a larger value lags more.
 
         Returns:
             The motion, not sent yet.
@@ -131,31 +131,32 @@ class ServoMotions(Section):
         smooth_vel: float = _SMOOTH_VEL,
         smooth_acc: float = _SMOOTH_ACC,
     ) -> MotionCommand:
-        """Go on from the present target by an offset of the tool (工具增量伺服运动).
+        """Shift the arm's present target by an offset of the tool (工具增量伺服运动).
 
-        The controller takes the offset in the tool's frame. With another `frame` it is turned
-        here, by the orientation of the tool that is read as the motion is sent: it is as old as
-        the calls take, a few milliseconds. While the tool turns, its target has another one;
-        `robot.servo.tcp_offset` reckons with that.
+        The controller takes the offset in the tool's frame. With another `frame`, this package
+        converts it by the tool's orientation. It reads the orientation just before it sends the
+        motion, so the value is a few milliseconds old. While the tool turns, its target has another
+        orientation; `robot.servo.tcp_offset` takes that into account.
 
         Args:
-            offset: by how much (pose_offset): x, y, z [m], rx, ry, rz [rad] of `frame`, from the
-                target that the arm has at the moment. It turns the tool about its tip.
+            offset: translation x, y, z [m] and rotation rx, ry, rz [rad] (pose_offset) along and
+                about the axes of `frame`, from the arm's present target. The tool turns about its
+                tip.
             v: highest speed, 0.01·π/180 to 1.25·π: of the joints by manual 3.8 [rad/s], of the
                 tool by manual 4.3 [m/s].
             a: highest acceleration, from 0.01·π/180 [rad/s² or m/s²].
             tool: name of the tool; empty for the one in use.
-            frame: whose axes are meant: "tool", "base" (z is up where the arm stands on a floor)
+            frame: frame of the offset: "tool", "base" (z points up if the arm stands on a floor)
                 or "wobj", a work object.
             wobj: name of the work object; empty for the one in use.
             kp: proportional gain, from 0; 200 is recommended.
             kd: derivative gain, from 0; 25 is recommended.
-            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
-            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+            smooth_vel: smoothing of the speed, 1 to 100; a larger value lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; a larger value lags more.
 
         Returns:
-            The motion, not sent yet. Used again, it goes on by the offset once more. Sending it
-            raises `StaleState` if the orientation cannot be read.
+            The motion, not sent yet. Each further use shifts the target by the offset
+            again. Sending it raises `StaleState` if the orientation cannot be read.
 
         Raises:
             ParameterError: an argument is out of range.
@@ -189,21 +190,21 @@ class ServoMotions(Section):
         smooth_vel: float = _SMOOTH_VEL,
         smooth_acc: float = _SMOOTH_ACC,
     ) -> MotionCommand:
-        """Go to a pose of the tool, each Cartesian direction for itself (笛卡尔伺服运动).
+        """Go to a pose of the tool, each Cartesian direction independently (笛卡尔伺服运动).
 
         Args:
-            pose: where to (pose_list): the tool in the work object; x, y, z [m], rx, ry, rz
+            pose: target pose of the tool in the work object (pose_list); x, y, z [m], rx, ry, rz
                 [rad].
             v: highest speed, 0.01·π/180 to 1.25·π: of the joints by manual 3.8 [rad/s], of the
                 tool by manual 4.3 [m/s].
             a: highest acceleration, from 0.01·π/180 [rad/s² or m/s²].
-            q_near: joint angles near which the target's are chosen [rad]; None for the present.
+            q_near: joint angles [rad] near which the solution is chosen; None: the present ones.
             tool: name of the tool; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
             kp: proportional gain, from 0; 200 is recommended.
             kd: derivative gain, from 0; 25 is recommended.
-            smooth_vel: smoothing of the speed, 1 to 100; more lags more.
-            smooth_acc: smoothing of the acceleration, 0 to 1; more lags more.
+            smooth_vel: smoothing of the speed, 1 to 100; a larger value lags more.
+            smooth_acc: smoothing of the acceleration, 0 to 1; a larger value lags more.
 
         Returns:
             The motion, not sent yet.

@@ -17,7 +17,7 @@ __all__ = ["Teaching"]
 
 _ENDING = "end_teach_mode"
 
-#: by the mode, as the manual has it: degrees, seconds. The vendor's client sends 0.5 s instead
+#: the manual's interval by mode: degrees, seconds. The vendor's client sends 0.5 s instead
 _INTERVAL = (5.0, 0.25)
 
 
@@ -27,14 +27,14 @@ class Teaching(Section):
     __slots__ = ()
 
     def teach_mode(self) -> HeldMotion:
-        """Let the arm be guided by hand (进入牵引示教模式), until it is told to end.
+        """Let the arm be guided by hand (进入牵引示教模式), until a command ends it.
 
             async with robot.motion.teach_mode():
                 await taught()                  # leaving the block ends hand guiding
 
-        Set tool and load right before: an arm that carries another weight than it knows of sinks
-        or rises by itself. Cancelling its await, or an error inside its block, stops the arm and
-        ends hand guiding; so does leaving the robot.
+        Set the right tool and load first: if the arm carries another weight than the one that was
+        set, it sinks or rises by itself. Cancelling its await, or an error inside its block,
+        stops the arm and ends hand guiding; so does leaving the robot's block.
 
         Returns:
             The motion, not sent yet. It ends by `end_teach_mode` or by leaving its block.
@@ -46,8 +46,8 @@ class Teaching(Section):
     async def end_teach_mode(self) -> None:
         """End hand guiding (退出牵引示教模式), and wait until the arm stands.
 
-        If this program's hand guiding cannot be ended so, or if this is cancelled, the arm is
-        stopped as by `Robot.stop`.
+        If this program's hand guiding cannot be ended in this way, or if this is cancelled, the
+        arm is stopped as by `Robot.stop`.
 
         Raises:
             TaskError: the controller did not end it.
@@ -71,9 +71,9 @@ class Teaching(Section):
             space: 0 the joints give way, 1 the Cartesian directions.
             joint_scale: compliance of the six joints, whole numbers from 0. Shape (6,).
             cart_scale: compliance along and about x, y, z, whole numbers from 0. Shape (6,).
-            coord_type: whose directions they are: a `JogFrame`, 0 world, 1 base, 2 tool, 3 work
+            coord_type: frame of the directions, a `JogFrame`: 0 world, 1 base, 2 tool, 3 work
                 object.
-            direction: for each of the six whether it gives way. Shape (6,).
+            direction: whether the arm gives way in each of the six. Shape (6,).
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -101,16 +101,17 @@ class Teaching(Section):
     ) -> None:
         """Start to record joints and poses of the arm on the controller (开启轨迹记录).
 
-        When the record is full, the controller ends it and pauses the program that runs.
+        When the recording is full, the controller ends it and pauses the running program.
 
         Args:
             name: name of the track, for `replay`.
-            mode: 0 a point whenever the joints have moved far enough, 1 after equal times.
+            mode: 0 to record a point each time that the joints have moved by `interval`, 1 at
+                equal times.
             tool: name of the tool whose poses are recorded; empty for the one in use.
             wobj: name of the work object; empty for the one in use.
-            interval: from point to point, above 0: sum of the joints' ways [rad] in mode 0, time
-                [s] in mode 1. None for 5° or 0.25 s, as the manual has it. Its prototype lacks this
-                argument, which is on the wire.
+            interval: interval between two points, above 0: sum of the joints' travel [rad] in
+                mode 0, time [s] in mode 1. None for 5° or 0.25 s, the manual's values. The manual's
+                prototype lacks this argument; the wire has it.
 
         Raises:
             ParameterError: an argument is out of range; nothing was sent.
@@ -142,8 +143,8 @@ class Teaching(Section):
     async def replay(self, name: str, v: int, mode: int) -> None:
         """Run a track that was recorded (轨迹复现), and wait until it has ended.
 
-        The wire has no way to start it and go on, so there is no task to follow. Cancelling this
-        stops the arm.
+        The wire can only start the track and wait for its end, so there is no task to follow.
+        Cancelling this stops the arm.
 
         Args:
             name: name of the track.

@@ -27,10 +27,10 @@ if TYPE_CHECKING:
 
 __all__ = ["follow"]
 
-_LOOK = 0.02  # seconds between two looks at where the arm is
-_DEPTH = 100  # points in the controller's queue: 0.1 s for which nothing may come
+_LOOK = 0.02  # seconds between two reads of the arm's position
+_DEPTH = 100  # points in the controller's queue: it lasts for 0.1 s without new points
 _LAG = 0.3  # seconds by which the arm may lag behind its set-points without being off its path
-_WINDOW = 60  # places of the path in that time with which the arm is compared
+_WINDOW = 60  # points of the path in that time with which the arm's position is compared
 
 
 async def follow(
@@ -47,29 +47,29 @@ async def follow(
     reach: float = 0.05,
     options: LaneOptions | None = None,
 ) -> TrajectoryResult:
-    """Follow a joint trajectory to its end, and see the arm arrive.
+    """Follow a joint trajectory to its end, and wait until the arm has arrived.
 
-    A cancellation brings the arm to rest before it goes on.
+    A cancellation brings the arm to rest before it propagates.
 
     Args:
         endpoint: the controller.
-        read_joints: reads where the arm is [rad].
+        read_joints: function that reads the joint angles [rad].
         trajectory: the trajectory.
-        realtime: go through the realtime queue instead of servoj.
+        realtime: whether to send through the realtime queue instead of servoj.
         v: largest speed of each joint [rad/s]; a trajectory that is faster is refused.
-        a: largest acceleration of each joint [rad/s²]; the corners of one that is sharper are
+        a: largest acceleration of each joint [rad/s²]; sharper corners of the trajectory are
             rounded.
-        tolerances: how far the arm may be from it; None: the defaults.
-        feedback: called about 50 times a second.
+        tolerances: largest distances of the arm from the trajectory; None: the defaults.
+        feedback: callback that gets a `Feedback` about 50 times a second.
         rate: set-points per second of servoj [Hz]; the queue has 1000.
-        reach: how far the arm may be from the first point [rad].
+        reach: largest distance of each joint from the first point at the start [rad].
         options: how the worker runs; None: in a process of its own.
 
     Raises:
         ParameterError: the trajectory is too fast for `v`; nothing was sent.
         PathToleranceViolated: the arm strayed from the path; it was brought to rest.
         GoalToleranceViolated: the arm did not come close enough to the last point in time.
-        StreamError: the stream ended by something else.
+        StreamError: the stream ended for another reason.
     """
     limits = tolerances or Tolerances()
     curve = trajectory.curve(await read_joints())
@@ -108,7 +108,7 @@ async def follow(
 
 
 class _Watcher:
-    """Compares where the arm is with where it should be."""
+    """Compares the arm's position with the trajectory."""
 
     def __init__(
         self,
@@ -132,7 +132,7 @@ class _Watcher:
         self.strayed: PathToleranceViolated | None = None
 
     async def watch(self) -> None:
-        """Look at the arm until it strays."""
+        """Read the arm's position again and again, until it is outside the path tolerance."""
         start = anyio.current_time()
         number = 0
         while True:
@@ -154,12 +154,13 @@ class _Watcher:
                 raise self.strayed
 
     def _compare(self, before: int, after: int, actual: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The arm's distance from the path, of which it may be at any place of the last while.
+        """Return the arm's distance from the recent part of the path, where the arm may be [rad].
 
         Args:
-            before: set-points taken before the arm was looked at.
-            after: set-points taken since then: it may have gone on by them, if the look took long.
-            actual: where the arm is.
+            before: set-points taken when the read of the position began.
+            after: set-points taken when the read had ended: if it took long, the arm may have moved
+                on by the difference.
+            actual: joint angles that were read [rad].
         """
         now, end = (
             self._curve.times[0] + min((taken - 1) * self._interval, self._curve.duration)
@@ -168,7 +169,7 @@ class _Watcher:
         times = np.linspace(max(self._curve.times[0], now - _LAG), end + _LOOK / 2, _WINDOW)
         places = self._curve.at(times)
         errors = actual - places
-        # By the sum of the distances: one joint that is off does not pull the place along.
+        # By the sum of the distances: one joint with a large error does not shift the point.
         nearest = int(np.argmin(np.abs(errors).sum(axis=1)))
         if self._feedback is not None:
             self._feedback(Feedback(now, places[nearest], actual, errors[nearest]))
@@ -196,7 +197,7 @@ class _Watcher:
 
 
 def _first(group: BaseExceptionGroup[BaseException]) -> BaseException:
-    """What went wrong first: whatever followed it followed from it."""
+    """Return the first error of a group; it caused the others."""
     error = group.exceptions[0]
     return _first(error) if isinstance(error, BaseExceptionGroup) else error
 

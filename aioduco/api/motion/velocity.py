@@ -1,4 +1,4 @@
-"""Motions at a velocity: they go on until their time is over or they are told to end."""
+"""Motions at a velocity: they run until their time is over or a command ends them."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Velocity"]
 
-#: how long a motion at a velocity goes on unless the program says otherwise [s]: if the program
-#: is gone, or waits for something that never comes, the arm stops after that
+#: duration of a motion at a velocity if the program gives none [s]: if the program has exited, or
+#: waits for an event that never comes, the arm stops after this time
 RUN_TIME = 1.0
 _ENDING = "speed_stop"
 #: sine of the angle up to which two directions count as one
@@ -31,9 +31,9 @@ _SAME_DIRECTION = 1e-6
 class Velocity(Section):
     """Motions at a velocity.
 
-    They keep the arm moving, and the controller takes no notice of other motions meanwhile. So
-    each has an end of its own: `time`, which the controller keeps, one second unless another is
-    given. A second one like it takes over from the first, which then counts as blended.
+    They keep the arm moving, and the controller ignores other motions in the meantime. So each has
+    a limit, `time`, which the controller enforces; the default is one second. A second motion of
+    the same kind replaces the first, which then counts as blended.
 
         down = [0, 0, -0.02, 0, 0, 0]
         async with robot.motion.speedl(down, a=0.5, time=5.0, frame="base"):
@@ -47,18 +47,19 @@ class Velocity(Section):
     ) -> HeldMotion:
         """Turn the joints, each at a velocity (关节速度运动), for a time.
 
-        Cancelling its await, or an error inside its block, stops the arm. If the arm moves on
-        for two seconds after `time`, this program stops it.
+        Cancelling its await, or an error inside its block, stops the arm. If the arm still
+        moves two seconds after `time`, this program stops it.
 
         Args:
-            velocities: of the six joints (joints_list), -1.25·π to 1.25·π [rad/s]. Shape (6,).
+            velocities: velocities of the six joints (joints_list), -1.25·π to 1.25·π [rad/s].
+                Shape (6,).
             a: acceleration of the leading joint, from 0.01·π/180 [rad/s²].
-            time: seconds after which the controller stops the arm, from 0.001; None to go on
-                until the block is left or `speed_stop` is called: only the heartbeat then stops
-                the arm of a program that hangs.
+            time: seconds after which the controller stops the arm, from 0.001; None: the motion
+                runs until the block is left or `speed_stop` is called. Then only the heartbeat
+                stops the arm if the program hangs.
 
         Returns:
-            The motion, not sent yet. Its end is when the arm stands.
+            The motion, not sent yet. It ends when the arm stands.
 
         Raises:
             ParameterError: an argument is out of range.
@@ -82,31 +83,31 @@ class Velocity(Section):
         """Move the tool at a velocity (末端速度运动), for a time.
 
         The controller takes the velocity in the tool's frame: manual 4.3 says so, manual 3.8 does
-        not say. With another `frame` it is turned here, by the orientation of the tool that is
-        read as the motion is sent: it is as old as the calls take, a few milliseconds.
+        not say. With another `frame`, this package converts it by the tool's orientation. It reads
+        the orientation just before it sends the motion, so the value is a few milliseconds old.
 
-        Cancelling its await, or an error inside its block, stops the arm. If the arm moves on
-        for two seconds after `time`, this program stops it.
+        Cancelling its await, or an error inside its block, stops the arm. If the arm still
+        moves two seconds after `time`, this program stops it.
 
         Args:
             twist: velocity of the tool (pose_list): along x, y, z of `frame`, -5 to 5 [m/s], and
                 about them, -1.25·π to 1.25·π [rad/s]. Shape (6,).
             a: acceleration of the tool, from 0.00001 [m/s²].
-            time: seconds after which the controller stops the arm, from 0.001; None to go on
-                until the block is left or `speed_stop` is called: only the heartbeat then stops
-                the arm of a program that hangs.
-            frame: whose axes are meant: "tool", "base" (z is up where the arm stands on a floor)
+            time: seconds after which the controller stops the arm, from 0.001; None: the motion
+                runs until the block is left or `speed_stop` is called. Then only the heartbeat
+                stops the arm if the program hangs.
+            frame: frame of the velocity: "tool", "base" (z points up if the arm stands on a floor)
                 or "wobj", a work object.
             wobj: name of the work object; empty for the one in use.
 
         Returns:
-            The motion, not sent yet. Its end is when the arm stands. Sending it raises
+            The motion, not sent yet. It ends when the arm stands. Sending it raises
             `StaleState` if the orientation cannot be read.
 
         Raises:
-            ParameterError: an argument is out of range; or the tool is to turn about one
-                direction while it moves along another, in another frame than its own. As the
-                tool turns, that takes a new velocity each time: `robot.speed.linear`.
+            ParameterError: an argument is out of range; or, in another frame than the tool's, the
+                tool is to turn about one direction while it moves along another. That needs a new
+                velocity each time that the tool has turned: use `robot.speed.linear`.
 
         Manual section 1.3.5.
         """
@@ -131,8 +132,8 @@ class Velocity(Section):
     async def speed_stop(self) -> None:
         """End `speedj` and `speedl` (停止 speedj 及 speedl), and wait until the arm stands.
 
-        If one of this program's is running and cannot be ended so, or if this is cancelled, the
-        arm is stopped as by `Robot.stop`.
+        If a motion of this program is running and cannot be ended in this way, or if this is
+        cancelled, the arm is stopped as by `Robot.stop`.
 
         Raises:
             TaskError: the controller did not end them.
@@ -144,7 +145,7 @@ class Velocity(Section):
 
 
 def _parallel(along: Sequence[float], about: Sequence[float]) -> bool:
-    """Whether a velocity stays what it is while the tool turns by it."""
+    """Whether a velocity stays constant in the tool's frame while the tool turns with it."""
     (x, y, z), (u, v, w) = along, about
     across = (y * w - z * v, z * u - x * w, x * v - y * u)
     size = math.hypot(*along) * math.hypot(*about)

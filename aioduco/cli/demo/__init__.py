@@ -1,5 +1,5 @@
 """`aioduco demo`: a small pick and place, shown while it runs, and reported at its end.
 
 `script` is the choreography and nothing else. `stage` runs it on a robot and takes the samples,
-`view` shows what goes on, `report` is the result as data, `plot` draws it.
+`view` shows the progress, `report` is the result as data, `plot` draws it.
 """

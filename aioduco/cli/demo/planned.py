@@ -28,21 +28,21 @@ if TYPE_CHECKING:
 __all__ = ["LEFT_THERE", "PlannedStep", "obstacle", "perform_plans", "save_pictures"]
 
 ASIDE = Joints.deg(90, 0, 90, 0, -90, 0)
-SIDE = math.radians(50.0)  # that joint 1 is turned to either side of the obstacle
-#: where the simulated arm stands at first, as if someone had left it there [rad]
+SIDE = math.radians(50.0)  # angle of joint 1 to either side of the obstacle
+#: joints of the simulated arm at the start, as if someone had left it there [rad]
 LEFT_THERE = (1.9, -0.4, 1.2, 0.1, -1.1, 0.2)
-V, A = 1.5, 4.0  # of the joints [rad/s, rad/s²]
+V, A = 1.5, 4.0  # speed and acceleration of the joints [rad/s, rad/s²]
 
 
 class PlannedStep(NamedTuple):
     """A plan that was carried out.
 
     Attributes:
-        name: what it was for.
-        duration: of the plan [s].
-        clearance: least distance to anything on its way, at most 0.1 [m].
+        name: purpose of the plan.
+        duration: duration of the plan [s].
+        clearance: least distance to any object on the way, at most 0.1 [m].
         planning: processor time that the planner took [s].
-        error: largest distance of a joint from the plan that was seen [rad].
+        error: largest measured deviation of a joint from the plan [rad].
     """
 
     name: str
@@ -53,7 +53,7 @@ class PlannedStep(NamedTuple):
 
 
 def obstacle(arm: Arm) -> Box:
-    """A board that stands in the direct way from one side to the other."""
+    """A board that blocks the direct way from one side to the other."""
     r = arm.reach
     return Box(
         at=(0.62 * r, 0.0, 0.36 * r),
@@ -66,16 +66,16 @@ def obstacle(arm: Arm) -> Box:
 async def perform_plans(
     simulator: SimulatorProcess, arm: Arm, console: Console, pictures: Path | None
 ) -> list[PlannedStep]:
-    """Bring the arm up, and carry the plans out one after another.
+    """Bring the arm up, and carry out the plans one after another.
 
     Args:
-        simulator: whose arm is moved; the obstacle stands in its scene.
-        arm: its arm.
-        console: what is said goes there.
+        simulator: simulator whose arm is moved; the obstacle stands in its scene.
+        arm: arm of the simulator.
+        console: output.
         pictures: folder for pictures before and after; None for none.
 
     Raises:
-        DucoError: a plan was not found, or not carried out.
+        DucoError: a plan was not found, failed its check, or was not carried out.
     """
     scene = Scene(arm, [obstacle(arm)])
     steps: list[PlannedStep] = []
@@ -122,7 +122,7 @@ async def perform_plans(
 
 
 def save_pictures(plan: Plan, scene: Scene, folder: Path, console: Console) -> None:
-    """Write how the arm stands before and after a plan, and the plan itself, as PNG files."""
+    """Write pictures of the arm before and after a plan, and of the plan itself, as PNG files."""
     from PIL import Image  # noqa: PLC0415 - needs an extra
 
     try:

@@ -26,16 +26,16 @@ if TYPE_CHECKING:
 __all__ = ["draw", "save"]
 
 _COLOURS = ("#1f77b4", "#d95f02", "#2ca02c", "#c0392b", "#7b5ea7", "#8c6d31")
-_GHOSTS = 7  # arms that are drawn along the way
+_GHOSTS = 7  # number of arms that are drawn along the way
 
 
 def save(report: Report, path: Path, skeleton: Skeleton | None = None) -> None:
     """Draw a report and write it as a PNG.
 
     Args:
-        report: what happened; it must have samples.
+        report: the report to draw; it must have samples.
         path: file to write.
-        skeleton: where the arm's joints are, to draw the arm itself; None draws only the path.
+        skeleton: positions of the arm's joints, to draw the arm itself; None draws only the path.
     """
     draw(report, skeleton).savefig(path, format="png", pil_kwargs={"optimize": True})
 
@@ -85,7 +85,7 @@ def _draw_space(axes: Any, report: Report, skeleton: Skeleton | None) -> None:
 
 
 def _draw_part(axes: Any, places: NDArray[np.float64]) -> None:
-    """The box where it lay, was carried, and lies, with the way between."""
+    """Draw the box where it lay, was carried and lies at the end, with the way between."""
     axes.plot(*places.T, color=_COLOURS[3], lw=1.0, ls=":")
     for place, weight in zip(places, np.linspace(0.35, 1.0, len(places)), strict=True):
         low = place - 0.5 * PART
@@ -120,7 +120,7 @@ def _draw_errors(axes: Any, report: Report) -> None:
 
 
 def _shade(axes: Any, report: Report) -> None:
-    """Mark each motion; one that ended otherwise than expected is red."""
+    """Mark each motion, in red if it did not end as expected."""
     axes.margins(x=0.01)
     axes.grid(visible=True, alpha=0.25)
     for number, motion in enumerate(report.motions):

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from aioduco.models.enums import Outcome
 
 SCHEMA = 1
-#: how often the box is looked at; less than it is lifted and carried by any arm [m]
+#: number of looks at the box; distance that every arm exceeds when it lifts and carries it [m]
 _LOOKS, _MOVED = 3, 0.05
 
 
@@ -55,7 +55,7 @@ class StatusRecording:
         return expected - np.array(self.actual, dtype=np.float64).reshape(-1, 6)
 
     def greatest_error(self, begin: float, end: float) -> float | None:
-        """The greatest tracking error of any joint between two times [rad]; None if unseen."""
+        """Greatest tracking error of a joint between two times [rad]; None without samples."""
         within = [i for i, at in enumerate(self.at) if begin <= at <= end]
         if not within:
             return None
@@ -67,16 +67,16 @@ class MotionRecord:
     """One motion of the demonstration.
 
     Attributes:
-        name: what it is for.
-        function: the function of the wire that moves the arm.
-        expected: how it should end.
-        outcome: how it ended; None while it runs, or if it never began.
-        state: the state of its task that was seen last.
+        name: purpose of the motion.
+        function: the function of the wire protocol that moves the arm.
+        expected: the expected outcome.
+        outcome: the actual outcome; None while it runs, or if it never began.
+        state: the last observed state of its task.
         task_id: the controller's id of the task.
-        begin: when the controller took it, since the demonstration began [s].
-        end: when its end was seen [s].
+        begin: when the controller accepted it, since the demonstration began [s].
+        end: when its end was observed, since the demonstration began [s].
         tracking_error: the greatest difference of commanded and actual joints [rad].
-        message: what the controller said where it did not end as expected.
+        message: the error message if it did not end as expected.
     """
 
     name: str
@@ -92,12 +92,12 @@ class MotionRecord:
 
     @property
     def ok(self) -> bool:
-        """Whether it ended as it should."""
+        """Whether it ended as expected."""
         return self.outcome is self.expected
 
     @property
     def duration(self) -> float:
-        """From acceptance to the end that was seen [s]."""
+        """Time from the acceptance to the observed end [s]."""
         return self.end - self.begin
 
     def as_json(self) -> dict[str, Any]:
@@ -110,7 +110,7 @@ class MotionRecord:
 
 @dataclass(slots=True)
 class Report:
-    """What happened in one demonstration.
+    """Result of one demonstration.
 
     Attributes:
         model: name of the arm.
@@ -120,7 +120,7 @@ class Report:
         motions: the motions in the order in which they were made.
         track: the samples that were taken.
         part: where the simulated box lay, was carried, and lies at the end [m], in the base frame.
-        error: what ended the demonstration before its end, if anything did.
+        error: the error that ended the demonstration early; empty without one.
     """
 
     model: str
@@ -134,13 +134,13 @@ class Report:
 
     @property
     def ok(self) -> bool:
-        """Whether it went through, each motion ended as it should, and the box was carried."""
+        """Whether it ran to its end, each motion ended as expected, and the box was carried."""
         carried = self.carried is not False
         return not self.error and bool(self.motions) and all(m.ok for m in self.motions) and carried
 
     @property
     def carried(self) -> bool | None:
-        """Whether the box was lifted, and put down on the other side; None if there is none."""
+        """Whether the box was lifted, and put down on the other side; None without all looks."""
         if len(self.part) < _LOOKS:
             return None
         (_, y, z), (_, _, lifted), (_, there, down) = self.part
@@ -148,7 +148,7 @@ class Report:
 
     @property
     def greatest_error(self) -> float | None:
-        """The greatest tracking error of all motions [rad]; None if none was seen."""
+        """The greatest tracking error of all motions [rad]; None if none was measured."""
         seen = [m.tracking_error for m in self.motions if m.tracking_error is not None]
         return max(seen, default=None)
 

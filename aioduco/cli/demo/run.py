@@ -1,4 +1,4 @@
-"""What `aioduco demo` does: the question before a real arm moves, and what comes out."""
+"""Run `aioduco demo`: the question before a real arm moves, the motions, and the output."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ __all__ = ["run", "run_planned"]
 
 NOT_CONFIRMED = 3
 OUTPUT = Path("-")
-#: where the simulated arm stands at first, as if someone had left it there [rad]
+#: joints of the simulated arm at the start, as if someone had left it there [rad]
 LEFT = (-0.7, -0.4, 1.2, 0.1, -1.1, 0.2)
 
 
@@ -47,15 +47,15 @@ def run(
     *,
     yes: bool,
 ) -> NoReturn:
-    """Make the pick and place, show it, write what came of it, and end the program.
+    """Make the pick and place, show it, write the result, and end the program.
 
     Args:
-        host: of a controller; None for a simulated arm.
-        port: of the controller.
+        host: address of a controller; None for a simulated arm.
+        port: port of the controller.
         model: the arm to simulate, or that is there.
-        speed: of a simulated arm, times faster than the wall.
+        speed: speed of a simulated arm, as a multiple of the wall clock.
         plot: where to write the plot; None for none.
-        result: where to write the result, if anywhere.
+        result: where to write the result; None for nowhere.
         yes: whether a real arm moves without a question.
     """
     extras.need(*(() if host else ("sim",)), *(() if plot is None else ("plot",)))
@@ -89,7 +89,7 @@ def run(
     if result is not None:
         _write(report, result)
     if ended_by is not None:
-        raise typer.Exit(128 + ended_by)  # as a shell has it: 130 for Ctrl-C
+        raise typer.Exit(128 + ended_by)  # as in a shell: 130 for Ctrl-C
     raise typer.Exit(0 if report.ok else 1)
 
 
@@ -135,7 +135,7 @@ def _perform(
 
 
 def _ask(host: str, port: int, model: str, plan: Choreography, console: Console) -> None:
-    """Say what is there and what will move, and go on only if that is confirmed."""
+    """Print what was found and what will move, and continue only if the user confirms it."""
     try:
         found = anyio.run(session.look, host, port)
     except DucoError as error:

@@ -1,7 +1,7 @@
-"""The choreography: what the arm does, in which order, and how each motion should end.
+"""The choreography: the motions of the arm, their order, and the expected outcome of each.
 
-Nothing here shows, measures or connects anything. All lines are relative to the pose that the
-controller reports at the start position, so that a mounted tool is respected.
+This module neither shows nor measures nor connects anything. All lines are relative to the pose
+that the controller reports at the start position, so that a mounted tool is taken into account.
 """
 
 from __future__ import annotations
@@ -33,22 +33,22 @@ GRIPPER_NAME = "parallel"  # the simulated one
 PART = 0.04  # length of the edges of the box that is picked up [m]
 #: inputs of the simulated gripper: it holds something, it is open
 _HOLDS, _OPENED = 1, 2
-#: seconds in which its sensors answer even on a busy computer
+#: seconds within which its sensors answer even on a busy computer
 _BUSY = 10.0
-#: by how much the box is put down above the table [m]
+#: height above the table at which the box is released [m]
 _ABOVE = 0.001
 
 
 @dataclass(frozen=True, slots=True)
 class Choreography:
-    """Where the arm goes and how fast.
+    """Places and speeds of the demonstration.
 
     Attributes:
-        start: joints that the demonstration begins and ends at [rad].
-        aside: joints that it turns to, for the pause and for the stop [rad].
-        width: from the start to the place to pick from, and to that to put to, along y [m].
-        depth: from the start down to where things lie [m].
-        blend: blend radius of the first line of the pair that blends [m].
+        start: joints at the begin and the end of the demonstration [rad].
+        aside: joints to which it turns, for the pause and for the stop [rad].
+        width: distance along y from the start to the pick, and from the start to the place [m].
+        depth: distance from the start down to the part [m].
+        blend: blend radius of the first line of the blended pair [m].
         joint_speed: speed of joint moves [rad/s].
         joint_acceleration: acceleration of joint moves [rad/s²].
         line_speed: speed of straight lines [m/s].
@@ -73,7 +73,7 @@ class Choreography:
 
         Args:
             reach: how far the arm reaches [m]; all lengths are parts of it.
-            careful: a quarter of the speeds, for an arm that is real.
+            careful: whether to use a quarter of the speeds and accelerations, for a real arm.
         """
         right = math.pi / 2
         plan = cls(
@@ -95,7 +95,7 @@ class Choreography:
 
 
 def scene(arm: Arm, plan: Choreography) -> list[Thing]:
-    """What a simulated arm picks up, and the table that it lies on."""
+    """The box that a simulated arm picks up, and the table under the box."""
     flange = arm.fkine(plan.start)
     x, y, z = (float(value) for value in flange[:3, 3])
     middle = z - plan.depth - gripper_model(GRIPPER_NAME).length
@@ -118,12 +118,12 @@ def _gripped(*, holding: bool | None) -> str:
 
 
 async def pick_and_place(robot: Robot, stage: Stage, plan: Choreography) -> None:
-    """Pick something up, put it down, pause and go on, stop in mid motion, and go back.
+    """Pick a part up, put it down, pause and resume, stop in mid motion, and go back.
 
     Args:
         robot: the robot, brought up.
-        stage: what the motions run on.
-        plan: where to and how fast.
+        stage: stage that runs the motions.
+        plan: places and speeds.
     """
     if stage.simulated:
         gripper = DigitalGripper(
@@ -155,7 +155,7 @@ async def _perform(robot: Robot, stage: Stage, plan: Choreography, gripper: Digi
     closed = await gripper.close()
     stage.note(f"digital output {GRIPPER} on: {_gripped(holding=closed.holding)}")
 
-    # Should the part be lost on its way, the arm is stopped.
+    # If the part is lost on its way, the arm is stopped.
     async with gripper.carrying():
         lift = await stage.start(
             "lift, and blend", line(over_pick, plan.blend), expect=Outcome.BLENDED

@@ -1,4 +1,4 @@
-"""One demonstration from connecting to leaving; Ctrl-C ends it with a standing arm."""
+"""One demonstration from connect to disconnect; Ctrl-C stops the arm and ends it."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ if TYPE_CHECKING:
 
 __all__ = ["SAMPLES", "Found", "look", "perform"]
 
-SAMPLES = 100.0  # of the arm, a second
+SAMPLES = 100.0  # samples of the arm per second
 
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """What is there before anything is sent that moves the arm.
+    """State of the controller and the arm before any motion is sent.
 
     Attributes:
         states: the controller's four states.
-        status: where the arm is.
-        arm: series and model, as the controller tells them; empty if it does not.
+        status: status of the arm, with its joints.
+        arm: series and model, as the controller reports them; empty if it reports none.
     """
 
     states: RobotStates
@@ -47,7 +47,7 @@ class Found:
 
 
 async def look(host: str, port: int) -> Found:
-    """Read the states of a controller and its arm, and leave. Nothing else is sent.
+    """Read the states of a controller and its arm, and disconnect. Nothing else is sent.
 
     Raises:
         ConnectError: there is no controller.
@@ -67,19 +67,19 @@ async def perform(
     """Connect, bring the arm up, and go through the choreography.
 
     Args:
-        robot: the robot, not connected yet: what it needs is loaded before the event loop runs.
-        plan: where to and how fast.
+        robot: the robot, not connected yet; its modules are loaded before the event loop runs.
+        plan: places and speeds.
         report: where the result is written, an error included.
         view: shows the progress while it runs.
-        look: gives the place of the simulated box [m]; None if there is none.
+        look: returns the place of the simulated box [m]; None without a box.
 
     Returns:
-        The signal that ended it, with the arm stopped; None if none did.
+        The signal that ended it, after the arm was stopped; None without a signal.
     """
     work = anyio.CancelScope()
     told: list[signal.Signals] = []
     async with anyio.create_task_group() as listening:
-        # It outlives the work, so that a second Ctrl-C does not cut the stop short.
+        # This task runs longer than the work, so that a second Ctrl-C does not interrupt the stop.
         await listening.start(_end_on_signal, work, told, view)
         with work:
             try:

@@ -1,4 +1,4 @@
-"""What the choreography runs on: it follows each motion, watches the arm, and keeps the report."""
+"""Run the choreography: follow each motion, sample the arm, and keep the report."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Running", "Stage"]
 
-PATIENCE = 30.0  # seconds in which the arm must begin to move
+PATIENCE = 30.0  # seconds within which the arm must begin to move
 
 
 class Running:
-    """A motion that the controller has taken: its task, and its line in the report."""
+    """A motion that the controller has accepted: its task, and its record in the report."""
 
     def __init__(self, task: Task, record: MotionRecord) -> None:
         self.task = task
@@ -39,13 +39,13 @@ class Running:
 
 
 class Stage:
-    """Runs motions on a robot, and keeps what was seen.
+    """Runs motions on a robot, and records the observations.
 
     Args:
         robot: the robot, connected.
         report: where the result is written.
         view: shows the progress while it runs.
-        look: gives the place of the simulated box [m]; None if there is none. It may block.
+        look: returns the place of the simulated box [m]; None without a box. It may block.
     """
 
     def __init__(self, robot: Robot, report: Report, view: View, look: Look | None = None) -> None:
@@ -68,10 +68,10 @@ class Stage:
         return self._look is not None
 
     async def see(self, where: str) -> None:
-        """Keep where the box is.
+        """Record where the box is.
 
         Args:
-            where: what that is, such as "it is carried".
+            where: description of the place, such as "it is carried".
         """
         if self._look is not None:
             place = await anyio.to_thread.run_sync(self._look)
@@ -80,7 +80,7 @@ class Stage:
             self.note(f"the box: {where} at {told} mm")
 
     def note(self, text: str) -> None:
-        """Tell of something that is no motion."""
+        """Report an event that is no motion."""
         self._view.note(text)
 
     async def move(
@@ -89,16 +89,16 @@ class Stage:
         """Make a motion and follow it to its end.
 
         Args:
-            name: what it is for.
+            name: purpose of the motion.
             motion: the motion, not sent yet.
-            expect: how it should end.
+            expect: expected outcome.
         """
         await self.finish(await self.start(name, motion, expect=expect))
 
     async def start(
         self, name: str, motion: MotionCommand, *, expect: Outcome = Outcome.FINISHED
     ) -> Running:
-        """Send a motion, and return as soon as the controller took it."""
+        """Send a motion, and return as soon as the controller accepted it."""
         record = MotionRecord(name, motion.command.name, expect)
         self._report.motions.append(record)
         task = await motion.start()
@@ -110,10 +110,10 @@ class Stage:
         return running
 
     async def finish(self, running: Running) -> None:
-        """Follow a motion to its end, and keep how it ended.
+        """Follow a motion to its end, and record its outcome.
 
         Raises:
-            TaskError: it ended otherwise than expected.
+            TaskError: it did not end as expected.
         """
         error: TaskError | None = None
         try:
@@ -125,7 +125,7 @@ class Stage:
             raise error
 
     def settle(self) -> None:
-        """Keep the outcomes of motions that are no longer followed."""
+        """Record the outcomes of motions that are no longer followed."""
         for running in tuple(self._live):
             self._settle(running, None)
 

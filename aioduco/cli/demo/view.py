@@ -1,4 +1,4 @@
-"""What a demonstration shows while it runs: a live panel on a terminal, plain lines elsewhere."""
+"""Progress of a running demonstration: a live panel on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -40,13 +40,13 @@ class View(Protocol):
         """Something happened that is no motion."""
 
     def began(self, motion: MotionRecord) -> None:
-        """A motion was taken by the controller."""
+        """The controller accepted a motion."""
 
     def ended(self, motion: MotionRecord) -> None:
         """A motion has ended."""
 
     def sample(self, actual: Sequence[float], tcp: Sequence[float], state: str) -> None:
-        """The arm was seen: joints [rad], pose of the tool [m, rad], the robot's state."""
+        """A sample arrived: joints [rad], pose of the tool [m, rad], the robot's state."""
 
     def close(self) -> None:
         """Nothing more will be shown."""
@@ -58,7 +58,7 @@ def view_for(console: Console) -> View:
 
 
 def outcome_text(motion: MotionRecord) -> Text:
-    """How a motion ended, or that it runs."""
+    """Outcome of a motion, or the state of its task while it runs."""
     if motion.outcome is None:
         return Text(motion.state, style="bold")
     style = _STYLES.get(motion.outcome, "red") if motion.ok else "bold red"
@@ -80,7 +80,7 @@ class PlainView:
         self._console = console
 
     def open(self, report: Report) -> None:
-        """Say where it runs."""
+        """Print where it runs."""
         kind = "a simulated arm" if report.simulated else "the arm"
         self._line(f"demo on {kind} {report.model} at {report.controller}")
 
@@ -99,17 +99,17 @@ class PlainView:
         )
 
     def sample(self, actual: Sequence[float], tcp: Sequence[float], state: str) -> None:
-        """Print nothing: there are fifty a second."""
+        """Print nothing: there are 100 samples per second."""
 
     def close(self) -> None:
-        """Do nothing: each line is out already."""
+        """Do nothing: each line is already printed."""
 
     def _line(self, text: str) -> None:
         self._console.print(text, markup=False, highlight=False, soft_wrap=True)
 
 
 class LiveView:
-    """A panel that is drawn over: joints, pose of the tool, motions with their states."""
+    """A panel that is redrawn in place: joints, pose of the tool, motions with their states."""
 
     def __init__(self, console: Console) -> None:
         self._motions: list[MotionRecord] = []
@@ -123,7 +123,7 @@ class LiveView:
         )
 
     def open(self, report: Report) -> None:
-        """Take the terminal's lower lines."""
+        """Start to draw on the terminal's lower lines."""
         self._title = f"{report.model} at {report.controller}"
         self._live.start()
 
@@ -136,14 +136,14 @@ class LiveView:
         self._motions.append(motion)
 
     def ended(self, motion: MotionRecord) -> None:
-        """Show its outcome, which the record carries."""
+        """Do nothing: the record, which is drawn already, has the outcome."""
 
     def sample(self, actual: Sequence[float], tcp: Sequence[float], state: str) -> None:
         """Keep it for the next drawing."""
         self._actual, self._tcp, self._state = actual, tcp, state
 
     def close(self) -> None:
-        """Give the terminal back."""
+        """Release the terminal."""
         self._live.stop()
 
     def _render(self) -> Group:

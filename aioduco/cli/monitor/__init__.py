@@ -1,6 +1,6 @@
-"""`aioduco monitor`: an arm watched in a terminal, by someone with a hand at the stop.
+"""`aioduco monitor`: watch an arm in a terminal, with keys that stop, pause and resume it.
 
-`view_state` is what is known of the arm, `screen` how it looks, both without a terminal or a clock.
-`onlooker` asks the controller and carries out what keys ask for, `keyboard` reads them, `monitor`
+`view_state` holds the data, `screen` renders it; neither needs a terminal or a clock. `onlooker`
+polls the controller and carries out the commands of the keys, `keyboard` reads the keys, `monitor`
 is the command.
 """

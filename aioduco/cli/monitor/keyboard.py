@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
 __all__ = ["Key", "keys_of", "single_keys", "wait_for_keys"]
 
-#: seconds between two looks at a console that cannot be waited for
+#: seconds between two polls of a console that cannot be waited for
 _LOOK: Final = 0.05
 
 
 class Key(enum.Enum):
-    """What a key asks for."""
+    """Command of a key."""
 
     STOP = "stop"
     PAUSE = "pause"
@@ -29,28 +29,28 @@ class Key(enum.Enum):
 
 
 _KEYS: Final = {" ": Key.STOP, "s": Key.STOP, "p": Key.PAUSE, "r": Key.RESUME, "q": Key.QUIT}
-#: what terminals send for arrows, function keys and the like: none of its letters is a key
+#: sequences that terminals send for arrows, function keys and the like; no letter in them is a key
 _SEQUENCE: Final = re.compile(r"\x1b(?:\[[0-?]*[ -/]*[@-~]?|O.?|.?)", re.DOTALL)
 
 
 def keys_of(data: bytes) -> list[Key]:
-    """What was asked for by what a terminal sent. Other keys mean nothing."""
+    """The commands in the bytes from a terminal. Other keys are ignored."""
     text = _SEQUENCE.sub("", data.decode(errors="replace"))
     return [_KEYS[letter] for letter in text.lower() if letter in _KEYS]
 
 
 @contextmanager
 def single_keys(terminal: int) -> Iterator[None]:
-    """Have a terminal give each key at once, and not show it; Ctrl-C stays what it is.
+    """Make a terminal deliver each key at once without echo; Ctrl-C still interrupts.
 
     Args:
-        terminal: its descriptor.
+        terminal: file descriptor of the terminal.
     """
     try:
         import termios  # noqa: PLC0415 - where there is one
         import tty  # noqa: PLC0415
     except ImportError:
-        yield  # a console of Windows gives each key at once by itself
+        yield  # a Windows console delivers each key at once by itself
         return
     before = termios.tcgetattr(terminal)
     tty.setcbreak(terminal, termios.TCSANOW)
@@ -61,7 +61,7 @@ def single_keys(terminal: int) -> Iterator[None]:
 
 
 async def wait_for_keys(terminal: int) -> list[Key]:
-    """Wait for keys; what was asked for by them. A terminal that is gone asks to quit."""
+    """Wait for keys, and return their commands. A closed terminal gives `Key.QUIT`."""
     try:
         import msvcrt  # noqa: PLC0415 - Windows has it, and its console cannot be waited for
     except ImportError:
@@ -72,7 +72,7 @@ async def wait_for_keys(terminal: int) -> list[Key]:
     while not console.kbhit():  # noqa: ASYNC110 - nothing else tells of a key
         await anyio.sleep(_LOOK)
     letter = console.getwch()
-    if letter in "\0\xe0":  # of an arrow or a function key: what follows is no letter
+    if letter in "\0\xe0":  # prefix of an arrow or a function key: the next code is no letter
         console.getwch()
         return []
     return keys_of(letter.encode())

@@ -25,9 +25,9 @@ def monitor(
     rate: Annotated[float, typer.Option(min=1, max=50, help="Samples a second.")] = 10.0,
     forces: Annotated[bool, typer.Option(help="Also forces and external torques.")] = True,
 ) -> None:
-    """Watch an arm in the terminal, whoever moves it; keys stop, pause and resume it.
+    """Watch an arm in the terminal, whichever program moves it; keys stop, pause and resume it.
 
-    It has connections of its own and sends no heartbeat; leaving it stops nothing. Space or s
+    It has connections of its own and sends no heartbeat; quitting stops nothing. Space or s
     stops the arm at once, p pauses, r resumes, q quits.
 
     aioduco monitor 192.168.1.10
@@ -39,7 +39,7 @@ def monitor(
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         typer.echo("this needs a terminal; `aioduco status --json` does not", err=True)
         raise typer.Exit(USAGE)
-    # All of it before the event loop runs: loading would hold it up.
+    # All imports run before the event loop: loading would block it.
     from rich.console import Console  # noqa: PLC0415 - for this command alone
     from rich.live import Live  # noqa: PLC0415
 

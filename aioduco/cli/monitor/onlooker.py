@@ -1,9 +1,9 @@
-"""Looks at an arm for a monitor, and carries out what its keys ask for.
+"""Observe an arm for a monitor, and carry out the commands of its keys.
 
 Guarantees:
-- It has connections of its own and no heartbeat: who moves the arm keeps its supervision, and
-  leaving the monitor stops nothing.
-- A stop goes by the stop lane. It waits neither for the screen nor for a pause on its way.
+- It has connections of its own and no heartbeat: the program that moves the arm keeps its
+  supervision, and quitting the monitor stops nothing.
+- A stop uses the stop lane. It waits neither for the screen nor for a pause in progress.
 """
 
 from __future__ import annotations
@@ -37,18 +37,18 @@ if TYPE_CHECKING:
 
 __all__ = ["Onlooker", "event_line"]
 
-#: seconds between two questions for what changes seldom
+#: seconds between two reads of values that change seldom
 _SELDOM: Final = 1.0
-#: events that are kept
+#: number of events that are kept
 _KEPT: Final = 200
 _ALARMS: Final = (CollisionDetected, ConnectionGone, EmergencyStopPressed)
 
 
 class LogLines(logging.Handler):
-    """Has log lines shown among the events.
+    """Log handler that adds log lines to the events.
 
     Args:
-        events: where they go.
+        events: queue that the lines are added to.
     """
 
     def __init__(self, events: deque[EventLine]) -> None:
@@ -56,18 +56,18 @@ class LogLines(logging.Handler):
         self._events = events
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Show a line; on the thread that logs it."""
+        """Add a line; called on the thread that logs it."""
         self._events.append(EventLine(_clock(), record.getMessage(), "warning"))
 
 
 class Onlooker:
-    """Looks at one robot.
+    """Observes one robot.
 
     Args:
-        robot: not open yet, without a heartbeat.
-        name: what the screen calls it.
-        terminal: descriptor that keys are read from.
-        draw: shows a state; called on a thread, one call at a time.
+        robot: robot to observe, not open yet, without a heartbeat.
+        name: name of the robot on the screen.
+        terminal: file descriptor from which keys are read.
+        draw: function that shows a state; called on a thread, one call at a time.
     """
 
     def __init__(
@@ -83,7 +83,7 @@ class Onlooker:
         self._told: signal.Signals | None = None
 
     async def watch(self) -> signal.Signals | None:
-        """Open the robot, and look at it until a key asks to quit; a stop is seen to its end.
+        """Open the robot and observe it until a key quits; a stop in progress is completed.
 
         Returns:
             The signal that ended it; None if a key did.
@@ -92,9 +92,9 @@ class Onlooker:
             ConnectError: there is no controller.
         """
         log = logging.getLogger("aioduco")
-        log.addHandler(self._lines)  # on the screen, and not across it
+        log.addHandler(self._lines)  # log lines appear among the events, not across the screen
         try:
-            # The inner group ends first: what a key asked for is seen through.
+            # The inner group ends first: commands of keys that have begun are completed.
             async with (
                 self._robot,
                 anyio.create_task_group() as work,
@@ -122,7 +122,7 @@ class Onlooker:
                 self._begin(key, work)
 
     def _begin(self, key: Key, work: anyio.abc.TaskGroup) -> None:
-        """Do what a key asks for, unless that is being done."""
+        """Start the command of a key, unless it is running already."""
         if key not in self._doing:
             self._doing.append(key)
             work.start_soon(self._carry_out, key)
@@ -146,7 +146,7 @@ class Onlooker:
         busy = " and ".join(each.value for each in self._doing)
         self._change(busy=busy, notice=line)
 
-    # -- what is looked at -----------------------------------------------------------------------
+    # -- readings --------------------------------------------------------------------------------
 
     async def _samples(self) -> None:
         with self._robot.feed.subscribe("latest") as samples:
@@ -180,7 +180,7 @@ class Onlooker:
             sample = self._state.sample
             if sample is not None:
                 self._change(age=sample.age)
-            # On a thread: a terminal that takes nothing, such as one of a slow line, stops no stop.
+            # On a thread: a terminal that blocks, as on a slow line, must not delay a stop.
             await anyio.to_thread.run_sync(self._draw, self._state, abandon_on_cancel=True)
 
     def _change(self, **values: Any) -> None:
@@ -188,14 +188,14 @@ class Onlooker:
 
 
 def event_line(at: str, event: Event) -> EventLine:
-    """An event in a line: its name in words, and what it says."""
+    """An event as one line: its name in words, and its text."""
     alarm = isinstance(event, _ALARMS)
     severity = "alarm" if alarm else "warning" if isinstance(event, SafetyStateChanged) else "info"
     return EventLine(at, event.line(), severity)
 
 
 async def _asked(ask: Callable[[], Awaitable[Any]]) -> Any:
-    """An answer, or None from a controller that has none to give."""
+    """The answer to a request; None after an error other than `RobotStateError`."""
     try:
         return await ask()
     except RobotStateError:

@@ -1,4 +1,4 @@
-"""How a monitor's state looks in a terminal: a function of it and of the terminal's size."""
+"""Render a monitor's state in a terminal, from the state and the terminal's size alone."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ if TYPE_CHECKING:
 __all__ = ["bar", "screen"]
 
 _STYLES: Final = {"info": "", "good": "green", "warning": "yellow", "alarm": "bold red"}
-#: lines besides the events
+#: number of lines besides the events
 _LINES: Final = 19
-#: columns besides the bars
+#: number of columns besides the bars
 _COLUMNS: Final = 70
 _LEAST_BAR, _MOST_BAR = 8, 48
-#: part of the range of a joint at each end in which it is near its limit
+#: part of a joint's range, at each end, that counts as near the limit
 _NEAR: Final = 0.05
 _POSE: Final = ("x", "y", "z", "rx", "ry", "rz")
 _NO: Final = "–"
 
 
 def screen(state: MonitorState, width: int, height: int) -> RenderableType:
-    """Everything that is shown, for a terminal of so many columns and lines."""
+    """The whole screen, for a terminal of `width` columns and `height` lines."""
     lines: list[RenderableType] = [_head(state, width), _states(state), _doing(state)]
     lines.append(Text(f" {state.alarm} ", style="bold white on red") if state.alarm else Text(""))
     if state.sample is not None:
@@ -115,7 +115,7 @@ def _arm(state: MonitorState, sample: Snapshot, width: int) -> Table:
 
 
 def bar(value: float, lower: float, upper: float, length: int) -> Text:
-    """Where a value is between its limits, as a bar of so many characters.
+    """Position of a value between its limits, as a bar of `length` characters.
 
     Green; yellow near a limit, red beyond one. A stroke marks 0.
     """
@@ -162,7 +162,7 @@ def _signals(sample: Snapshot) -> list[Text]:
 
 
 def _lamps(signals: Sequence[bool]) -> list[tuple[str, str]]:
-    """A lamp for each signal, a gap behind each fourth."""
+    """A lamp for each signal, a gap after every fourth."""
     return [
         (("●" if is_on else "·") + (" " if number % 4 == 0 else ""), "green" if is_on else "dim")
         for number, is_on in enumerate(signals, 1)
@@ -207,7 +207,7 @@ def _keys() -> Text:
 
 
 def _limit(limits: Sequence[float]) -> str:
-    """The limit of all joints, or that they differ."""
+    """The limit that all joints share, as text; "limit" if they differ."""
     return f"{math.degrees(limits[0]):.0f}°" if len(set(limits)) == 1 else "limit"
 
 

@@ -1,4 +1,4 @@
-"""What a monitor knows of an arm at a moment: all that its screen is made of."""
+"""State of a monitor at a moment: all data that its screen shows."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ __all__ = ["EventLine", "MonitorState", "Severity", "standing"]
 
 #: joint and tool speeds below which an arm counts as standing [rad/s, m/s]
 _STANDS: Final = 1e-3
-#: seconds without a sample after which the screen says that nobody answers
+#: seconds without a sample after which the screen says that the controller does not answer
 _SILENT: Final = 1.0
 _STOPS: Final = (SafetyState.STOP0, SafetyState.STOP1, SafetyState.STOP2, SafetyState.FAIL)
 
-#: how much something matters: "info", "good", "warning" or "alarm"
+#: severity of an event: "info", "good", "warning" or "alarm"
 Severity = str
 
 
 @dataclass(frozen=True, slots=True)
 class EventLine:
-    """Something that happened.
+    """An event, as a line of the screen.
 
     Attributes:
-        at: when, on the wall's clock, such as "14:03:07".
-        text: what.
-        severity: how much it matters.
+        at: time of day, such as "14:03:07".
+        text: description.
+        severity: severity of the event.
     """
 
     at: str
@@ -43,22 +43,22 @@ class EventLine:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MonitorState:
-    """All that is shown.
+    """All data that is shown.
 
     Attributes:
-        robot: which robot it is: its name and address.
-        arm: type of the arm and version of the software, as the controller tells them.
+        robot: name and address of the robot.
+        arm: type of the arm and version of the software, as the controller reports them.
         sample: the newest sample; None before the first.
-        age: how old it is [s].
-        rate: samples a second that are asked for [Hz].
-        measured_rate: samples a second that come [Hz].
-        answer_time: how long the last sample took to be answered [s]; None before the first.
-        project: the controller's current project; empty if it has none, or does not tell.
-        speed: the controller's speed override [%]; None if it does not tell.
+        age: age of the sample [s].
+        rate: requested samples per second [Hz].
+        measured_rate: received samples per second [Hz].
+        answer_time: time in which the last sample was answered [s]; None before the first.
+        project: the controller's current project; empty if it has none or reports none.
+        speed: the controller's speed override [%]; None if it reports none.
         errors: the controller's error list.
-        events: what happened, the newest last.
-        notice: what came of the last key.
-        busy: what is being done because of a key, such as "stop"; empty for nothing.
+        events: the events, the newest last.
+        notice: result of the last key.
+        busy: commands of keys that are running, such as "stop"; empty for none.
         lower: lower joint limits [rad].
         upper: upper joint limits [rad].
     """
@@ -81,12 +81,12 @@ class MonitorState:
 
     @property
     def silent(self) -> bool:
-        """Whether nobody answers: what is shown is old."""
+        """Whether the controller does not answer, so that the shown data is old."""
         return self.sample is not None and self.age > max(_SILENT, 3.0 / self.rate)
 
     @property
     def alarm(self) -> str:
-        """What is wrong, in capitals; empty if nothing is."""
+        """The alarm, in capitals; empty if there is none."""
         if self.sample is None:
             return ""
         if self.silent:
@@ -102,7 +102,7 @@ class MonitorState:
 
     @property
     def doing(self) -> str:
-        """What the arm does: the controller tells an onlooker of no tasks by their ids."""
+        """What the arm does. The controller does not report task ids to an observer."""
         if self.sample is None:
             return "waiting for the first answer"
         program = self.sample.states.program

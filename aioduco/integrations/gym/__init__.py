@@ -1,4 +1,4 @@
-"""Environments of Gymnasium: the simulated arm, its physics alone or with its whole controller.
+"""Gymnasium environments: the simulated arm, its physics alone or with its whole controller.
 
     import gymnasium
     import aioduco.integrations.gym
@@ -6,8 +6,8 @@
     env = gymnasium.make("aioduco/Reach-v0")             # the physics, without the wire: fast
     env = gymnasium.make("aioduco/Reach-wire-v0")        # and the controller: true to life
 
-The tasks are Reach, Push, PickPlace and Press. Importing this registers their names, as Gymnasium
-asks of such packages, and does nothing else; it needs the extra `gym`.
+The tasks are Reach, Push, PickPlace and Press. Importing this module registers their names, as
+Gymnasium requires, and does nothing else. It needs the extra `gym`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ __all__ = ["TASKS", "register_envs"]
 
 
 def register_envs() -> None:
-    """Register the environments with Gymnasium; those that are registered stay as they are."""
+    """Register the environments with Gymnasium, except those that are already registered."""
     for task in TASKS:
         for wire in (False, True):
             name = f"aioduco/{task}-{'wire-' if wire else ''}v0"

@@ -1,8 +1,8 @@
-"""The simulated arm that an environment moves, step by step: its physics alone, or all of it.
+"""The simulated arm that an environment moves step by step: its physics alone, or all of it.
 
-Both are told one thing per step: joints to go to, as `servoj` is. The physics alone follow them by
-the servo law of the simulated controller, in the same cycles; so the same actions lead along the
-same way, and a policy that was learned on one goes on on the other.
+Both take one target per step: joints, as `servoj` does. The physics alone follow them with the
+servo law of the simulated controller, in the same cycles. So the same actions lead along the same
+way, and a policy that was learned on one works on the other.
 """
 
 from __future__ import annotations
@@ -41,23 +41,23 @@ __all__ = ["PERIOD", "ControllerArm", "EpisodeArm", "PhysicsArm", "TaskReading"]
 PERIOD = 0.04
 """Time of one step [s]."""
 
-# How targets are followed: within the ranges of the manual, with little smoothing.
+# Servo parameters: within the ranges of the manual, with little smoothing.
 _V, _A, _KP, _KD, _SMOOTH_VEL, _SMOOTH_ACC = 2.5, 30.0, 1600.0, 80.0, 1.0, 0.0
-_SETTLING = 0.04  # after things were put in their places [s]
-_CLOSE, _HOLDS = 1, 1  # the gripper's output, and the input of its sensor
-_PATIENCE = 120.0  # for answers of a controller in this process, on a computer however busy [s]
+_SETTLING = 0.04  # time for things to settle after they were placed [s]
+_CLOSE, _HOLDS = 1, 1  # number of the gripper's output, and of the input of its sensor
+_PATIENCE = 120.0  # time-out for a controller in this process, also on a busy computer [s]
 
 
 class TaskReading(NamedTuple):
-    """What is known of arm and scene after a step.
+    """State of arm and scene after a step.
 
     Attributes:
         q: joints [rad]. Shape (6,).
-        qd: their speeds [rad/s]. Shape (6,).
+        qd: joint speeds [rad/s]. Shape (6,).
         tip: the tool's tip in the world [m]. Shape (3,).
-        force: on the tip, along the world's axes [N]; zeros where the task has no use for it.
+        force: force on the tip, along the world's axes [N]; zeros if the task does not use it.
         holds: 1 if the gripper holds something, else 0.
-        thing: of what the task moves: x, y, z [m], a quaternion; empty if it moves nothing.
+        thing: pose of the thing to move: x, y, z [m], a quaternion; empty if there is none.
     """
 
     q: Vector
@@ -75,26 +75,29 @@ class EpisodeArm(Protocol):
         """Begin an episode: the arm at home, things at their poses [m, rad]."""
 
     def follow(self, target: Vector, *, closed: bool) -> str:
-        """Go towards joints [rad] for one period; why the arm was stopped, or nothing.
+        """Move towards target joints for one period.
 
         Args:
-            target: shape (6,).
-            closed: whether the gripper is to close; without one it has no effect.
+            target: target joints [rad]. Shape (6,).
+            closed: whether to close the gripper; no effect without a gripper.
+
+        Returns:
+            The reason for which the arm was stopped; empty if it was not.
         """
         ...
 
     def reading(self) -> TaskReading:
-        """What is now."""
+        """Read the current state."""
         ...
 
     def picture(
         self, width: int, height: int, camera: Camera, marks: tuple[PictureMark, ...]
     ) -> Picture:
-        """Draw it: red, green, blue. Shape (height, width, 3)."""
+        """Draw the scene: red, green, blue. Shape (height, width, 3)."""
         ...
 
     def close(self) -> None:
-        """End all that it runs."""
+        """Release all resources."""
 
 
 def _tip(arm: Arm, q: Vector, length: float) -> tuple[Vector, Vector]:
@@ -107,7 +110,7 @@ class PhysicsArm:
 
     Args:
         arm: the arm.
-        task: what is to be done with it.
+        task: the task.
         home: joints at the start [rad]. Shape (6,).
     """
 
@@ -139,7 +142,7 @@ class PhysicsArm:
             self._world.step(self._drive)
 
     def follow(self, target: Vector, *, closed: bool) -> str:
-        """Go towards joints for one period."""
+        """Move towards target joints for one period."""
         world, hand = self._world, self._world.hand
         if self._follower.ended:
             self._follower = ServoFollower(self._arm, self._drive.q, self._task.cycle)
@@ -147,7 +150,7 @@ class PhysicsArm:
         for _ in range(self._cycles):
             world.step(self._drive)
             if hand is not None and closed != self._closed:
-                # As the controller does at the end of the cycle in which its output changes.
+                # As the controller does, at the end of the cycle in which its output changes.
                 goal = 0.0 if closed else hand.gripper.stroke
                 hand.command((goal,), hand.gripper.fastest, hand.gripper.force[1])
                 self._closed = closed
@@ -158,7 +161,7 @@ class PhysicsArm:
         return ""
 
     def reading(self) -> TaskReading:
-        """What is now."""
+        """Read the current state."""
         world = self._world
         q = world.q
         tip, turn = _tip(self._arm, q, self._task.tip)
@@ -170,23 +173,23 @@ class PhysicsArm:
     def picture(
         self, width: int, height: int, camera: Camera, marks: tuple[PictureMark, ...]
     ) -> Picture:
-        """Draw it."""
+        """Draw the scene."""
         return self._pictures.picture(self._world.positions, width, height, camera, marks)
 
     def close(self) -> None:
-        """End the process that draws."""
+        """End the drawing process."""
         self._pictures.close()
 
 
 class ControllerArm:
-    """The whole simulated controller, over the wire; its time goes on by steps alone.
+    """The whole simulated controller, over the wire; its time advances only by steps.
 
-    A step is one `servoj`, forty milliseconds, and the readings that a program takes. Where things
-    are is known from the simulator, as it would be from a camera.
+    A step is one `servoj`, forty milliseconds, and a program's readings. The places of things are
+    read from the simulator, as a camera would measure them.
 
     Args:
         arm: the arm.
-        task: what is to be done with it.
+        task: the task.
         home: joints at the start [rad]. Shape (6,).
     """
 
@@ -199,7 +202,7 @@ class ControllerArm:
         self._robot: aioduco.sync.Robot | None = None
 
     def restart(self, things: Mapping[str, tuple[float, ...]]) -> None:
-        """Begin an episode: the arm goes home by a motion; one that was stopped begins anew."""
+        """Begin an episode: move the arm home; if that fails, restart the simulator."""
         simulator, robot = self._simulator, self._robot
         if simulator is not None and robot is not None:
             simulator.unlock_time()
@@ -218,7 +221,7 @@ class ControllerArm:
         simulator.advance(round(_SETTLING / self._task.cycle))
 
     def follow(self, target: Vector, *, closed: bool) -> str:
-        """Go towards joints for one period."""
+        """Move towards target joints for one period."""
         simulator, robot = self._opened()
         try:
             if self._task.gripper and closed != self._closed:
@@ -233,7 +236,7 @@ class ControllerArm:
         return "a safety stop of the controller" if simulator.view.error else ""
 
     def reading(self) -> TaskReading:
-        """What is now."""
+        """Read the current state."""
         simulator, robot = self._opened()
         q = robot.state.get_actual_joints_position().array
         qd = np.array(robot.state.get_actual_joints_speed())
@@ -249,12 +252,12 @@ class ControllerArm:
     def picture(
         self, width: int, height: int, camera: Camera, marks: tuple[PictureMark, ...]
     ) -> Picture:
-        """Draw it."""
+        """Draw the scene."""
         simulator, _ = self._opened()
         return simulator.render(width=width, height=height, camera=camera, marks=marks)
 
     def close(self) -> None:
-        """Leave the robot, and end the simulator."""
+        """Close the robot, and end the simulator."""
         simulator, self._simulator = self._simulator, None
         robot, self._robot = self._robot, None
         if simulator is None:
@@ -279,7 +282,7 @@ class ControllerArm:
         robot = aioduco.sync.connect(
             simulator.host,
             simulator.port,
-            # The simulator is in this process: neither outlives the other.
+            # The simulator is in this process: both end at the same time.
             heartbeat=None,
             lag_limit=None,
             clock=simulator.clock,
@@ -290,7 +293,7 @@ class ControllerArm:
         robot.__enter__()
         self._robot = robot
         robot.bring_up(timeout=_PATIENCE)
-        # An arm that pushes and presses on purpose must not take that for a collision.
+        # The controller must not take deliberate pushing and pressing for a collision.
         robot.settings.collision_detect(0)
         if self._task.moved:
             self._thing = simulator.place(self._task.moved)

@@ -1,4 +1,4 @@
-"""The environment that Gymnasium makes: actions, observations, rewards."""
+"""The Gymnasium environment: actions, observations, rewards."""
 
 from __future__ import annotations
 
@@ -25,38 +25,38 @@ if TYPE_CHECKING:
 
 __all__ = ["ArmEnv"]
 
-_STEP = 0.015  # of the tip, by the largest action [m]
-_TURN = 0.04  # of a joint, by the largest action [rad]
-_JUMP = 0.5  # of a joint between two targets of the tip; more is another configuration [rad]
-_MOST = 1e6  # of any number of an observation, which Gymnasium asks for
-_REACH = 0.817  # of the arm whose lengths the tasks have [m]
+_STEP = 0.015  # distance of the tip for the largest action [m]
+_TURN = 0.04  # angle of a joint for the largest action [rad]
+_JUMP = 0.5  # largest change of a joint between two targets; more is another configuration [rad]
+_MOST = 1e6  # bound on the numbers of an observation, which Gymnasium requires
+_REACH = 0.817  # reach of the arm that the lengths of the tasks suit [m]
 
 
 class ArmEnv(gymnasium.Env[dict[str, Any], Any]):
-    """A simulated arm with a task, one step of 40 ms after the other.
+    """A simulated arm with a task, in steps of 40 ms.
 
-    An observation is a dict, as environments with goals have it: "observation" (joints [rad], their
-    speeds [rad/s], the tip [m]; then, where the task has a use for it, the force at the tip [N],
-    whether the gripper holds something, the thing's place [m] and quaternion, and the way from the
-    tip to it [m]), "achieved_goal",
+    An observation is a dict, as in environments with goals: "observation" (joints [rad], joint
+    speeds [rad/s], the tip [m]; then, if the task uses them, the force at the tip [N], whether the
+    gripper holds something, the thing's place [m] and quaternion, and the vector from the tip to
+    the thing [m]), "achieved_goal",
     "desired_goal". Pictures are "pixels", with "joints" (positions and speeds).
 
     Args:
         task: "Reach", "Push", "PickPlace" or "Press".
-        wire: whether it goes through the whole simulated controller.
-        actions: "cartesian": by how much the tip goes on along x, y, z, where 1 is 15 mm, the tool
-            upright; or "joints", where 1 is 0.04 rad. Targets outside of the space of the task
-            are not gone to. With a gripper there is one number more: above 0 it opens, below it
-            closes.
+        wire: whether to use the whole simulated controller.
+        actions: "cartesian": step of the tip along x, y, z, where 1 is 15 mm, the tool upright;
+            or "joints", where 1 is 0.04 rad. Targets outside the space of the task are not reached:
+            cartesian ones are clipped to it, joint ones ignored. With a gripper there is one more
+            number: above 0 it opens, below 0 it closes.
         observations: "state", "pixels", or "both".
-        reward: "sparse": 0 at the goal, else -1; or "dense": less by the distance to the goal.
+        reward: "sparse": 0 at the goal, else -1; or "dense": minus the distance to the goal.
         model: the arm; `aioduco.kinematics.models()` lists them.
-        size: of pictures, height and width [pixels].
-        camera: from where pictures are taken; None for in front of the table.
+        size: height and width of pictures [pixels].
+        camera: camera of the pictures; None for one in front of the table.
         render_mode: "rgb_array", for `render`; or None.
 
     Raises:
-        ParameterError: an argument is none of these.
+        ParameterError: an argument has another value.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 25}  # noqa: RUF012 - Gymnasium's
@@ -111,11 +111,11 @@ class ArmEnv(gymnasium.Env[dict[str, Any], Any]):
         seed: int | None = None,
         options: dict[str, Any] | None = None,  # noqa: ARG002 - there are none yet
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begin an episode; one seed begins the same episode each time.
+        """Begin an episode; the same seed gives the same episode.
 
         Args:
-            seed: as Gymnasium has it.
-            options: none.
+            seed: as in Gymnasium.
+            options: not used.
         """
         super().reset(seed=seed)
         setup = self._task.begin(self.np_random)
@@ -128,17 +128,17 @@ class ArmEnv(gymnasium.Env[dict[str, Any], Any]):
         return self._observation(reading), self._info(reading, "")
 
     def step(self, action: Any) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
-        """Go on by 40 ms.
+        """Advance by 40 ms.
 
         Args:
-            action: from -1 to 1; what is beyond counts as that.
+            action: numbers from -1 to 1; others are clipped.
 
         Returns:
-            Observation, reward, whether the arm was stopped, False, and more: "is_success", and
-            with an arm that was stopped "stopped", why.
+            Observation, reward, whether the arm was stopped, False, and a dict: "is_success" and,
+            if the arm was stopped, the reason as "stopped".
 
         Raises:
-            ParameterError: the action is none; nothing was done.
+            ParameterError: the action is not valid; nothing was done.
         """
         given = np.asarray(action, dtype=np.float64)
         if given.shape != self.action_space.shape or not np.isfinite(given).all():
@@ -156,12 +156,12 @@ class ArmEnv(gymnasium.Env[dict[str, Any], Any]):
         return self._observation(reading), reward, bool(stopped), False, info
 
     def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:  # noqa: ARG002 - as environments with goals have it
-        """Give the reward for what was achieved, also of many steps at once.
+        """Compute the reward for achieved goals, also for many steps at once.
 
         Args:
             achieved_goal: shape (..., n).
             desired_goal: shape (..., n).
-            info: of the steps; not used.
+            info: infos of the steps; not used.
 
         Returns:
             Shape (...,).
@@ -175,21 +175,21 @@ class ArmEnv(gymnasium.Env[dict[str, Any], Any]):
         """Draw the arm and its goal: red, green, blue. Shape (480, 480, 3).
 
         Raises:
-            RenderError: this computer has no OpenGL that draws off screen.
+            RenderError: this computer has no OpenGL for drawing off screen.
         """
         if self.render_mode is None:
             raise RuntimeError('nothing is drawn: make it with render_mode="rgb_array"')
         return self._picture(self._SHOWN)
 
     def close(self) -> None:
-        """End what it has started."""
+        """Release all resources."""
         self._begun = False
         self._backend.close()
 
     # -- inside --------------------------------------------------------------------------------
 
     def _aim(self, action: Vector) -> None:
-        """Where the arm is to go; a target that is out of the task's space changes nothing."""
+        """Set the target; outside the task's space, clip it (cartesian) or ignore it (joints)."""
         task, arm = self._task, self._arm
         if self._by_joints:
             q = np.clip(self._target + _TURN * action[:6], arm.lower, arm.upper)

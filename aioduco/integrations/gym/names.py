@@ -1,4 +1,4 @@
-"""The names of the tasks, and how long an episode is."""
+"""The names of the tasks, and the length of an episode."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""What is to be done: the scene, the tool, goals, and how near to its goal a task is.
+"""The tasks: scene, tool, goals, and the distance to a goal.
 
-Places are the tool's tip's or a thing's, in the world's frame [m]; lengths suit an arm of 910 mm,
-and are scaled to others.
+Places are those of the tool's tip or of a thing, in the world's frame [m]. Lengths suit an arm of
+910 mm, and are scaled for other arms.
 """
 
 from __future__ import annotations
@@ -36,18 +36,18 @@ __all__ = [
 TABLE = 0.1
 """Height of the table [m]."""
 
-_ROD = 0.15  # from the flange to the tip [m]
-_SIDE = 0.05  # of the box [m]
+_ROD = 0.15  # distance from the flange to the tip [m]
+_SIDE = 0.05  # edge length of the box [m]
 _LOW = np.array((0.38, -0.22, TABLE + 0.005))
 _HIGH = np.array((0.66, 0.22, TABLE + 0.25))
 
 
 class TaskSetup(NamedTuple):
-    """How an episode begins.
+    """Initial state of an episode.
 
     Attributes:
         things: poses of things in the scene [m, rad], by name.
-        goal: what is wanted, as `ArmTask.achieved` gives what is.
+        goal: the desired value of `ArmTask.achieved`.
     """
 
     things: Mapping[str, tuple[float, ...]]
@@ -55,26 +55,26 @@ class TaskSetup(NamedTuple):
 
 
 class ArmTask(ABC):
-    """One task. Has no state: an episode's is in the arm and in its goal.
+    """One task. It has no state: the state of an episode is in the arm and in its goal.
 
     Args:
-        scale: of all lengths; 1 for an arm of 910 mm.
+        scale: scale of all lengths; 1 for an arm of 910 mm.
 
     Attributes:
         low, high: corners of the space in which the tool's tip is kept [m]. Shape (3,) each.
-        home: where the tip is at the start [m]. Shape (3,).
-        tip: from the flange to the tip, along the flange's z axis [m].
+        home: place of the tip at the start [m]. Shape (3,).
+        tip: distance from the flange to the tip, along the flange's z axis [m].
     """
 
-    #: numbers in a goal
+    #: count of numbers in a goal
     size: ClassVar[int] = 3
-    #: how near to the goal is a success, in the goal's unit
+    #: distance to the goal below which the task has succeeded, in the goal's unit
     tolerance: ClassVar[float] = 0.02
-    #: name of what is to be moved; empty for nothing
+    #: name of the thing to move; empty for nothing
     moved: ClassVar[str] = ""
     #: whether the force at the tip is observed
     feels: ClassVar[bool] = False
-    #: gripper in place of the rod, which the last number of an action opens and closes
+    #: gripper instead of the rod; the last number of an action opens and closes it
     gripper: ClassVar[str] = ""
     #: cycle of controller and physics [s]
     cycle: ClassVar[float] = 0.004
@@ -87,31 +87,31 @@ class ArmTask(ABC):
         self.tip: float = _ROD * scale
 
     def scene(self) -> list[Thing]:
-        """What stands around the arm."""
+        """Things around the arm."""
         s = self.scale
         return [Table(at=(0.52 * s, 0.0, TABLE * s), size=(0.5 * s, 0.7 * s))]
 
     def tool(self) -> list[Thing] | None:
-        """What the flange carries: a rod without weight, whose round end is the tip."""
+        """The tool at the flange: a rod without weight, whose round end is the tip."""
         if self.gripper:
             return None
         return [Rod(length=self.tip, radius=0.012 * self.scale)]
 
     @abstractmethod
     def begin(self, rng: np.random.Generator) -> TaskSetup:
-        """Draw how an episode begins."""
+        """Draw the initial state of an episode."""
 
     def achieved(self, reading: TaskReading) -> Vector:
-        """What is, to be compared with the goal. Shape (size,)."""
+        """The actual value, for comparison with the goal. Shape (size,)."""
         return reading.tip if not self.moved else reading.thing[:3]
 
     def distance(self, achieved: Vector, goal: Vector) -> Vector:
-        """How far it is from the goal, in the goal's unit. Shapes (..., size), (...,)."""
+        """Distance to the goal, in the goal's unit. Shapes (..., size), (...,)."""
         distance: Vector = np.linalg.norm(np.subtract(achieved, goal), axis=-1)
         return distance
 
     def mark(self, goal: Vector) -> tuple[float, ...] | None:
-        """Where the goal is drawn [m]; None for nowhere."""
+        """Place at which the goal is drawn [m]; None to draw none."""
         return tuple(goal.tolist())
 
     def _place(self, rng: np.random.Generator, margin: float, z: float) -> Vector:
@@ -122,10 +122,10 @@ class ArmTask(ABC):
 
 
 class ReachTask(ArmTask):
-    """The tip to a point in the air."""
+    """Move the tip to a point in the air."""
 
     def begin(self, rng: np.random.Generator) -> TaskSetup:
-        """Draw a point that is not where the tip is already."""
+        """Draw a point away from the tip."""
         while True:
             goal = rng.uniform(self.low + 0.02 * self.scale, self.high - 0.02 * self.scale)
             if np.linalg.norm(goal - self.home) > 0.08 * self.scale:
@@ -133,13 +133,13 @@ class ReachTask(ArmTask):
 
 
 class _WithBox(ArmTask):
-    """There is a box on the table, and a place for it."""
+    """A task with a box on the table, and a place for it."""
 
     moved = "box"
 
     def __init__(self, scale: float) -> None:
         super().__init__(scale)
-        #: of the box [m]
+        #: edge length of the box [m]
         self.side: float = _SIDE * scale
 
     def scene(self) -> list[Thing]:
@@ -166,17 +166,17 @@ class _WithBox(ArmTask):
 
 
 class PushTask(_WithBox):
-    """A box across the table to a place."""
+    """Push a box across the table to a place."""
 
     def begin(self, rng: np.random.Generator) -> TaskSetup:
-        """Draw where the box is, and where it is to go."""
+        """Draw the place of the box, and its goal."""
         return self._begin(rng, 0.0)
 
 
 class PickPlaceTask(_WithBox):
-    """A box, by a gripper, to a place on the table or above it.
+    """Carry a box with a gripper to a place on the table or above it.
 
-    The gripper has the size that it has, whatever the arm, and so has the box.
+    Gripper and box are not scaled with the arm.
     """
 
     gripper = "parallel"
@@ -189,19 +189,19 @@ class PickPlaceTask(_WithBox):
         self.low[2] = TABLE * scale + 0.015
 
     def begin(self, rng: np.random.Generator) -> TaskSetup:
-        """Draw where the box is, and where it is to go: every other time onto the table."""
+        """Draw the place of the box, and its goal: on the table with a probability of 1/2."""
         return self._begin(rng, rng.uniform(0.03, 0.12) if rng.random() < 0.5 else 0.0)
 
 
 class PressTask(ArmTask):
-    """The tip onto a pad that gives way, until it presses with a force."""
+    """Press the tip onto a springy pad until it has a given force."""
 
     size: ClassVar[int] = 1
     tolerance: ClassVar[float] = 2.0
     feels = True
 
     def scene(self) -> list[Thing]:
-        """A table, and a pad on a spring at its middle."""
+        """A table, and a pad on a spring in its middle."""
         s = self.scale
         pad = Pad(at=(0.5 * s, 0.0, (TABLE + 0.06) * s), size=(0.12 * s, 0.12 * s, 0.02 * s),
                   stiffness=4000.0, name="pad")  # fmt: skip
@@ -212,11 +212,11 @@ class PressTask(ArmTask):
         return TaskSetup({}, rng.uniform(8.0, 40.0, 1))
 
     def achieved(self, reading: TaskReading) -> Vector:
-        """The force upwards on the tip [N]."""
+        """The upward force on the tip [N]."""
         return reading.force[2:]
 
     def mark(self, goal: Vector) -> None:  # noqa: ARG002 - a force has no place
-        """Nowhere."""
+        """Draw no mark."""
         return
 
 
@@ -229,5 +229,5 @@ _TASKS: dict[str, Callable[[float], ArmTask]] = {
 
 
 def task_of(name: str, scale: float) -> ArmTask:
-    """Give the task of a name."""
+    """Return the task with a name."""
     return _TASKS[name](scale)

@@ -1,7 +1,7 @@
-"""OpenTelemetry: spans of calls, motions and recoveries, and metrics, of robots that ask for it.
+"""OpenTelemetry: spans of calls, motions and recoveries, and metrics, for chosen robots.
 
-Needs the extra `otel`, which has OpenTelemetry's interface. Where spans and metrics go is decided
-by the program, by the SDK that it sets up. Nothing of it is loaded before this is imported.
+It needs the extra `otel`, which installs OpenTelemetry's API. The program sets up the SDK, which
+decides where spans and metrics go. OpenTelemetry is not loaded before this module is imported.
 """
 
 from aioduco.integrations.otel.telemetry import Telemetry

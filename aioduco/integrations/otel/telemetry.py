@@ -1,4 +1,4 @@
-"""What the trace hook and the events of a robot tell, as spans and metrics."""
+"""Spans and metrics from the trace hook and the events of a robot."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["Telemetry"]
 
 _NAME: Final = "aioduco"
-#: the lane on which motions are started, and the question for how they go on
+#: the lane on which motions are started, and the function that polls their state
 _MOTIONS: Final = "motion"
 _ASK: Final = "get_noneblock_taskstate"
 
@@ -46,14 +46,14 @@ class Telemetry:
         async with aioduco.connect(host, trace=telemetry) as robot, telemetry.watching(robot):
             ...
 
-    As a trace hook it runs on the thread of the hooks, so that it delays no call and no stop.
+    As a trace hook it runs on the thread of the hooks, so that it does not delay calls and stops.
 
     Args:
         robot: name of the arm: the attribute `duco.robot` of all spans and metrics.
-        without_lanes: lanes whose calls give no span, such as `feed`, `poll` and `heartbeat`,
-            which ask many times a second; their latency is measured all the same.
-        tracer_provider: where spans go; None for OpenTelemetry's global one.
-        meter_provider: where metrics go; None for OpenTelemetry's global one.
+        without_lanes: lanes whose calls make no span, such as `feed`, `poll` and `heartbeat`,
+            which send many calls a second; their latency is measured nevertheless.
+        tracer_provider: provider for spans; None for OpenTelemetry's global one.
+        meter_provider: provider for metrics; None for OpenTelemetry's global one.
     """
 
     def __init__(
@@ -92,14 +92,14 @@ class Telemetry:
             "s",
             "longest time between two answered beats",
         )
-        #: what the wall's clock shows when the monotonic one shows 0 [ns]
+        #: time of the wall clock when the monotonic clock is 0 [ns]
         self._epoch = time.time_ns() - time.monotonic_ns()
         #: motions that have not ended, by task id
         self._motions: dict[int, _Motion] = {}
         self._lock = threading.Lock()
 
     def __call__(self, event: TraceEvent) -> None:
-        """Take what happened; `connect(trace=...)` has it called, on the thread of the hooks."""
+        """Take a trace event. `connect(trace=...)` calls this on the thread of the hooks."""
         if isinstance(event, CallFinished):
             self._call(event)
         elif isinstance(event, ConnectionOpened):
@@ -110,9 +110,9 @@ class Telemetry:
 
     @asynccontextmanager
     async def watching(self, robot: Robot) -> AsyncIterator[None]:
-        """Measure stalls, reconnects and the heartbeat of an open robot meanwhile.
+        """Measure stalls, reconnects and the heartbeat of an open robot during the block.
 
-        What moves on at the end gives its span then, with the outcome `unknown`.
+        Motions that still run at the end get their span then, with the outcome `unknown`.
         """
         self._watched = robot
         try:
@@ -125,13 +125,13 @@ class Telemetry:
             self.close()
 
     def stream_ended(self, statistics: StreamStatistics, name: str = "") -> None:
-        """Take the figures of a stream: `telemetry.stream_ended(stream.statistics())`."""
+        """Record the statistics of a stream: `telemetry.stream_ended(stream.statistics())`."""
         attributes = self._named(stream=name)
         self._lateness.record(statistics.lateness.p99, attributes)
         self._missed.add(statistics.missed, attributes)
 
     def close(self) -> None:
-        """End the spans of motions whose end was not seen; their outcome is `unknown`."""
+        """End the spans of motions whose end was not observed, with the outcome `unknown`."""
         with self._lock:
             left, self._motions = self._motions, {}
         for motion in left.values():

@@ -1,4 +1,4 @@
-"""The driver of one arm, for any middleware: its state to a sink, its goals, its services."""
+"""The driver of one arm, for any middleware: state for a sink, goals, services."""
 
 from __future__ import annotations
 
@@ -28,36 +28,36 @@ if TYPE_CHECKING:
 __all__ = ["ArmNode", "NodeSettings", "StateSink", "arm_node"]
 
 _log = logging.getLogger(__name__)
-_RETRY = 0.1  # seconds between two questions while nobody answers
+_RETRY = 0.1  # seconds between two requests while the controller does not answer
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeSettings:
-    """Parameters of a driver; the shells take them by these names.
+    """Parameters of a driver; the shells use the same names.
 
     Attributes:
         host: address of the controller.
-        port: its TCP port.
-        model: the arm, such as "gcr5_910": for its limits.
-        prefix: before names of joints and frames, such as "left_".
-        joint_names: other names than joint_1 to joint_6; empty for these.
+        port: TCP port of the controller.
+        model: model of the arm, such as "gcr5_910", for its limits.
+        prefix: prefix of the names of joints and frames, such as "left_".
+        joint_names: names of the joints; empty for joint_1 to joint_6.
         frame: frame in which the controller gives poses; empty: the prefix and "base_link".
-        rate: joint states and transforms a second [Hz].
-        slow_rate: states, inputs and outputs a second [Hz].
-        wrench: whether to publish the force at the tool, which takes one more question each time.
-        velocity: largest speed of a joint in a goal [rad/s]; 0: the arm's.
-        acceleration: with which the arm follows goals and comes to rest [rad/s²].
+        rate: joint states and transforms per second [Hz].
+        slow_rate: states, inputs and outputs per second [Hz].
+        wrench: whether to publish the force at the tool, which needs one more request each time.
+        velocity: largest speed of a joint in a goal [rad/s]; 0: the arm's limit.
+        acceleration: acceleration with which the arm follows goals and comes to rest [rad/s²].
         through: how set-points of goals reach the controller: "realtime" for its queue, "servoj"
             for one call each, "auto" for the queue if it has one.
-        feedback_rate: feedback of a goal a second, up to 50 [Hz].
-        heartbeat: seconds after which the controller stops the arm of a driver that died.
-        guard: "process" for a process that stops it at once; empty for none. With it, a goal that
-            its client or the middleware left is ended by a stop, too.
-        command_rate: joint commands a second that are expected [Hz].
-        command_timeout: time without one after which the arm is free for other motions [s].
-        hold_commands: whether joint commands have the arm all the time, as ros2_control wants it:
-            nothing else moves it then.
-        rules: what goals must keep to.
+        feedback_rate: feedback messages of a goal per second, up to 50 [Hz].
+        heartbeat: seconds after which the controller stops the arm of a dead driver.
+        guard: "process" for a process that stops the arm of a dead driver at once; empty for none.
+            With it, a stop also ends a goal whose client or middleware has gone.
+        command_rate: expected joint commands per second [Hz].
+        command_timeout: time without a command after which the arm is free for other motions [s].
+        hold_commands: whether joint commands own the arm all the time, as ros2_control requires;
+            then nothing else moves it.
+        rules: rules for goals.
     """
 
     host: str
@@ -111,10 +111,10 @@ class NodeSettings:
 
 
 class StateSink(Protocol):
-    """Where a driver's state goes. All of it is called on the event loop, and must not wait."""
+    """Receives a driver's state. All methods are called on the event loop, and must not wait."""
 
     def wants_frames(self) -> bool:
-        """Whether anybody listens to frames; without, none are computed."""
+        """Whether there is a subscriber for frames; without one, none are computed."""
         ...
 
     def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
@@ -123,7 +123,7 @@ class StateSink(Protocol):
         Args:
             at: when they were received, on the clock of `time.monotonic` [s].
             reading: the joints.
-            frames: tool tip and flange; none if nobody wants them.
+            frames: tool tip and flange; empty without a subscriber.
         """
 
     def wrench(self, at: float, force: list[float]) -> None:
@@ -133,7 +133,7 @@ class StateSink(Protocol):
         """Take the whole sample, for states, inputs and outputs."""
 
     def diagnosis(self, found: Diagnosis) -> None:
-        """Take how the arm is, once a second."""
+        """Take the diagnosis of the arm, once a second."""
 
 
 class ArmNode:
@@ -141,9 +141,9 @@ class ArmNode:
 
     Attributes:
         robot: the robot, open.
-        goals: its trajectory goals.
-        services: its services.
-        commands: joint positions to follow as they come.
+        goals: trajectory goals of the arm.
+        services: services of the arm.
+        commands: joint positions that are followed as they arrive.
     """
 
     def __init__(
@@ -191,7 +191,7 @@ class ArmNode:
             tasks.start_soon(self._diagnose, sink)
 
     async def _publish_joints(self, sink: StateSink) -> None:
-        """Joints at the full rate: one question each, where a whole sample takes three."""
+        """Publish joints at the full rate: one request each; a whole sample needs three."""
         state, prefix, period = self.robot.state, self.settings.prefix, 1.0 / self.settings.rate
         start, number = time.monotonic(), 0
         while True:
@@ -209,13 +209,13 @@ class ArmNode:
             except DucoError as error:
                 _log.debug("no joint states: %s", error)
                 await anyio.sleep(_RETRY)
-            # What was missed is left out, never made up for.
+            # Missed cycles are skipped, and not made up for.
             now = time.monotonic()
             number = max(number + 1, int((now - start) / period))
             await anyio.sleep(max(start + number * period - now, 0.0))
 
     async def _publish_states(self, sink: StateSink) -> None:
-        """Whole samples to the sink; one that is held up loses samples, not time."""
+        """Pass whole samples to the sink; a slow sink loses samples, and causes no delay."""
         with self.robot.feed.subscribe("latest") as samples:
             async for snapshot in samples:
                 self._newest = snapshot
@@ -228,7 +228,7 @@ class ArmNode:
             try:
                 self._tcp_offset = await self.robot.frames.get_tcp_offset()
             except DucoError:
-                self._tcp_offset = None  # a tool that was changed meanwhile must not be made up
+                self._tcp_offset = None  # the tool may have changed: do not use an old offset
             now = anyio.current_time()
             rate, asked, self._count = self._count / max(now - asked, 1e-3), now, 0
             sink.diagnosis(diagnosis(self._newest, feed.error, time.monotonic(), rate))
@@ -243,12 +243,12 @@ async def arm_node(
     wall: Callable[[], float] = time.time,
     options: LaneOptions | None = None,
 ) -> AsyncIterator[ArmNode]:
-    """Connect to an arm for a driver; on leaving, the arm stands.
+    """Connect to an arm for a driver; when the block exits, the arm stands.
 
     Args:
         settings: the driver's parameters.
         wall: the middleware's clock [s].
-        options: how streams run; None: in a process of their own.
+        options: options of streams; None: in a separate process.
 
     Raises:
         ParameterError: a parameter is out of range; nothing was sent.

@@ -1,4 +1,4 @@
-"""What is published of an arm: plain values, made from samples of its state. No I/O."""
+"""Published data of an arm: plain values, made from samples of its state. No I/O."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ class ArmReading(NamedTuple):
     """Joint states, as `sensor_msgs/JointState` has them.
 
     Attributes:
-        position: [rad], six.
-        velocity: [rad/s], six.
-        effort: currents of the motors, per rated current, six: the controller tells no torques.
+        position: joint angles [rad], six.
+        velocity: joint speeds [rad/s], six.
+        effort: motor currents per rated current, six; the controller reports no torques.
     """
 
     position: tuple[float, ...]
@@ -43,7 +43,7 @@ class PlacedFrame(NamedTuple):
     """A frame in the frame of the arm's base.
 
     Attributes:
-        name: of the frame.
+        name: name of the frame.
         position: x, y, z [m].
         quaternion: x, y, z, w.
     """
@@ -63,12 +63,12 @@ class DiagnosisLevel(IntEnum):
 
 
 class Diagnosis(NamedTuple):
-    """How the arm and the driver are.
+    """Condition of the arm and the driver.
 
     Attributes:
-        level: how bad.
-        message: what to do, or that all is well.
-        values: names and values of what was looked at.
+        level: severity.
+        message: what to do, or that the arm is ready.
+        values: names and values of the readings.
     """
 
     level: DiagnosisLevel
@@ -84,15 +84,15 @@ def joint_reading(status: RobotStatus) -> ArmReading:
 
 
 def placed_frames(status: RobotStatus, tcp_offset: Pose | None, prefix: str) -> list[PlacedFrame]:
-    """The frames of tool tip and flange, as the controller has them.
+    """The frames of tool tip and flange, as the controller reports them.
 
     Args:
         status: a sample.
-        tcp_offset: pose of the tool's tip in the flange's frame; None if it is not known, and then
-            there is no flange.
-        prefix: before the frames' names.
+        tcp_offset: pose of the tool's tip in the flange's frame; None if it is not known: then the
+            flange is left out.
+        prefix: prefix of the frames' names.
     """
-    # In plain numbers: by arrays it would take most of the time of a joint state.
+    # Plain numbers, because arrays would take most of the time of a joint state.
     tip, turn = status.pose, _quaternion(status.pose)
     frames = [PlacedFrame(prefix + "tcp_controller", [tip.x, tip.y, tip.z], [*turn])]
     if tcp_offset is not None:
@@ -109,7 +109,7 @@ _Vector: TypeAlias = "tuple[float, float, float]"
 
 
 def _quaternion(pose: Pose) -> _Quaternion:
-    """The orientation of a pose, as ROS has it."""
+    """The orientation of a pose as a quaternion of ROS."""
     cx, cy, cz = cos(0.5 * pose.rx), cos(0.5 * pose.ry), cos(0.5 * pose.rz)
     sx, sy, sz = sin(0.5 * pose.rx), sin(0.5 * pose.ry), sin(0.5 * pose.rz)
     return (
@@ -121,7 +121,7 @@ def _quaternion(pose: Pose) -> _Quaternion:
 
 
 def _product(one: _Quaternion, other: _Quaternion) -> _Quaternion:
-    """The turn by the other, and then by the one."""
+    """The rotation by `other`, followed by the rotation `one`."""
     ax, ay, az, aw = one
     bx, by, bz, bw = other
     return (
@@ -133,7 +133,7 @@ def _product(one: _Quaternion, other: _Quaternion) -> _Quaternion:
 
 
 def _turned(by: _Quaternion, vector: _Vector) -> _Vector:
-    """A vector that is turned."""
+    """The vector, rotated by a quaternion."""
     x, y, z, w = by
     turned = _product(_product(by, (*vector, 0.0)), (-x, -y, -z, w))
     return turned[:3]
@@ -142,13 +142,13 @@ def _turned(by: _Quaternion, vector: _Vector) -> _Vector:
 def diagnosis(
     snapshot: Snapshot | None, error: DucoError | None, now: float, rate: float
 ) -> Diagnosis:
-    """How the arm is, from the newest sample of its state.
+    """Diagnose the arm from the newest sample of its state.
 
     Args:
-        snapshot: the newest; None before the first.
-        error: why the last question was not answered; None if it was.
+        snapshot: the newest sample; None before the first.
+        error: why the last request failed; None if it was answered.
         now: the time, on the clock of `time.monotonic` [s].
-        rate: samples a second that came of late [Hz].
+        rate: recently received joint states per second [Hz].
     """
     if snapshot is None or error is not None:
         age = "never" if snapshot is None else f"{now - snapshot.received_at:.1f} s ago"
@@ -167,7 +167,7 @@ def diagnosis(
     down = states.robot < RobotState.DISABLE
     unsafe = states.safety not in (SafetyState.RUN, SafetyState.REDUCE, SafetyState.MODEL)
     paused = states.program in (ProgramState.PAUSED, ProgramState.PAUSING)
-    # The first that holds: what a person must do comes before what a call can do.
+    # The first rule that holds: actions of a person come before actions by a call.
     rules = (
         (status.emergency_stop, DiagnosisLevel.ERROR, "emergency stop pressed: release it"),
         (

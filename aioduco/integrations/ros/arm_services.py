@@ -1,4 +1,4 @@
-"""What services of an arm do, for any middleware: each a coroutine that never raises."""
+"""Services of an arm, for any middleware: each a coroutine that never raises."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ __all__ = ["ArmServices", "ServiceReply"]
 
 
 class ServiceReply(NamedTuple):
-    """What a service answers.
+    """Reply of a service.
 
     Attributes:
-        success: whether it was done.
-        message: what the arm did, or why not.
+        success: whether the request succeeded.
+        message: the result, or the reason for the failure.
     """
 
     success: bool
@@ -29,11 +29,11 @@ class ServiceReply(NamedTuple):
 
 
 class ArmServices:
-    """Services of one arm. Numbers are checked by the functions that they lead to.
+    """Services of one arm. The called functions check the numbers.
 
     Args:
         robot: the robot, open.
-        goals: its trajectory goals.
+        goals: trajectory goals of the arm.
     """
 
     def __init__(self, robot: Robot, goals: TrajectoryServer) -> None:
@@ -45,15 +45,15 @@ class ArmServices:
         return await _answered(self._robot.bring_up())
 
     async def recover(self) -> ServiceReply:
-        """Lead the arm out of a stop."""
+        """Recover the arm from a stop."""
         return await _answered(self._robot.recover())
 
     async def stop(self) -> ServiceReply:
-        """Stop the arm, and wait until it stands. Goals that run are aborted."""
+        """Stop the arm, and wait until it stands. A running goal is aborted."""
         return await _answered(self._robot.stop(), "the arm stands")
 
     async def pause(self) -> ServiceReply:
-        """Pause the motions of movej and movel; a trajectory goal is cancelled instead."""
+        """Pause a movej or movel; during a trajectory goal the request is refused."""
         if self._goals.busy:
             return ServiceReply(
                 False, "a trajectory goal cannot be paused, nothing was done: cancel it, or stop"
@@ -61,7 +61,7 @@ class ArmServices:
         return await _answered(self._robot.pause(), "paused")
 
     async def resume(self) -> ServiceReply:
-        """Go on with what was paused."""
+        """Resume a paused motion."""
         return await _answered(self._robot.resume(), "resumed")
 
     async def set_digital_output(self, num: int, value: bool) -> ServiceReply:
@@ -73,7 +73,7 @@ class ArmServices:
         return await _answered(self._robot.io.set_tool_digital_out(num, value), "set")
 
     async def set_speed(self, percent: float) -> ServiceReply:
-        """Set the global speed, which motions are scaled by: 1 to 100 percent."""
+        """Set the global speed, which scales motions: 1 to 100 percent."""
         return await _answered(self._robot.settings.speed(percent), "set")
 
     async def set_tool(
@@ -82,10 +82,10 @@ class ArmServices:
         """Define a tool and use it.
 
         Args:
-            name: its name.
+            name: name of the tool.
             offset: pose of its tip in the flange's frame (x, y, z [m], rx, ry, rz [rad]).
-            mass: its mass [kg].
-            centre: its centre of mass [m], three.
+            mass: mass of the tool [kg].
+            centre: centre of mass of the tool [m], three.
         """
         if self._goals.busy:
             return _BUSY
@@ -97,7 +97,7 @@ class ArmServices:
         return await _answered(run(), "set")
 
     async def set_load(self, mass: float, centre: Sequence[float]) -> ServiceReply:
-        """Set what the tool holds: mass [kg], centre of mass [m], three."""
+        """Set the load that the tool holds: mass [kg], centre of mass [m], three."""
 
         async def run() -> None:
             await self._robot.frames.set_load_data((mass, *centre))
@@ -108,7 +108,7 @@ class ArmServices:
         """Move to joint angles, and wait for the end.
 
         Args:
-            joints: where to [rad]. Shape (6,).
+            joints: target [rad]. Shape (6,).
             v: highest joint speed [rad/s].
             a: highest joint acceleration [rad/s²].
         """
@@ -126,7 +126,7 @@ class ArmServices:
         """Move the tool along a line, and wait for the end.
 
         Args:
-            pose: where to (x, y, z [m], rx, ry, rz [rad]).
+            pose: target (x, y, z [m], rx, ry, rz [rad]).
             v: highest speed [m/s].
             a: highest acceleration [m/s²].
             tool: name of the tool; empty: the one in use.
@@ -145,7 +145,7 @@ _BUSY = ServiceReply(False, "a trajectory goal is carried out; nothing was sent:
 
 
 async def _answered(step: Awaitable[object], text: str = "") -> ServiceReply:
-    """Await a step, and say what came of it."""
+    """Await a step, and return its result as a reply."""
     try:
         outcome = await step
     except (DucoError, TypeError, ValueError, TimeoutError) as error:

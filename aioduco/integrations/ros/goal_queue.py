@@ -1,4 +1,4 @@
-"""Which goal runs and which waits: one of each, and the newest goal counts."""
+"""One running and one waiting goal; a newer goal replaces an older one."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ G = TypeVar("G")
 
 
 class GoalQueue(Generic[G]):
-    """Decides over goals; the arm carries out one at a time.
+    """Decides which goal runs; the arm carries out one at a time.
 
     Attributes:
         running: the goal that the arm carries out; None for none.
@@ -23,28 +23,28 @@ class GoalQueue(Generic[G]):
 
     @property
     def superseded(self) -> bool:
-        """Whether the running goal is to end for the waiting one."""
+        """Whether the running goal must end for the waiting one."""
         return self.running is not None and self.waiting is not None
 
     def submit(self, goal: G) -> G | None:
-        """Take a new goal, and give back the one that waited, which is dropped."""
+        """Add a new goal, and return the waiting goal that it replaces."""
         dropped, self.waiting = self.waiting, goal
         return dropped
 
     def withdraw(self, goal: G) -> bool:
-        """Drop a goal if it waits. Tells whether it did."""
+        """Drop a goal if it is waiting; return whether it was."""
         if self.waiting is not goal:
             return False
         self.waiting = None
         return True
 
     def begin(self) -> G | None:
-        """Let the waiting goal run, if there is one and none runs."""
+        """Start the waiting goal, if there is one and none is running."""
         if self.running is None:
             self.running, self.waiting = self.waiting, None
             return self.running
         return None
 
     def end(self) -> None:
-        """The running goal has ended, however it did; the arm stands."""
+        """The running goal has ended, with any result; the arm stands."""
         self.running = None

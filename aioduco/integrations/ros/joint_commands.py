@@ -1,10 +1,10 @@
-"""Follows joint positions as they come, such as those of ros2_control or of a teleoperation.
+"""Follow joint positions as they arrive, for example from ros2_control or a teleoperation.
 
 Guarantees:
-- The arm goes to no command before one has come that is close to where it stands.
-- When commands cease, the arm stands at the last one; its stream ends, unless it is to be held.
-- What a stop ended is not taken up again by the commands that go on coming: not before they have
-  ceased, or the arm was brought up or recovered.
+- The arm does not move before a command arrives that is close to its position.
+- When commands cease, the arm stands at the last one; the stream ends, unless it must be held.
+- After a stop, further commands are ignored. They are followed again only after they have ceased,
+  or after the arm was brought up or recovered.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 __all__ = ["JointCommands", "check_command"]
 
 _log = logging.getLogger(__name__)
-_LOOK = 0.1  # seconds between two looks at the arm, or at whether commands have ceased
-_SAY_AGAIN = 2.0  # seconds before the same is logged again
+_LOOK = 0.1  # seconds between two polls of the arm, and between two checks whether commands ceased
+_SAY_AGAIN = 2.0  # seconds before the same message is logged again
 
 
 def check_command(
@@ -38,12 +38,13 @@ def check_command(
     """A command in the arm's order of joints.
 
     Args:
-        names: of the joints; others than this arm's are left out.
-        positions: theirs [rad].
+        names: names of the joints; those of other arms are ignored.
+        positions: positions of these joints [rad].
         profile: names and limits of the arm.
 
     Raises:
-        GoalRefused: a joint is missing or named twice, or a position is none, or beyond a limit.
+        GoalRefused: a joint is missing or named twice, or a position is not finite or not within
+            the limits.
     """
     if len(names) != len(positions):
         raise GoalRefused(
@@ -66,17 +67,17 @@ def check_command(
 
 
 class JointCommands:
-    """Joint positions for one arm, followed by a servo stream that is open while they come.
+    """Joint positions for one arm, followed by a servo stream that is open while they arrive.
 
     Args:
         robot: the robot, open.
-        profile: names and limits of its arm.
-        busy: whether something else has the arm, such as a trajectory goal.
-        rate: commands a second [Hz]: what comes between two is interpolated.
-        timeout: how long commands may be missing before the stream ends [s].
+        profile: names and limits of the arm.
+        busy: returns whether something else uses the arm, such as a trajectory goal.
+        rate: commands per second [Hz]; set-points between them are interpolated.
+        timeout: time without commands after which the stream ends [s].
         hold: whether the stream is open all the time, also without commands.
-        reach: how far a joint may be from the first command [rad].
-        options: how the stream runs; None: in a process of its own.
+        reach: largest distance of a joint from the first command [rad].
+        options: options of the stream; None: in a separate process.
 
     Attributes:
         following: whether the stream is open.
@@ -110,11 +111,11 @@ class JointCommands:
         self._said: dict[str, float] = {}
 
     def take(self, names: Sequence[str], positions: Sequence[float]) -> bool:
-        """Take a command; only the newest counts. Gives back whether it may be followed.
+        """Take a command; only the newest counts. Return whether it may be followed.
 
         Args:
-            names: of the joints.
-            positions: theirs [rad].
+            names: names of the joints.
+            positions: positions of these joints [rad].
         """
         try:
             target = check_command(names, positions, self._profile)
@@ -136,7 +137,7 @@ class JointCommands:
         return True
 
     def allow(self) -> None:
-        """Take commands again: the arm was brought up or recovered."""
+        """Accept commands again: the arm was brought up or recovered."""
         self._blocked = False
 
     async def run(self) -> None:
@@ -152,7 +153,7 @@ class JointCommands:
                 self._newest = None
 
     async def _wait(self) -> None:
-        """Wait for a command, or until it is time to look again."""
+        """Wait for a command, or until the next poll is due."""
         if self._newest is None:
             self._changed = anyio.Event()
             with anyio.move_on_after(_LOOK):
@@ -205,10 +206,10 @@ class JointCommands:
                         self._say("step", "joint command left out: %s", error)
                     await self._wait()
         finally:
-            self.following = False  # and the arm is free: the stream is gone
+            self.following = False  # the stream has ended, so that the arm is free
 
     def _say(self, what: str, text: str, *values: object) -> None:
-        """Log something that may happen with every command, now and then."""
+        """Log a message that may occur with every command, at a limited rate."""
         now = anyio.current_time()
         if now - self._said.get(what, -math.inf) > _SAY_AGAIN:
             self._said[what] = now

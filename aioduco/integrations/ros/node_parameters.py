@@ -1,4 +1,4 @@
-"""A driver's settings from parameters, by the names that every shell offers. No I/O."""
+"""A driver's settings from parameters, with the same names in every shell. No I/O."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _DEFAULTS = NodeSettings(host="-")
 
 
 def parameter_defaults() -> dict[str, Any]:
-    """All parameters by name, with their defaults; `robot_ip`, the same as `host`, is not in."""
+    """All parameters by name, with their defaults, without `robot_ip`, an alias of `host`."""
     found: dict[str, Any] = {
         each.name: getattr(_DEFAULTS, each.name) for each in fields(NodeSettings)
     }
@@ -30,12 +30,12 @@ def settings_of(parameters: dict[str, Any]) -> NodeSettings:
     """The driver's settings from its parameters.
 
     Args:
-        parameters: by name. `robot_ip`, the manual's name of the launch argument, is `host`;
-            tolerances of goals are `path_tolerance`, `goal_tolerance`, `goal_time_tolerance`,
-            `start_tolerance` and `stamp_tolerance`.
+        parameters: values by name. `robot_ip`, the manual's name of the launch argument, is an
+            alias of `host`. Tolerances of goals are `path_tolerance`, `goal_tolerance`,
+            `goal_time_tolerance`, `start_tolerance` and `stamp_tolerance`.
 
     Raises:
-        ParameterError: one is missing, unknown, of a wrong kind or out of range.
+        ParameterError: a parameter is missing, unknown, of a wrong type or out of range.
     """
     given = dict(parameters)
     if "robot_ip" in given:
@@ -53,7 +53,7 @@ def settings_of(parameters: dict[str, Any]) -> NodeSettings:
 
 
 def _as(name: str, value: Any, default: Any) -> Any:
-    """A parameter in the kind of its default."""
+    """A parameter in the type of its default."""
     if isinstance(default, tuple) and isinstance(value, (list, tuple)):
         return tuple(str(each) for each in value)
     if isinstance(default, float) and type(value) in (int, float):

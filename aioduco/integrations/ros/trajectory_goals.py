@@ -1,4 +1,4 @@
-"""Goals of FollowJointTrajectory: what is carried out, and what is refused with which code."""
+"""Goals of FollowJointTrajectory: which are carried out, and which are refused with what code."""
 
 from __future__ import annotations
 
@@ -39,15 +39,15 @@ __all__ = [
     "code_of",
 ]
 
-#: places in each piece of a curve at which its speed and its reach are looked at
+#: number of places in each piece of a curve at which its speed and position are checked
 _LOOKS = 16
-#: of a number that is compared with a limit that it may have been computed from
+#: tolerance of comparisons with a limit from which the number may have been computed
 _ROUNDING = 1e-3
-#: the largest speed that streams take [rad/s], manual section 1.3.5
+#: the largest speed that streams allow [rad/s], manual section 1.3.5
 _FASTEST = 1.25 * math.pi
-#: farther than any joint can be from any place [rad]: a tolerance that was erased
+#: larger than any possible distance of a joint [rad]: stands for no tolerance
 _ANYWHERE = 8.0 * math.pi
-#: shortest time between two points [s]: what a message's nanoseconds round to is no way
+#: shortest time between two points [s]: less is a rounding error of a message's nanoseconds
 _CLOSEST = 1e-6
 #: speed at the end of a trajectory that counts as rest [rad/s]
 _REST = 0.01
@@ -80,11 +80,11 @@ class GoalPoint(NamedTuple):
     """A point of a trajectory, its numbers in the order of the goal's joints.
 
     Attributes:
-        positions: [rad].
-        velocities: [rad/s], or empty.
-        accelerations: [rad/s²], or empty.
-        effort: or empty; only its length is looked at.
-        time: from the trajectory's start [s].
+        positions: joint angles [rad].
+        velocities: joint speeds [rad/s]; may be empty.
+        accelerations: joint accelerations [rad/s²]; may be empty.
+        effort: may be empty; only its length is checked.
+        time: time since the start of the trajectory [s].
     """
 
     positions: Sequence[float]
@@ -95,13 +95,13 @@ class GoalPoint(NamedTuple):
 
 
 class NamedTolerance(NamedTuple):
-    """How far one joint may be off; 0 for the default, below 0 for any distance.
+    """Largest deviation of one joint; 0 for the default, below 0 for any distance.
 
     Attributes:
-        name: of the joint.
-        position: [rad].
-        velocity: [rad/s]; not looked at, so that one above 0 is refused.
-        acceleration: [rad/s²]; the same.
+        name: name of the joint.
+        position: tolerance of the position [rad].
+        velocity: tolerance of the speed [rad/s]; not supported: a value above 0 is refused.
+        acceleration: tolerance of the acceleration [rad/s²]; not supported either.
     """
 
     name: str
@@ -112,15 +112,15 @@ class NamedTolerance(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryGoal:
-    """A goal of FollowJointTrajectory, as it came.
+    """A goal of FollowJointTrajectory, as received.
 
     Attributes:
-        joint_names: which joints, in the order of the points' numbers.
-        points: the trajectory.
-        stamp: when it is to begin, on the middleware's clock [s]; 0: now.
-        path_tolerance: on the way.
-        goal_tolerance: at the end.
-        goal_time_tolerance: how long after the end that may take [s]; 0: the default.
+        joint_names: names of the joints, in the order of the points' numbers.
+        points: points of the trajectory.
+        stamp: start time, on the middleware's clock [s]; 0: now.
+        path_tolerance: tolerances on the way.
+        goal_tolerance: tolerances at the end.
+        goal_time_tolerance: time after the end for reaching the goal [s]; 0: the default.
     """
 
     joint_names: Sequence[str]
@@ -133,14 +133,14 @@ class TrajectoryGoal:
 
 @dataclass(frozen=True, slots=True)
 class ArmProfile:
-    """The arm of a node: its names and its limits.
+    """Names and limits of a node's arm.
 
     Attributes:
-        joint_names: from the base to the flange, six.
+        joint_names: names from the base to the flange, six.
         lower: lower joint limits [rad], six.
         upper: upper joint limits [rad], six.
         velocity: largest joint speeds [rad/s], six.
-        acceleration: with which the arm follows and comes to rest [rad/s²].
+        acceleration: acceleration with which the arm follows and comes to rest [rad/s²].
     """
 
     joint_names: tuple[str, ...]
@@ -159,13 +159,13 @@ class ArmProfile:
         velocity: float | None = None,
         acceleration: float = 10.0,
     ) -> ArmProfile:
-        """The profile of a model of arm.
+        """Make the profile of an arm's model.
 
         Args:
-            model: its name, such as "gcr5_910".
-            prefix: before each name of a joint.
-            joint_names: other names than joint_1 to joint_6.
-            velocity: largest speed of each joint [rad/s]; None: the model's.
+            model: name of the model, such as "gcr5_910".
+            prefix: prefix of each joint name.
+            joint_names: names of the joints; empty for joint_1 to joint_6.
+            velocity: largest speed of each joint [rad/s]; None: the model's limits.
             acceleration: as in the class.
 
         Raises:
@@ -191,17 +191,17 @@ class ArmProfile:
 
 @dataclass(frozen=True, slots=True)
 class GoalRules:
-    """What a goal must keep to, besides the arm's limits.
+    """Rules for a goal, besides the arm's limits.
 
     Attributes:
         path: default tolerance on the way [rad]; 0: none.
         goal: default tolerance at the end [rad].
-        goal_time: default time for that after the end [s].
-        start: how far a joint may be from a first point that is due at once [rad].
-        late: how old a stamp may be [s].
-        ahead: how far in the future a stamp may be [s].
-        longest: longest trajectory [s].
-        most_points: most points of one.
+        goal_time: default time after the end for reaching the goal [s].
+        start: largest distance of a joint from a first point that is due at once [rad].
+        late: largest age of a stamp [s].
+        ahead: largest time of a stamp in the future [s].
+        longest: longest duration of a trajectory [s].
+        most_points: largest number of points of a trajectory.
     """
 
     path: float = 0.1
@@ -216,12 +216,12 @@ class GoalRules:
 
 @dataclass(frozen=True, slots=True)
 class CheckedGoal:
-    """A goal that may be carried out, if the arm stands where it begins.
+    """A goal that may be carried out, if the arm stands at its start.
 
     Attributes:
-        trajectory: in the arm's order of joints.
-        tolerances: with the defaults filled in.
-        begin: when it begins, on the middleware's clock [s]; 0: at once.
+        trajectory: trajectory in the arm's order of joints.
+        tolerances: tolerances, with the defaults filled in.
+        begin: start time, on the middleware's clock [s]; 0: at once.
     """
 
     trajectory: JointTrajectory
@@ -232,16 +232,16 @@ class CheckedGoal:
 def check_goal(
     goal: TrajectoryGoal, profile: ArmProfile, rules: GoalRules, now: float
 ) -> CheckedGoal:
-    """Check all of a goal that can be told without the arm.
+    """Check everything in a goal that can be checked without the arm.
 
     Args:
-        goal: as it came.
-        profile: the arm.
-        rules: what it must keep to.
+        goal: the goal, as received.
+        profile: names and limits of the arm.
+        rules: rules for goals.
         now: the time on the middleware's clock [s].
 
     Raises:
-        GoalRefused: it is not carried out; says why.
+        GoalRefused: the goal is refused; the message says why.
     """
     order = _order(goal.joint_names, profile.joint_names)
     _check_points(goal.points, len(profile.joint_names), rules)
@@ -278,16 +278,16 @@ def check_goal(
 def check_start(
     checked: CheckedGoal, actual: Sequence[float], profile: ArmProfile, rules: GoalRules
 ) -> None:
-    """See that the trajectory begins where the arm is, or leads there slowly enough.
+    """Check that the trajectory begins at the arm's position, or leads from there slowly enough.
 
     Args:
         checked: the goal.
-        actual: where the arm is [rad]. Shape (6,).
-        profile: the arm.
-        rules: what goals must keep to.
+        actual: position of the arm [rad]. Shape (6,).
+        profile: names and limits of the arm.
+        rules: rules for goals.
 
     Raises:
-        GoalRefused: it does not.
+        GoalRefused: the trajectory begins elsewhere, or is too fast.
     """
     trajectory = checked.trajectory
     here = np.asarray(actual, dtype=np.float64)
@@ -305,9 +305,9 @@ def check_start(
 
 
 def code_of(error: Exception) -> ErrorCode:
-    """The code of a result, by the error that ended a goal.
+    """The code of a result, for the error that ended a goal.
 
-    An arm that something else brought to rest on its way, such as a stop, is off its path.
+    If something else stopped the arm on its way, the path tolerance counts as violated.
     """
     if isinstance(error, GoalRefused):
         return error.code
@@ -321,7 +321,7 @@ def code_of(error: Exception) -> ErrorCode:
 
 
 def _order(names: Sequence[str], wanted: tuple[str, ...]) -> list[int]:
-    """Where in the goal's numbers each joint of the arm is."""
+    """Index of each joint of the arm in the goal's numbers."""
     for name in names:
         if name not in wanted:
             raise GoalRefused(
@@ -365,7 +365,7 @@ def _check_points(points: Sequence[GoalPoint], count: int, rules: GoalRules) -> 
             )
         if not math.isfinite(point.time) or point.time < 0.0:
             raise GoalRefused(ErrorCode.INVALID_GOAL, f"the time of {where} is below 0")
-        # A first point is either due at once, or led to from where the arm is.
+        # A first point is due at once, or the trajectory leads to it from the arm's position.
         if point.time < before + _CLOSEST and not (number == 0 and point.time == 0.0):
             raise GoalRefused(ErrorCode.INVALID_GOAL, f"the time of {where} does not rise")
         before = point.time
@@ -434,7 +434,7 @@ def _check_positions(positions: NDArray[np.float64], profile: ArmProfile) -> Non
 def _check_curve(
     trajectory: JointTrajectory, actual: NDArray[np.float64], profile: ArmProfile
 ) -> None:
-    """See that the curve through the points is not too fast, and leaves no limit between them."""
+    """Check that the curve through the points keeps the limits of speed and position."""
     shares = np.linspace(0.0, 1.0, _LOOKS, endpoint=False)
     with np.errstate(all="ignore"):
         curve = trajectory.curve(actual.tolist())

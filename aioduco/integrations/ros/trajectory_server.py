@@ -1,10 +1,10 @@
-"""Carries goals of FollowJointTrajectory out, one at a time, for any middleware.
+"""Carry out goals of FollowJointTrajectory, one at a time, for any middleware.
 
 Guarantees:
-- A goal that is refused moves nothing, and does not disturb the one that runs.
-- A goal that is cancelled, superseded by a newer one, or left by its client ends with the arm at
-  rest, and only then is its result given.
-- Whatever a goal does, the server goes on: each goal gets exactly one result.
+- A refused goal moves nothing, and does not disturb the running goal.
+- A goal that is cancelled, superseded by a newer one, or whose client has gone, ends with the arm
+  at rest. Its result is sent only after that.
+- No goal can end the server: each goal gets exactly one result.
 """
 
 from __future__ import annotations
@@ -47,12 +47,12 @@ Through: TypeAlias = Literal["auto", "realtime", "servoj"]
 """How set-points reach the controller."""
 
 _log = logging.getLogger(__name__)
-_LOOK_AT_CLIENT = 0.02  # seconds between two looks at whether a goal's client is there
-_MOST_FEEDBACK = 50.0  # a second: as often as the arm is compared with its path [Hz]
+_LOOK_AT_CLIENT = 0.02  # seconds between two checks whether a goal's client is present
+_MOST_FEEDBACK = 50.0  # largest rate: as often as the arm is compared with its path [Hz]
 
 
 class PathFeedback(Protocol):
-    """Where the arm is on its way, as `robot.motion.follow_joint_trajectory` tells it."""
+    """Place of the arm on its way, as `robot.motion.follow_joint_trajectory` reports it."""
 
     @property
     def time(self) -> float:
@@ -61,12 +61,12 @@ class PathFeedback(Protocol):
 
     @property
     def desired(self) -> NDArray[np.float64]:
-        """The place of the path that is closest [rad]. Shape (6,)."""
+        """The closest place of the path [rad]. Shape (6,)."""
         ...
 
     @property
     def actual(self) -> NDArray[np.float64]:
-        """Where the arm is [rad]. Shape (6,)."""
+        """Position of the arm [rad]. Shape (6,)."""
         ...
 
     @property
@@ -76,15 +76,15 @@ class PathFeedback(Protocol):
 
 
 class GoalHandle(Protocol):
-    """A goal of a client, and what the client is told. All of it is called on the event loop."""
+    """A goal of a client, and the messages to it. All methods are called on the event loop."""
 
     @property
     def goal(self) -> TrajectoryGoal:
-        """What is asked for."""
+        """The requested goal."""
         ...
 
     def alive(self) -> bool:
-        """Whether its client is there."""
+        """Whether its client is present."""
         ...
 
     def accepted(self) -> None:
@@ -97,13 +97,13 @@ class GoalHandle(Protocol):
         """The arm is at its goal."""
 
     def cancelled(self, text: str) -> None:
-        """It was given up as asked; the arm stands, or never moved."""
+        """It was cancelled; the arm stands, or never moved."""
 
     def rejected(self, code: ErrorCode, text: str) -> None:
-        """It was never begun."""
+        """It was not started."""
 
     def aborted(self, code: ErrorCode, text: str) -> None:
-        """It was begun and not finished."""
+        """It was started and not finished."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,15 +117,15 @@ class TrajectoryServer:
 
     Args:
         robot: the robot, open.
-        profile: names and limits of its arm.
-        rules: what goals must keep to.
+        profile: names and limits of the arm.
+        rules: rules for goals.
         wall: the middleware's clock [s].
-        feedback_rate: feedback a second while a goal runs, up to 50 [Hz].
-        through: how set-points reach the controller: "realtime", "servoj", or "auto" for the
-            first if the controller has it.
-        options: how streams run; None: in a process of their own.
-        stop_at_loss: whether a goal that its client or the middleware left is ended by a stop, at
-            once; else the arm comes to rest on its path, which takes a tenth of a second longer.
+        feedback_rate: feedback messages per second of a running goal, up to 50 [Hz].
+        through: how set-points reach the controller: "realtime", "servoj", or "auto" for
+            "realtime" if the controller has it.
+        options: options of streams; None: in a separate process.
+        stop_at_loss: whether a stop ends a goal at once when its client or middleware has gone;
+            otherwise the arm comes to rest on its path, which takes a tenth of a second longer.
     """
 
     def __init__(
@@ -155,11 +155,11 @@ class TrajectoryServer:
 
     @property
     def busy(self) -> bool:
-        """Whether a goal is carried out, or waits."""
+        """Whether a goal is running or waiting."""
         return self._queue.running is not None or self._queue.waiting is not None
 
     def submit(self, handle: GoalHandle) -> None:
-        """Take a goal: refuse it at once, or carry it out as soon as the arm has come to rest."""
+        """Take a goal: refuse it at once, or carry it out as soon as the arm is at rest."""
         try:
             checked = check_goal(handle.goal, self._profile, self._rules, self._wall())
         except GoalRefused as refusal:
@@ -173,7 +173,7 @@ class TrajectoryServer:
         self._changed.set()
 
     def cancel(self, handle: GoalHandle) -> None:
-        """Give a goal up: the arm comes to rest on its way."""
+        """Cancel a goal: the arm comes to rest on its way."""
         waiting, running = self._queue.waiting, self._queue.running
         if waiting is not None and waiting.handle is handle and self._queue.withdraw(waiting):
             handle.cancelled("cancelled before it began")
@@ -181,7 +181,7 @@ class TrajectoryServer:
             self._halt("cancelled as asked")
 
     def cancel_all(self, why: str) -> None:
-        """Give all goals up.
+        """Cancel all goals.
 
         Args:
             why: the reason, for the clients.
@@ -192,7 +192,7 @@ class TrajectoryServer:
         self._halt(why)
 
     async def abandon(self, why: str) -> None:
-        """Give all goals up, since nobody looks after them any more.
+        """Cancel all goals because the middleware has gone; stop the arm if `stop_at_loss`.
 
         Args:
             why: the reason, for the clients.
@@ -203,7 +203,7 @@ class TrajectoryServer:
         self.cancel_all(why)
 
     async def run(self) -> None:
-        """Carry goals out until this is cancelled; the arm then comes to rest."""
+        """Carry out goals until this is cancelled; the arm then comes to rest."""
         try:
             while True:
                 job = self._queue.begin()
@@ -224,7 +224,7 @@ class TrajectoryServer:
             self._scope.cancel()
 
     async def _carry_out(self, job: _Job) -> None:
-        """One goal, from its acceptance to its result."""
+        """Carry out one goal, from its acceptance to its result."""
         handle, begun, finished = job.handle, False, False
         error: Exception | None = None
         self._why = ""
@@ -239,7 +239,7 @@ class TrajectoryServer:
                     error = await self._follow(job)
                     finished = error is None
                     tasks.cancel_scope.cancel()
-            except Exception as exc:  # of whatever kind: the goal has failed, the driver goes on
+            except Exception as exc:  # any kind of error: the goal has failed, the driver continues
                 error = exc
             except anyio.get_cancelled_exc_class():
                 self._why = self._why or "the driver ends"
@@ -251,7 +251,7 @@ class TrajectoryServer:
     def _tell(
         self, handle: GoalHandle, error: Exception | None, *, begun: bool, finished: bool
     ) -> None:
-        """Give the client the one result of its goal."""
+        """Send the client the one result of its goal."""
         if finished:
             handle.succeeded()
         elif error is None:
@@ -265,7 +265,7 @@ class TrajectoryServer:
             handle.rejected(code, str(error) or repr(error))
 
     async def _ready(self, checked: CheckedGoal) -> None:
-        """Wait until it is time for a goal, and see that the arm is ready and at its start."""
+        """Wait for the start time of a goal, and check that the arm is ready and at its start."""
         if checked.begin:
             await anyio.sleep(max(0.0, checked.begin - self._wall()))
         states = await self._robot.state.get_robot_state()
@@ -278,7 +278,7 @@ class TrajectoryServer:
         check_start(checked, actual, self._profile, self._rules)
 
     async def _follow(self, job: _Job) -> Exception | None:
-        """Follow it to its end. Gives back what ended it before, other than a cancellation."""
+        """Follow a goal to its end. Return the error that ended it early, except a cancellation."""
         due = 0.0
         period = self._period
 
@@ -286,7 +286,7 @@ class TrajectoryServer:
             nonlocal due
             now = anyio.current_time()
             if now >= due:
-                # On the schedule of the first one, without making up for what was missed.
+                # Keep the schedule of the first feedback; missed ones are skipped.
                 due = max(due + period, now - period) if due else now + period
                 job.handle.feedback(found)
 
@@ -306,7 +306,7 @@ class TrajectoryServer:
         return None
 
     async def _watch_client(self, handle: GoalHandle) -> None:
-        """End a goal whose client is gone: nobody would cancel it."""
+        """End a goal whose client has gone: no client could cancel it."""
         start, number = anyio.current_time(), 0
         while handle.alive():
             number += 1

@@ -1,11 +1,11 @@
-"""Kinds of rules: each checks one argument and turns it into what goes on the wire.
+"""Kinds of rules: each checks one argument and converts it to its value on the wire.
 
-A rule is called with the parameter's name and the value. It returns the wire's value, or raises
-`ParameterError` with the allowed range and its unit. The common case (a float, a list or a tuple
-of floats, an array) takes a short path; whatever else is given goes the long way round.
+A rule is called with the parameter's name and the value. It returns the value on the wire, or
+raises `ParameterError` with the allowed range and its unit. The common case (a float, a list or a
+tuple of floats, an array) takes a fast path; all other values take a slower one.
 
-Limits are part of a rule's face (`low`, `high`, `unit`, `length`, …), so that documents and tests
-can read them. A bound that the manual prints as infinite is the largest finite float: NaN and
+Limits are public attributes of a rule (`low`, `high`, `unit`, `length`, …), so that documents and
+tests can read them. A bound that the manual prints as infinite is the largest finite float: NaN and
 infinities never pass.
 """
 

@@ -1,4 +1,4 @@
-"""Rules of lists: vectors, poses, points, flags, bytes."""
+"""Rules for lists: vectors, poses, points, flags, bytes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ BytesLike: TypeAlias = bytes | bytearray | memoryview | Sequence[Whole] | NDArra
 
 
 def ordered(name: str, value: object, expected: str) -> Sequence[Any]:
-    """The elements of whatever ordered thing was given; a mapping, a set, a text is none."""
+    """Return the elements of an ordered collection; mappings, sets and texts are refused."""
     if isinstance(value, np.ndarray):
         if value.ndim == 1:
             return list(value.tolist())
@@ -33,11 +33,11 @@ def ordered(name: str, value: object, expected: str) -> Sequence[Any]:
 
 
 class Vector(Rule):
-    """A list of numbers, each with bounds of its own.
+    """A list of numbers, each with its own bounds.
 
     Attributes:
-        element: the rules of the elements, in order; one rule for all if the length is free.
-        length: the number of elements, None if it is free.
+        element: the rules of the elements, in order; one rule for all if any length is allowed.
+        length: the number of elements; None if any is allowed.
         low: the smallest value of each element.
         high: the largest value of each element.
         unit: the unit, or the units of the parts in their order.
@@ -45,7 +45,7 @@ class Vector(Rule):
 
     __slots__ = ("_highs", "_lows", "element", "high", "length", "low", "unit")
 
-    #: what also has as many numbers, but of another meaning
+    #: class with the same number of elements, but another meaning
     _other: type[Pose | Joints] | tuple[()] = ()
 
     def __init__(self, *element: Number, length: int | None = None, source: str = "") -> None:
@@ -85,7 +85,7 @@ class Vector(Rule):
 
 
 class PoseRule(Vector):
-    """A pose: x, y, z in m, then rx, ry, rz in rad; a `Joints` is none, though it has six."""
+    """A pose: x, y, z in m, then rx, ry, rz in rad; a `Joints` is refused, although it has six."""
 
     __slots__ = ()
     _other = Joints
@@ -98,7 +98,7 @@ class PoseRule(Vector):
 
 
 class JointsRule(Vector):
-    """Six joint positions in rad; a `Pose` is none, though it has six numbers."""
+    """Six joint positions in rad; a `Pose` is refused, although it has six numbers."""
 
     __slots__ = ()
     _other = Pose
@@ -109,11 +109,11 @@ class JointsRule(Vector):
 
 
 class OrCurrent(Rule):
-    """A vector, or None or an empty list for what the controller has at present.
+    """A vector; None or an empty list means the controller's present value.
 
     Attributes:
-        rule: the rule of a vector that is given.
-        length: the number of elements of a vector that is given.
+        rule: the rule for a vector.
+        length: the number of elements of a vector.
     """
 
     __slots__ = ("rule",)
@@ -125,7 +125,7 @@ class OrCurrent(Rule):
 
     @property
     def length(self) -> int | None:
-        """The number of elements of a vector that is given."""
+        """The number of elements of a vector."""
         return self.rule.length
 
     def __call__(self, name: str, value: VectorLike | None) -> list[float]:
@@ -142,8 +142,8 @@ class Points(Rule):
 
     Attributes:
         element: the rule of each vector.
-        low: the fewest vectors.
-        high: the most vectors.
+        low: the minimum number of vectors.
+        high: the maximum number of vectors.
     """
 
     __slots__ = ("element", "high", "low")
@@ -166,7 +166,7 @@ class Points(Rule):
     def listed(
         self, name: str, value: Iterable[VectorLike] | NDArray[np.floating[Any]]
     ) -> list[Any]:
-        """Check the number of points, and return them as they were given."""
+        """Check the number of points, and return them unchanged."""
         points: list[Any]
         if isinstance(value, (str, bytes, bytearray, Mapping, Set)):
             raise ParameterError(name, value, self.expected)
@@ -184,7 +184,7 @@ class Integers(Rule):
 
     Attributes:
         element: the rule of each element.
-        length: the number of elements, None if it is free.
+        length: the number of elements; None if any is allowed.
     """
 
     __slots__ = ("element", "length")
@@ -231,16 +231,16 @@ class Flags(Rule):
 
 
 class Signed(Rule):
-    """Whole numbers of a few bits, sent as the signed numbers that have the same bits.
+    """Bytes or words, sent as the signed numbers that have the same bits.
 
-    255 and -1 are the same byte: the manual's types have a sign, its examples and most devices'
-    pages have none.
+    255 and -1 are the same byte: the manual's types are signed, but its examples and the documents
+    of most devices use unsigned numbers.
 
     Attributes:
-        bits: how many bits each has.
-        low: the smallest value of each, as a number with a sign.
-        high: the largest value of each, as a number without one.
-        min_length: the fewest elements.
+        bits: number of bits of each element.
+        low: the smallest value of each element, as a signed number.
+        high: the largest value of each element, as an unsigned number.
+        min_length: the minimum number of elements.
     """
 
     __slots__ = ("_bytes", "_element", "bits", "high", "low", "min_length")

@@ -1,4 +1,4 @@
-"""Rules of single values: numbers, choices, flags, texts, times."""
+"""Rules for single values: numbers, choices, flags, texts, times."""
 
 from __future__ import annotations
 
@@ -17,33 +17,33 @@ Real: TypeAlias = float | np.floating[Any] | np.integer[Any]
 Whole: TypeAlias = int | np.integer[Any]
 
 _MAX = sys.float_info.max
-#: from base to flange, the longest of these arms stretched out: gcr10_2000 and gcr16_2000 [m]
+#: distance from base to flange of the longest arms, gcr10_2000 and gcr16_2000, stretched out [m]
 LONGEST_ARM = 2.51
-#: no pose of these arms lies farther from the origin of its frame [m]: eight of the longest arm,
-#: since a work object may lie beside the arm, and the arm ride on an axis
+#: maximum distance of a pose from the origin of its frame [m]: eight times the longest arm, since
+#: a work object may be beside the arm, and the arm may be on an external axis
 FARTHEST = 20.0
-#: how far rounding may carry a value over a bound, relative to the bound; it is put back onto it
+#: by how much rounding may make a value exceed a bound, relative to the bound; it is then clipped
 _SLACK = 1e-9
 
 
 def shown(value: float) -> str:
-    """A bound as it reads in a message."""
+    """Format a bound for a message."""
     return str(int(value)) if value == int(value) else f"{value:.4g}"
 
 
 def _plain(value: object) -> object:
-    """A numpy scalar or array without dimensions as Python's own scalar."""
+    """Convert a numpy scalar, or an array without dimensions, to a Python scalar."""
     if isinstance(value, (np.generic, np.ndarray)) and value.ndim == 0:
         return value.item()
     return value
 
 
 class Rule:
-    """What all rules have.
+    """Base class of all rules.
 
     Attributes:
-        source: where the limits come from: the section of manual 3.8, or another document.
-        expected: what is allowed, in words and with the unit, as errors say it.
+        source: source of the limits: the section of manual 3.8, or another document.
+        expected: description of the allowed values, with the unit, for errors.
     """
 
     __slots__ = ("expected", "source")
@@ -61,8 +61,8 @@ class Number(Rule):
     Attributes:
         low: the smallest value, -inf if there is none.
         high: the largest value, inf if there is none.
-        open_low: whether `low` itself is out.
-        plausible: the largest amount that one of these arms could mean, inf if that is unknown.
+        open_low: whether `low` itself is excluded.
+        plausible: the largest magnitude that is plausible for these arms, inf if it is unknown.
         unit: unit of the value, "" if it has none.
     """
 
@@ -159,7 +159,7 @@ class Choice(Rule):
     """One of a few whole numbers; a member of an IntEnum counts as its number.
 
     Attributes:
-        choices: what each number means.
+        choices: meaning of each number.
     """
 
     __slots__ = ("choices",)
@@ -178,7 +178,7 @@ class Choice(Rule):
 
 
 class Flag(Rule):
-    """True or False; numbers are refused, so that swapped arguments are found."""
+    """True or False; numbers are refused, so that swapped arguments are detected."""
 
     __slots__ = ()
 
@@ -197,11 +197,11 @@ class Flag(Rule):
 
 
 class Text(Rule):
-    """A string, limited in bytes of UTF-8.
+    """A string with a limited number of bytes in UTF-8.
 
     Attributes:
-        min_bytes: the fewest bytes.
-        max_bytes: the most bytes, None if there is no limit.
+        min_bytes: the minimum number of bytes.
+        max_bytes: the maximum number of bytes, None if there is no limit.
     """
 
     __slots__ = ("max_bytes", "min_bytes")
@@ -221,7 +221,7 @@ class Text(Rule):
             raise ParameterError(name, value, self.expected)
         try:
             size = len(value.encode())
-        except UnicodeEncodeError as exc:  # a lone surrogate has no bytes on the wire
+        except UnicodeEncodeError as exc:  # a lone surrogate cannot be encoded
             raise ParameterError(name, value, self.expected) from exc
         if size < self.min_bytes or (self.max_bytes is not None and size > self.max_bytes):
             raise ParameterError(name, value, self.expected)
@@ -253,7 +253,7 @@ class Duration(Rule):
 
 
 class OrForever(Rule):
-    """A time in seconds, or None for no end, which is -1 on the wire.
+    """A time in seconds, or None for no limit, which is -1 on the wire.
 
     Attributes:
         rule: the rule of a time that is not None.

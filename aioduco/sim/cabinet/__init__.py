@@ -1,6 +1,6 @@
-"""What the controller keeps besides the arm: signals, values, ports, tools, files, external axes.
+"""State of the controller besides the arm: signals, values, ports, tools, files, external axes.
 
-Nothing here moves. May import `planner` (what external axes do during a motion) and `refusal`.
+Nothing here moves. The modules may import `planner` (for moves of external axes) and `refusal`.
 """
 
 from __future__ import annotations
@@ -46,22 +46,23 @@ class Cabinet:
     Attributes:
         values: system values.
         serial: the cabinet's RS-485 port.
-        tool_serial: the tool's.
+        tool_serial: the tool's RS-485 port.
         can: the CAN bus.
         modbus: signals and slaves of the controller's Modbus.
-        project: its files.
-        teach_speed: [%].
-        pendant_enabled: whether the pendant's keys are.
-        empty_statuses: how many of the next getRobotStatus have empty lists, as has been seen of a
-            controller just after connecting.
-        mode_switch: whether a switch at the cabinet decides the mode, and programs do not.
-        encoder_count: of the external encoder.
+        project: its files, programs and tracks.
+        teach_speed: speed of jogs [%].
+        pendant_enabled: whether the pendant's keys are enabled.
+        empty_statuses: how many of the next answers to getRobotStatus have empty lists, as a
+            controller has been seen to send just after connecting.
+        mode_switch: whether a switch at the cabinet, and not a program, decides the mode.
+        encoder_count: count of the external encoder.
         dynamics: parameters of the dynamic calibration, as they were set.
-        hand_teaching: what gives way in hand guiding; None for everything.
+        hand_teaching: which motions hand guiding allows; None for all.
         held: the load of set_load_data.
-        tooled: whether there is a tool, so that none has to be thought of.
-        force_sensor: whether one is set up.
-        lock: held while a bus is used: several programs share it, and peers know no threads.
+        tooled: whether the simulator has a model of a tool; without one, the payload of the tool in
+            use is mounted instead.
+        force_sensor: whether a force sensor is set up.
+        lock: held while a bus is used: several programs share it, and peers are not thread-safe.
     """
 
     values: SystemValues = field(default_factory=SystemValues)

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Axis", "Scheme", "SimulatedExternalAxes"]
 
-#: axes of a scheme: positions on the wire have three numbers
+#: most axes of a scheme: positions on the wire have three numbers
 _MOST = 3
-#: numbers of axes and schemes are below it
+#: numbers of axes and schemes are below this one
 CAPACITY = 32
 
 
@@ -30,12 +30,12 @@ class Axis(NamedTuple):
     """An external axis, in radians if it turns, in metres if it slides.
 
     Attributes:
-        lower: end of its way.
-        upper: other end of its way.
+        lower: lower end of its range.
+        upper: upper end of its range.
         velocity: highest speed [1/s].
-        acceleration: with which it is planned [1/s²].
-        braking: highest that its drive can do, for a stop [1/s²]; the same if 0.
-        jog: speed of a jog at 100 % [1/s]; the highest if 0.
+        acceleration: acceleration of planned moves [1/s²].
+        braking: highest deceleration of its drive, for a stop [1/s²]; 0 for `acceleration`.
+        jog: speed of a jog at 100 % [1/s]; 0 for the highest speed.
     """
 
     lower: float
@@ -51,7 +51,7 @@ class Scheme:
     """Up to three axes that are moved together.
 
     Attributes:
-        name: by which motions call it.
+        name: name that motions use for it.
         axes: numbers of its axes.
         active: whether it has been enabled.
     """
@@ -65,20 +65,20 @@ class SimulatedExternalAxes:
     """The external axes of a controller.
 
     Args:
-        schemes: by name, what has been set up at the pendant: the axes of each scheme.
+        schemes: the schemes that were set up at the pendant: the axes of each, by its name.
 
     Attributes:
-        positions: where each axis is by its number [rad or m]; those of `schemes` are numbered
-            from 0, in their order.
+        positions: position of each axis, by its number [rad or m]; the axes of `schemes` are
+            numbered from 0, in their order.
 
     Raises:
-        ValueError: the schemes make no sense.
+        ValueError: the schemes are not valid.
     """
 
     def __init__(self, schemes: Mapping[str, Sequence[Sequence[float]]] | None = None) -> None:
         self.positions: dict[int, float] = {}
         self._axes: dict[int, Axis] = {}
-        self._schemes: dict[int, Scheme] = {}  # replaced, not changed: it is read without a lock
+        self._schemes: dict[int, Scheme] = {}  # replaced, not changed: read without a lock
         try:
             for name, axes in (schemes or {}).items():
                 self._define(name, [Axis(*axis) for axis in axes])
@@ -93,16 +93,19 @@ class SimulatedExternalAxes:
         self._link(scheme, numbers)
 
     def states(self) -> list[tuple[str, bool, float]]:
-        """Name of each scheme, whether it is active, and where its first axis is."""
+        """Name of each scheme, whether it is active, and the position of its first axis."""
         return [
             (scheme.name, scheme.active, self.positions[scheme.axes[0]] if scheme.axes else 0.0)
             for scheme in self._schemes.values()
         ]
 
-    # -- what is set up ------------------------------------------------------------------------
+    # -- set-up --------------------------------------------------------------------------------
 
     def set_axis(self, number: int, axis: Axis) -> None:
-        """Set an axis up, where it is or, if it is new, at zero or its end next to zero."""
+        """Set up an axis.
+
+        A known axis keeps its position; a new one starts at the position nearest to zero.
+        """
         _check_number(number)
         if not (axis.lower < axis.upper and axis.velocity > 0.0 and axis.acceleration > 0.0):
             raise _mismatch("an axis has a way, a highest speed and an acceleration")
@@ -124,7 +127,7 @@ class SimulatedExternalAxes:
         self._schemes = {n: scheme for n, scheme in self._schemes.items() if n != deleted}
 
     def link(self, number: int, axes: Sequence[int]) -> None:
-        """Say which axes belong to a scheme."""
+        """Set which axes belong to a scheme."""
         self._link(self._schemes[self._inactive(number)], tuple(axes))
 
     def _link(self, scheme: Scheme, axes: tuple[int, ...]) -> None:
@@ -141,7 +144,7 @@ class SimulatedExternalAxes:
             raise _illegal(f"scheme {number} is active")
         return number
 
-    # -- what is used --------------------------------------------------------------------------
+    # -- use -----------------------------------------------------------------------------------
 
     def enable(self, name: str) -> None:
         """Activate a scheme; its axes must not belong to another one that is active."""
@@ -158,19 +161,19 @@ class SimulatedExternalAxes:
         self._scheme(name).active = False
 
     def check_active(self, name: str) -> None:
-        """See that a scheme may be used."""
+        """Check that a scheme may be used."""
         self._active(name)
 
     def to(self, name: str, target: Sequence[float], speed: float) -> ExternalAxesMove:
         """Make the move of a scheme to positions.
 
         Args:
-            name: of the scheme, which must be active.
-            target: where to; numbers beyond its axes play no part.
-            speed: highest, of each axis.
+            name: name of the scheme, which must be active.
+            target: positions to move to; numbers beyond those of its axes have no effect.
+            speed: highest speed of each axis.
 
         Raises:
-            PlanError: an axis would leave its way.
+            PlanError: an axis would leave its range.
         """
         scheme = self._active(name)
         axes = [self._axes[number] for number in scheme.axes]
@@ -181,12 +184,12 @@ class SimulatedExternalAxes:
         return self._move(scheme.axes, list(target[: len(axes)]), [speed] * len(axes))
 
     def jog(self, name: str, direction: int, share: float) -> ExternalAxesMove:
-        """Make the move of a jog: of the first axis of a scheme, to the end of its way.
+        """Make the move of a jog: of the first axis of a scheme, to the end of its range.
 
         Args:
-            name: of the scheme, which must be active.
+            name: name of the scheme, which must be active.
             direction: 1 or -1.
-            share: of its speed, 0 to 1.
+            share: share of the axis's jog speed, 0 to 1.
         """
         number = self._active(name).axes[0]
         axis = self._axes[number]

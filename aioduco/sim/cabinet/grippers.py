@@ -1,7 +1,7 @@
-"""Grippers' own electronics: Modbus slaves with the makers' registers, or signals.
+"""Electronics of grippers: Modbus slaves with the makers' registers, or digital signals.
 
-What the fingers do is told by `Fingers`, which the physics have. The register maps are written
-here once more, apart from those of the drivers, so that the two cannot share a mistake.
+They drive and read `Fingers`, which the physics implement. The register maps are written here
+independently of those of the drivers, so that both cannot have the same mistake.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ __all__ = ["DhSlave", "Fingers", "RobotiqSlave", "ValveGripper"]
 
 
 class FingerReading(Protocol):
-    """How the fingers are: see `physics.gripper.GripperReading`."""
+    """State of the fingers: see `physics.gripper.GripperReading`."""
 
     @property
     def number(self) -> int:
-        """Of the order that is carried out."""
+        """Number of the order that is being carried out."""
         ...
 
     @property
     def opening(self) -> float:
-        """Between the fingers [m]."""
+        """Distance between the fingers [m]."""
         ...
 
     @property
@@ -39,30 +39,30 @@ class FingerReading(Protocol):
 
     @property
     def caught(self) -> int:
-        """1 if something stopped them closing, -1 opening."""
+        """1 if something stopped the fingers while they closed, -1 while they opened."""
         ...
 
     @property
     def lost(self) -> bool:
-        """Whether what was caught is gone."""
+        """Whether the fingers have lost what they had caught."""
         ...
 
 
 class Fingers(Protocol):
-    """The fingers, as their electronics know them; from any thread."""
+    """The fingers as their electronics drive them; usable from any thread."""
 
     @property
     def gripper(self) -> GripperModel:
-        """Which gripper it is."""
+        """Model of the gripper."""
         ...
 
     @property
     def reading(self) -> FingerReading:
-        """How they are."""
+        """State of the fingers."""
         ...
 
     def command(self, targets: Iterable[float], speed: float, force: float) -> int:
-        """Go to openings [m], one after another; none to stand. The number of the order."""
+        """Order openings [m], one after another; none to stop. Return the number of the order."""
         ...
 
 
@@ -70,29 +70,29 @@ class RobotiqSlave(RtuSlave):
     """The registers of a Robotiq gripper (2F-85 and 2F-140 instruction manual, section 4).
 
     Args:
-        fingers: what it drives.
-        unit: its number.
+        fingers: the fingers that it drives.
+        unit: its unit number.
     """
 
-    #: counts when open and when closed, by a support article of the maker
+    #: position counts when open and when closed, from a support article of the maker
     OPEN, CLOSED = 3, 230
 
     def __init__(self, fingers: Fingers, unit: int = 9) -> None:
         super().__init__(unit, registers=dict.fromkeys((*range(1000, 1003), *range(2000, 2003)), 0))
-        self.input_registers: dict[int, int] = self.registers  # it answers both functions alike
+        self.input_registers: dict[int, int] = self.registers  # both functions read these
         self._fingers = fingers
         self._order = self._activation = 0
         self._fault = 0
 
     def receive(self, data: bytes) -> bytes | None:
-        """Answer a frame, with the status of now."""
+        """Answer a frame, with the present status."""
         self._refresh()
         return super().receive(data)
 
     def write_registers(self, address: int, values: list[int]) -> None:
-        """Take a command."""
+        """Write registers and carry out the command."""
         if address < 1000 or address + len(values) > 1003:
-            raise KeyError(address)  # the status is only read
+            raise KeyError(address)  # the status is read-only
         before = [self.registers[1000 + i] for i in range(3)]
         super().write_registers(address, values)
         after = [self.registers[1000 + i] for i in range(3)]
@@ -155,8 +155,8 @@ class DhSlave(RtuSlave):
     """The basic control registers of a DH gripper (AG-95 and PGE short manuals, section 2.3).
 
     Args:
-        fingers: what it drives.
-        unit: its number.
+        fingers: the fingers that it drives.
+        unit: its unit number.
     """
 
     def __init__(self, fingers: Fingers, unit: int = 1) -> None:
@@ -171,15 +171,15 @@ class DhSlave(RtuSlave):
         self._order = self._initialization = 0
 
     def receive(self, data: bytes) -> bytes | None:
-        """Answer a frame, with the state of now."""
+        """Answer a frame, with the present state."""
         self._refresh()
         return super().receive(data)
 
     def write_registers(self, address: int, values: list[int]) -> None:
-        """Take a setting, or a position to go to.
+        """Write a setting, or move to a position.
 
         Raises:
-            KeyError: It cannot be written.
+            KeyError: A register cannot be written.
             ValueError: A value is out of range.
         """
         limits = {0x0100: (1, 0xA5), 0x0101: (20, 100), 0x0103: (0, 1000), 0x0104: (1, 100)}
@@ -229,14 +229,14 @@ class DhSlave(RtuSlave):
 
 
 class ValveGripper:
-    """A gripper or a cup on general signals of the cabinet.
+    """A gripper or a suction cup on general signals of the cabinet.
 
-    Fingers close while output 1 is on. Input 1 says that they hold something, input 2 that they are
-    open, input 3 that they are closed on nothing. A cup sucks while output 1 is on, and blows off
-    with output 2; input 1 is its vacuum.
+    Fingers close while output 1 is on. Input 1 is on if they hold something, input 2 if they are
+    open, input 3 if they are closed on nothing. A cup sucks while output 1 is on, and blows off
+    while output 2 is on; input 1 is its vacuum.
 
     Args:
-        fingers: what it drives.
+        fingers: the fingers that it drives.
     """
 
     CLOSE, BLOW_OFF = 1, 2
@@ -248,12 +248,12 @@ class ValveGripper:
         self._order = 0
 
     def tick(self, time: float, signals: Signals) -> None:
-        """One cycle of the controller, at a time [s]."""
+        """Run one cycle of the controller, at a time [s]."""
         model = self._fingers.gripper
         closing = signals.standard_out.level(self.CLOSE, time)
         blowing = not model.stroke and signals.standard_out.level(self.BLOW_OFF, time)
         if (closing, blowing) != self._given:
-            # As it comes on it is open: nothing has to be told.
+            # The gripper starts open: that needs no order.
             if self._given is not None or closing or blowing:
                 goal = 0.0 if closing else (model.stroke or 1.0)
                 speed = model.fastest if model.stroke else float(blowing)

@@ -36,7 +36,7 @@ class ModbusSlave:
         coils: outputs of one bit.
         inputs: inputs of one bit.
         registers: holding registers, 16 bits without a sign.
-        input_registers: registers that are only read.
+        input_registers: read-only registers.
     """
 
     def __init__(
@@ -95,7 +95,7 @@ class RtuSlave(ModbusSlave):
         self.unit = unit
 
     def receive(self, data: bytes) -> bytes | None:
-        """The answer to a frame; none to one that is broken, or for others."""
+        """Answer a frame; None if it is broken, a broadcast, or for another unit."""
         if len(data) < 4 or crc16(data[:-2]) != data[-2:] or data[0] not in (self.unit, _BROADCAST):
             return None
         try:
@@ -146,7 +146,7 @@ class RtuSlave(ModbusSlave):
 class ScriptedGripper(RtuSlave):
     """A gripper at the tool with the registers of a DH gripper; it reaches each position at once.
 
-    It has no fingers in the scene: those are what `Simulator(gripper=...)` has.
+    It has no fingers in the scene, unlike `Simulator(gripper=...)`.
 
     Args:
         unit: its number.
@@ -163,9 +163,9 @@ class ScriptedGripper(RtuSlave):
         self.object_at = object_at
 
     def write_registers(self, address: int, values: list[int]) -> None:
-        """Do what the registers say: initialise, or go to a position (1000 is open)."""
+        """Write registers and run the command: initialise, or move (position 1000 is open)."""
         if address + len(values) > self.INITIALISED:
-            raise KeyError(address)  # the state is only read
+            raise KeyError(address)  # the state is read-only
         super().write_registers(address, values)
         written = range(address, address + len(values))
         if self.INITIALISE in written:
@@ -177,7 +177,7 @@ class ScriptedGripper(RtuSlave):
             self.registers[self.GRIPPING] = 2 if holds else 1
 
 
-#: its name in programs that were written before there were others
+#: former name, for programs that were written before there were other grippers
 Gripper = ScriptedGripper
 
 
@@ -200,8 +200,8 @@ class ModbusSignal:
         address: of the coil, input or register.
         kind: which of these it is.
         frequency: how often it is read [Hz].
-        value: as it was read last.
-        due: when it is to be read again [s].
+        value: value that was read last.
+        due: time from which it is read again [s].
     """
 
     ip: str
@@ -217,7 +217,7 @@ class ModbusSignals:
     """The controller's signals by name, and its slaves.
 
     Attributes:
-        slaves: by address and number of the unit.
+        slaves: by IP address and unit number.
     """
 
     def __init__(self) -> None:
@@ -231,7 +231,7 @@ class ModbusSignals:
         """Define a signal.
 
         Raises:
-            ValueError: The name is empty or taken, or the address is none.
+            ValueError: The name is empty or taken, or the address is not valid.
         """
         if not name or name in self._signals:
             raise ValueError(f"a signal must have a name of its own, not {name!r}")
@@ -243,16 +243,16 @@ class ModbusSignals:
         """Delete a signal.
 
         Raises:
-            NoAnswer: There is none of this name.
+            NoAnswer: There is no signal of this name.
         """
         self._signal(name)
         del self._signals[name]
 
     def set_frequency(self, name: str, frequency: int) -> None:
-        """Read a signal so often, 1 to 100 Hz.
+        """Set how often a signal is read, 1 to 100 Hz.
 
         Raises:
-            NoAnswer: There is none of this name.
+            NoAnswer: There is no signal of this name.
             ValueError: The frequency is out of range.
         """
         signal = self._signal(name)
@@ -261,7 +261,7 @@ class ModbusSignals:
         signal.frequency, signal.due = frequency, float("-inf")
 
     def read(self, name: str, time: float) -> int:
-        """A signal's value, not older than its period.
+        """Read a signal's value, not older than its period.
 
         Raises:
             NoAnswer: There is no such signal, or its slave does not answer.
@@ -296,14 +296,14 @@ class ModbusSignals:
         """Write coils or registers that follow each other, at the device of a signal.
 
         Args:
-            name: the signal; its address is that of the first.
+            name: name of the signal; its address is that of the first coil or register.
             unit: number of the slave at the device.
-            kind: coil or register, whatever the signal is.
-            values: what is written.
+            kind: coil or register, whatever the kind of the signal.
+            values: the values to write.
 
         Raises:
             NoAnswer: There is no such signal, or the slave does not answer.
-            ValueError: A value does not fit, or there is none.
+            ValueError: A value does not fit, or there are no values.
         """
         signal = self._signal(name)
         self._write(name, replace(signal, unit=unit, kind=kind), values)
@@ -335,7 +335,7 @@ class ModbusSignals:
 
 
 def crc16(data: bytes) -> bytes:
-    """The checksum of an RTU frame, as it follows the frame."""
+    """The checksum that follows an RTU frame."""
     crc = 0xFFFF
     for byte in data:
         crc ^= byte

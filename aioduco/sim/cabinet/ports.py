@@ -1,4 +1,4 @@
-"""RS-485 and CAN ports, with what may be connected to them (manual 1.3.6)."""
+"""RS-485 and CAN ports, and the devices that are connected to them (manual 1.3.6)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 __all__ = ["CanPeer", "CanPort", "SerialPeer", "SerialPort"]
 
-_BUFFER = 4096  # bytes, or frames, that wait to be read; the oldest are lost
+_BUFFER = 4096  # bytes, or frames, that wait to be read; if more come, the oldest are lost
 _LAST_CAN_ID = 0x1FFFFFFF
 _CAN_DATA = 8
 
@@ -19,7 +19,7 @@ class SerialPeer(Protocol):
     """A device at an RS-485 port."""
 
     def receive(self, data: bytes, /) -> bytes | None:
-        """Give what it sends back for bytes that were written to the bus."""
+        """Return the device's answer to bytes that were written to the bus."""
         ...
 
 
@@ -27,7 +27,7 @@ class CanPeer(Protocol):
     """A device at the CAN bus."""
 
     def receive(self, id: int, data: bytes, /) -> Sequence[tuple[int, bytes]]:  # noqa: A002 - CAN's name
-        """The frames, identifier and data, that it sends back for one."""
+        """Return the frames, identifier and data, with which the device answers one frame."""
         ...
 
 
@@ -35,10 +35,10 @@ class SerialPort:
     """An RS-485 port: bytes that come in stay in a buffer until they are read.
 
     Attributes:
-        peer: what is connected.
-        baudrate: bits a second; nothing depends on it, as the peers keep no time.
-        delay: from a write until the peer's answer can be read [s]; on a tool's port of a real arm
-            0.10 to 0.15 s have been seen.
+        peer: the connected device.
+        baudrate: bits per second; it has no effect, since peers have no timing.
+        delay: time from a write until the peer's answer can be read [s]; 0.10 to 0.15 s have been
+            seen on a tool's port of a real arm.
     """
 
     def __init__(self, baudrate: int = 115_200) -> None:
@@ -49,12 +49,12 @@ class SerialPort:
         self._coming: deque[tuple[float, bytes]] = deque()
 
     def arrive(self, data: bytes) -> None:
-        """Take in bytes that a device sends on its own."""
+        """Receive bytes that a device sends on its own."""
         self._buffer += data
         del self._buffer[:-_BUFFER]
 
     def write(self, data: bytes, time: float = 0.0) -> bool:
-        """Send bytes at a time [s]; whether there were any."""
+        """Send bytes at a time [s]; return whether there were any."""
         if not data:
             return False
         answer = None if self.peer is None else self.peer.receive(data)
@@ -69,13 +69,13 @@ class SerialPort:
             self.arrive(self._coming.popleft()[1])
 
     def read(self, length: int | None = None) -> bytes:
-        """Take up to so many bytes; None for all."""
+        """Take up to `length` bytes from the buffer; None for all."""
         if length is not None and length <= 0:
             return b""
         return self._take(len(self._buffer) if length is None else length)
 
     def read_framed(self, head: bytes, length: int) -> bytes:
-        """Take a frame of so many bytes, its head included; nothing until it is complete."""
+        """Take a frame of `length` bytes, including its head; empty until it is complete."""
         start = self._buffer.find(head)
         if not head or start < 0 or length < len(head) or len(self._buffer) < start + length:
             return b""
@@ -83,7 +83,7 @@ class SerialPort:
         return self._take(length)
 
     def read_between(self, head: bytes, tail: bytes) -> bytes:
-        """Take a frame from its head to its tail, both included; nothing until it is complete."""
+        """Take a frame from its head to its tail, including both; empty until it is complete."""
         start = self._buffer.find(head)
         if not head or not tail or start < 0:
             return b""
@@ -100,11 +100,11 @@ class SerialPort:
 
 
 class CanPort:
-    """The CAN bus: frames that come wait until they are read.
+    """The CAN bus: received frames wait until they are read.
 
     Attributes:
-        peer: what is connected.
-        bitrate: bits a second; nothing depends on it.
+        peer: the connected device.
+        bitrate: bits per second; it has no effect.
     """
 
     def __init__(self, bitrate: int = 500_000) -> None:
@@ -113,17 +113,17 @@ class CanPort:
         self._frames: deque[tuple[int, bytes]] = deque(maxlen=_BUFFER)
 
     def arrive(self, id: int, data: bytes) -> None:  # noqa: A002 - CAN's name
-        """A frame comes in.
+        """Receive a frame.
 
         Raises:
-            ValueError: It is no CAN frame.
+            ValueError: It is not a CAN frame.
         """
         if not _is_frame(id, data):
             raise ValueError(f"no CAN frame: identifier {id}, {len(data)} bytes")
         self._frames.append((id, data))
 
     def write(self, id: int, data: bytes) -> bool:  # noqa: A002 - CAN's name
-        """Send a frame; False if it is no CAN frame, or if no device acknowledges it."""
+        """Send a frame; False if it is not a CAN frame, or if no device acknowledges it."""
         if self.peer is None or not _is_frame(id, data):
             return False
         for frame in self.peer.receive(id, data):
@@ -131,7 +131,7 @@ class CanPort:
         return True
 
     def read(self) -> tuple[int, bytes] | None:
-        """Take a frame."""
+        """Take the oldest frame; None if there is none."""
         return self._frames.popleft() if self._frames else None
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["CAPACITY", "NoSuchFolder", "Project", "RecordedTrack"]
 
 
-#: points of a track, in either mode; the manual gives no number
+#: most points of a track, in either mode; the manual gives no number
 CAPACITY = 1000
 
 
@@ -28,9 +28,9 @@ class RecordedTrack:
 
     Attributes:
         tool: name of the tool whose poses were recorded.
-        wobj: name of the work object in which they were.
-        joints: of each point [rad].
-        poses: of each point, as six numbers [m, rad].
+        wobj: name of the work object in whose frame the poses are.
+        joints: joint angles of each point [rad].
+        poses: pose of each point, as six numbers [m, rad].
     """
 
     tool: str
@@ -45,14 +45,14 @@ class RecordedTrack:
 
 
 class NoSuchFolder(Exception):
-    """A path is no folder of the project."""
+    """A path is not a folder of the project."""
 
 
 class Project:
-    """A tree of names: nothing of this computer's files can be seen through it.
+    """A tree of names: it gives no access to this computer's files.
 
     Attributes:
-        path: of the project, with a slash at its end, as the manual's example needs it.
+        path: path of the project, with a slash at its end, as the manual's example needs it.
         files: paths of further files in it, such as "notes.txt".
         programs: by name; each is listed as "program/" and its name.
         tracks: recorded ones, by name; each is listed as "track/" and its name.
@@ -65,13 +65,13 @@ class Project:
         self.tracks: dict[str, RecordedTrack] = {}
 
     def add(self, programs: Mapping[str, Script] | str | Path) -> None:
-        """Take programs in.
+        """Add programs.
 
         Args:
-            programs: by name; or a folder, of whose files each "<name>.json" is one.
+            programs: programs by name, or a folder in which each file "<name>.json" is a program.
 
         Raises:
-            ValueError: One of them is no program.
+            ValueError: One of them is not a program.
             OSError: The folder or a file cannot be read.
         """
         given = read(programs) if isinstance(programs, (str, Path)) else programs
@@ -81,13 +81,13 @@ class Project:
             self.programs[name] = checked(f"program {name!r}", script)
 
     def list(self, path: str) -> dict[str, int]:
-        """The names in a folder, 0 for each folder and 1 for each file.
+        """List the names in a folder, with 0 for each folder and 1 for each file.
 
         Args:
-            path: of the folder; the project's, when it is relative.
+            path: path of the folder; a relative path starts at the project's.
 
         Raises:
-            NoSuchFolder: There is none, or it is not in the project.
+            NoSuchFolder: There is no such folder, or it is not in the project.
         """
         root = posixpath.normpath(self.path)
         whole = posixpath.normpath(posixpath.join(root, path))

@@ -1,21 +1,22 @@
 """Programs of a simulated controller: calls of the wire, one after the other.
 
-How the vendor's programs are stored and written is not public. Here a program is a list of calls,
-each the name of a function of the wire and its arguments, as a JSON file has them too:
+The vendor does not publish how its programs are stored and written. Here a program is a list of
+calls. Each call is the name of a function of the wire and its arguments, also in a JSON file:
 
     [["movej2", [0, 0, 1.57, 0, -1.57, 0], 1.0, 2.0], ["sleep", 0.5], ["stop"]]
 
-or a generator function that yields such calls, and gets their answers:
+A program may also be a generator function that yields such calls and gets their answers:
 
     def pick():
         while not (yield "get_standard_digital_in", 3):
             yield "sleep", 0.1
         yield "set_standard_digital_out", 1, True
 
-It runs in the controller's cycle, so it must not wait by itself.
+It runs in the controller's cycle, so it must not block.
 
-Arguments at the end that are left out are zero, `block` is true, and a struct may be a mapping.
-"sleep" is no function of the wire: it waits so many seconds of simulated time.
+Arguments at the end may be left out: `block` is then true, and all others are zero. A struct may be
+given as a mapping. "sleep" is not a function of the wire: it waits for a number of seconds of
+simulated time.
 """
 
 from __future__ import annotations
@@ -46,14 +47,14 @@ BLENDING = frozenset(
 
 
 class ProgramError(Exception):
-    """A program cannot go on."""
+    """A program cannot continue."""
 
 
 def read(folder: str | Path) -> dict[str, list[Call]]:
     """Read the programs of a folder: its files "<name>.json".
 
     Raises:
-        ValueError: A file is no program, or leads out of the folder.
+        ValueError: A file is not a program, or it is a link that leads out of the folder.
         OSError: The folder or a file cannot be read.
     """
     root = Path(folder).resolve(strict=True)
@@ -74,7 +75,7 @@ def checked(name: str, script: Script) -> Script:
     """Check what can be checked before a program runs.
 
     Raises:
-        ValueError: A call is none of the wire.
+        ValueError: A call is not a valid call of the wire.
     """
     if callable(script):
         return script
@@ -90,7 +91,7 @@ def checked(name: str, script: Script) -> Script:
 
 
 def prepared(call: Call) -> tuple[str, tuple[Any, ...], bool]:
-    """A call's name, its arguments as the wire's, and whether it blends into the next."""
+    """Give a call's name, its arguments as on the wire, and whether it blends into the next."""
     if isinstance(call, str) or not isinstance(call, Sequence) or not call:
         raise ProgramError(f"{call!r} is no call: it must be a name and arguments")
     name, *given = call
@@ -120,9 +121,10 @@ def prepared(call: Call) -> tuple[str, tuple[Any, ...], bool]:
 
 
 def _typed(spec: Any, value: Any) -> Any:
-    """A value with each mapping that stands for a struct replaced by the struct.
+    """Replace each mapping that stands for a struct by the struct.
 
-    A struct's field spec is its class, a list's a pair whose second is that of its elements.
+    The field spec of a struct is its class. That of a list is a pair; its second item is the spec
+    of the elements.
     """
     if isinstance(spec, type) and isinstance(value, Mapping):
         fields = {entry[1]: entry[2] for entry in vars(spec)["thrift_spec"].values()}

@@ -18,7 +18,7 @@ _SHORTEST = 1e-3  # shorter pulses switch the output off [s]
 class Bank(Generic[T]):
     """Signals of one kind, numbered from 1 as in the manual.
 
-    One element is read and written at once, so readers need no lock.
+    An element is read or written in one atomic step, so readers need no lock.
     """
 
     __slots__ = ("_values", "_zero")
@@ -44,7 +44,7 @@ class Bank(Generic[T]):
         self._values[num - 1] = value
 
     def all(self) -> list[T]:
-        """Every signal, a copy."""
+        """A copy of all signals."""
         return self._values.copy()
 
 
@@ -66,7 +66,7 @@ class Pulses:
             return True
         if self.duty < _SHORTEST * 100.0 * self.frequency:
             return False
-        # A nanosecond for the rounding of a sum of cycles.
+        # A nanosecond as an allowance for the rounding of a sum of cycles.
         return (time + 1e-9) * self.frequency % 1.0 < self.duty / 100.0
 
 
@@ -76,7 +76,7 @@ LEVEL = Pulses(0, 100)
 class Outputs(Bank[bool]):
     """Outputs that are levels or pulses.
 
-    Another kind takes effect when the output is set next, as the manual has it.
+    A new kind takes effect when the output is set next, as the manual says.
     """
 
     __slots__ = ("_chosen", "_used")
@@ -91,7 +91,7 @@ class Outputs(Bank[bool]):
         self._used[num - 1] = self._chosen[num - 1]
 
     def choose(self, num: int, pulses: Pulses) -> None:
-        """Choose the kind of one output, and the pulses of all: there is one generator."""
+        """Choose the kind of one output; its pulses apply to all, which share one generator."""
         self._chosen[num - 1] = pulses
         if pulses is not LEVEL:
             for kinds in (self._chosen, self._used):
@@ -109,13 +109,13 @@ class Outputs(Bank[bool]):
 class Signals:
     """Every signal of a controller.
 
-    The cabinet has 16 general inputs and outputs and 8 function inputs and outputs, the tool 2
-    of each and the buttons T and S. Of the 8 configurable inputs the manual says nothing: their
-    number is an assumption.
+    The cabinet has 16 general inputs and outputs and 8 function inputs and outputs. The tool has 2
+    inputs and outputs and the buttons T and S. The manual says nothing about configurable inputs:
+    their number, 8, is an assumption.
 
     Attributes:
-        events: what a trigger's event does, by its name (用户自定义事件, manual 1.3.5). It is
-            called within the controller's cycle, so it must not wait.
+        events: actions of triggers' events, by the event's name (用户自定义事件, manual 1.3.5).
+            They are called within the controller's cycle, so they must not block.
     """
 
     def __init__(self) -> None:

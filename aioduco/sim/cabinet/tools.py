@@ -33,7 +33,7 @@ class Tool:
     Attributes:
         name: up to 32 bytes.
         offset: its tip in the flange's frame.
-        matrix: the same. Shape (4, 4).
+        matrix: the same as a matrix. Shape (4, 4).
         inverse: the flange in the tip's frame. Shape (4, 4).
         payload: mass [kg] and centre of gravity [m].
         inertia: xx, xy, xz, yy, yz, zz [kg m²].
@@ -54,7 +54,7 @@ class Tool:
         payload: Sequence[float] = (0.0, 0.0, 0.0, 0.0),
         inertia: Sequence[float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     ) -> Tool:
-        """A tool with its tip at `offset`."""
+        """Make a tool with its tip at `offset`."""
         matrix = _frozen(offset.matrix)
         inverse = _frozen(offset.inverse().matrix)
         return cls(name, offset, matrix, inverse, tuple(payload), tuple(inertia))
@@ -67,7 +67,7 @@ class WorkObject:
     Attributes:
         name: up to 32 bytes.
         pose: its frame in the base frame, the offset in use included.
-        matrix: the same. Shape (4, 4).
+        matrix: the same as a matrix. Shape (4, 4).
         inverse: the base in its frame. Shape (4, 4).
     """
 
@@ -78,14 +78,14 @@ class WorkObject:
 
     @classmethod
     def at(cls, pose: Pose, name: str = "") -> WorkObject:
-        """A work object at `pose`."""
+        """Make a work object at `pose`."""
         return cls(name, pose, _frozen(pose.matrix), _frozen(pose.inverse().matrix))
 
 
 class FrameTable:
-    """The tools and work objects that are defined, and which are in use.
+    """The defined tools and work objects, and those in use.
 
-    Both begin with one named "default", which is the flange and the base.
+    At first there is one of each, named "default": the flange and the base.
 
     Attributes:
         current_tool: the tool in use.
@@ -101,10 +101,10 @@ class FrameTable:
         self.current_wobj: WorkObject = self._wobj
 
     def tool(self, name: str = "") -> Tool:
-        """A tool; the one in use when the name is empty.
+        """Find a tool by its name; an empty name means the tool in use.
 
         Raises:
-            UnknownName: None has this name.
+            UnknownName: No tool has this name.
         """
         if not name:
             return self.current_tool
@@ -113,10 +113,10 @@ class FrameTable:
         return self._tools[name]
 
     def wobj(self, name: str = "") -> WorkObject:
-        """A work object with the offset in use; the one in use when the name is empty.
+        """Find a work object by its name, with the offset in use; no name means the one in use.
 
         Raises:
-            UnknownName: None has this name.
+            UnknownName: No work object has this name.
         """
         if name and name not in self._wobjs:
             raise UnknownName(
@@ -150,7 +150,7 @@ def _frozen(matrix: Matrix) -> Matrix:
 
 
 class PointLoad(NamedTuple):
-    """A mass in one point.
+    """A point mass.
 
     Attributes:
         mass: kg.
@@ -161,7 +161,7 @@ class PointLoad(NamedTuple):
     centre: tuple[float, ...] = (0.0, 0.0, 0.0)
 
     def along(self, other: PointLoad) -> PointLoad:
-        """Give both together."""
+        """Combine two loads into one."""
         mass = self.mass + other.mass
         if mass == 0.0:
             return PointLoad()

@@ -21,12 +21,12 @@ class UndefinedValue(Exception):
 
 
 class SystemValues:
-    """The variables by name, each of a type that it keeps.
+    """The variables by name; each keeps its type.
 
     On a controller they are defined at the pendant, here by `Simulator(values=…)` or `define`.
 
     Args:
-        values: those that there are, by name; "domain.name" for one in a domain.
+        values: the variables at the start, by name; "domain.name" for one in a domain.
     """
 
     def __init__(self, values: Mapping[str, Value] | None = None) -> None:
@@ -35,7 +35,7 @@ class SystemValues:
             self.define(name, value)
 
     def define(self, name: str, value: Value) -> None:
-        """Define a variable, or change what it is.
+        """Define a variable, or change its type and value.
 
         Args:
             name: its name.
@@ -52,7 +52,7 @@ class SystemValues:
         """The value of a variable.
 
         Raises:
-            UndefinedValue: There is none of this name and type.
+            UndefinedValue: There is no variable of this name and type.
         """
         return _checked(name, self._values.get(name), kind)
 
@@ -60,7 +60,7 @@ class SystemValues:
         """Set a variable to another value of its type.
 
         Raises:
-            UndefinedValue: There is none of this name and type.
+            UndefinedValue: There is no variable of this name and type.
             ValueError: A number is not finite.
         """
         stored = _stored(value)
@@ -71,7 +71,7 @@ class SystemValues:
         """The value of a variable that is a list of lists.
 
         Raises:
-            UndefinedValue: There is none of this name and type.
+            UndefinedValue: There is no variable of this name and type.
         """
         value = _checked(name, self._values.get(name), list)
         rows = [row for row in value if isinstance(row, list)]
@@ -83,7 +83,7 @@ class SystemValues:
         """The value of a variable that is a list of numbers.
 
         Raises:
-            UndefinedValue: There is none of this name and type.
+            UndefinedValue: There is no variable of this name and type.
         """
         value = _checked(name, self._values.get(name), list)
         found = [number for number in value if isinstance(number, float)]

@@ -1,4 +1,4 @@
-"""Force control (力控, manual 1.3.10): what the sensor says, and how the arm gives way to it.
+"""Force control (力控, manual 1.3.10): the sensor's readings, and the arm's compliance with forces.
 
-May import `planner`, `cycle` and `scene`. Its tasks are in `controller.force_tasks`.
+The modules may import `planner`, `cycle` and `scene`. The tasks are in `controller.force_tasks`.
 """

@@ -18,19 +18,19 @@ Quantity: TypeAlias = Literal["pos", "vel", "ft"]
 Verdict: TypeAlias = Literal["met", "late"]
 
 QUANTITIES: tuple[Quantity, ...] = ("pos", "vel", "ft")
-_EARLY = 1e-9  # for the rounding of a time that is a sum of cycles [s]
+_EARLY = 1e-9  # allowance for the rounding of a time that is a sum of cycles [s]
 
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """Numbers of six have to be within their ranges, for a while.
+    """Some or all of six numbers have to be within their ranges for a while.
 
     Attributes:
-        middle: of the ranges [m, rad; m/s, rad/s; N, N m].
-        range: how far from the middle, to both sides; 0 for a number that does not count.
-        absolute: whether it is the numbers that count, or their change since the conditions began.
-        duration: how long they must be in their ranges [s].
-        timeout: how long after the beginning that may take [s].
+        middle: middles of the ranges [m, rad; m/s, rad/s; N, N m].
+        range: largest distances from the middles, to both sides; 0 for a number that is ignored.
+        absolute: whether the numbers are checked, or their changes since the conditions began.
+        duration: time for which they must be within their ranges [s].
+        timeout: time from the beginning within which this must be so [s].
     """
 
     middle: tuple[float, ...]
@@ -41,14 +41,14 @@ class Condition:
 
     @property
     def counts(self) -> bool:
-        """Whether any of the six numbers counts."""
+        """Whether any of the six numbers is checked."""
         return any(width != 0.0 for width in self.range)
 
 
 class Conditions:
     """The conditions on position, speed and force, and how they are combined. Without a clock.
 
-    Those that are "and" have to hold all at once; each that is "or" is enough by itself.
+    All conditions with "and" have to hold at the same time; one with "or" is enough by itself.
     """
 
     def __init__(self) -> None:
@@ -60,7 +60,7 @@ class Conditions:
         self._since: dict[Quantity, float] = {}
 
     def set(self, quantity: Quantity, condition: Condition) -> None:
-        """Set a condition; `begin` says whether it counts."""
+        """Set a condition; the logic given to `begin` decides whether it is checked."""
         self._conditions[quantity] = condition
         self._since.pop(quantity, None)
 
@@ -70,13 +70,13 @@ class Conditions:
         time: float,
         now: Callable[[Quantity], Sequence[float]],
     ) -> None:
-        """Begin anew (fc_wait_logic).
+        """Restart the conditions (fc_wait_logic).
 
         Args:
-            logic: for position, speed and force 0 for off, 1 for "and", 2 for "or". What has no
-                condition is off until it gets one.
-            time: of the simulation [s].
-            now: gives the six numbers that changes are counted from.
+            logic: for position, speed and force 0 for off, 1 for "and", 2 for "or". A quantity
+                without a condition is off until it gets one.
+            time: time of the simulation [s].
+            now: returns the six numbers of a quantity, from which changes are counted.
         """
         pairs = zip(QUANTITIES, logic, strict=True)
         self._logic = {quantity: how for quantity, how in pairs if how != ForceLogic.OFF}
@@ -86,24 +86,24 @@ class Conditions:
         self.verdict = None
 
     def end(self) -> None:
-        """Look at nothing any more."""
+        """Switch all conditions off."""
         self._logic.clear()
         self._since.clear()
         self.verdict = None
 
     def rest(self) -> None:
-        """No motion runs: what held so far begins to hold anew."""
+        """Restart the durations of all conditions, since no motion runs."""
         self._since.clear()
 
     def tick(self, time: float, now: Callable[[Quantity], Sequence[float]]) -> Verdict | None:
-        """Look at the conditions.
+        """Check the conditions.
 
         Args:
-            time: of the simulation [s].
-            now: gives six numbers.
+            time: time of the simulation [s].
+            now: returns the six numbers of a quantity.
 
         Returns:
-            "met" when they hold, "late" when they can hold in time no more; stays so.
+            "met" when they hold, "late" when they can no longer hold in time; this then stays so.
         """
         if not self._logic or self.verdict is not None:
             return self.verdict

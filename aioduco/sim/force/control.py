@@ -1,7 +1,7 @@
-"""Force control of the tool: what the arm does about the force that it feels.
+"""Force control of the tool: how the arm responds to the force on its flange.
 
-Pure: no clock, no physics, no tasks. Each `tick` is one cycle of the controller; it takes the
-set-point of the motions and gives that of the drives.
+It has no clock, no physics and no tasks. Each `tick` is one cycle of the controller; it takes the
+set-point of the motions and returns that of the drives.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 
 __all__ = ["AdmittanceLaw", "ForceControl", "ForceGuard", "ForceOutcome", "Verdict"]
 
-#: time constant with which the arm takes on the speed that a force gives it [s]; an assumption
+#: time constant with which the arm reaches the speed that a force demands [s]; an assumption
 _LAG = 0.01
-#: largest accelerations of what a force moves [m/s², rad/s²]; an assumption
+#: largest accelerations of motions that a force causes [m/s², rad/s²]; an assumption
 _ACCELERATION = (5.0, 25.0)
-#: speed that counts as none while it fades away [m/s, rad/s]
+#: speed below which a decaying motion has ended [m/s, rad/s]
 _FADED = 1e-4
 _NOTHING = (0.0,) * 6
 _PLAIN = ForceAxes(np.eye(4), np.eye(4))
@@ -43,12 +43,12 @@ Verdict: TypeAlias = Literal["guard", "failed", "met", "late"]
 
 
 class ForceOutcome(NamedTuple):
-    """What a cycle came to, besides its set-point.
+    """Result of a cycle, besides its set-point.
 
     Attributes:
         verdict: "guard": a watched force is too large. "failed": the joints cannot follow.
-            "met": the conditions of fc_wait_* hold. "late": they can hold in time no more.
-        message: for people.
+            "met": the conditions of fc_wait_* hold. "late": they can no longer hold in time.
+        message: text for people.
     """
 
     verdict: Verdict
@@ -57,15 +57,15 @@ class ForceOutcome(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AdmittanceLaw:
-    """How the tool gives way (fc_config): at (force - target) / damping.
+    """Compliance of the tool (fc_config): it moves at (force - target) / damping.
 
     Attributes:
-        direction: for each direction whether it gives way.
-        target: force that is kept up, as the sensor feels it [N, N m].
-        damping: above 0 in directions that give way [N/(m/s), N m/(rad/s)].
+        direction: for each direction, whether the tool is compliant.
+        target: force to hold, as the sensor measures it [N, N m].
+        damping: damping, above 0 in compliant directions [N/(m/s), N m/(rad/s)].
         cap: largest speed [m/s, rad/s].
-        band: difference from the target at which nothing gives way yet [N, N m].
-        axes: whose directions they are.
+        band: dead band: difference from the target up to which the tool does not move [N, N m].
+        axes: axes of these directions.
     """
 
     direction: tuple[bool, ...]
@@ -89,13 +89,13 @@ class AdmittanceLaw:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceGuard:
-    """Which forces are too large (fc_guard_act).
+    """Limits of the forces (fc_guard_act).
 
     Attributes:
-        direction: for each direction whether it is watched.
+        direction: for each direction, whether its force is monitored.
         limit: largest force of either sign [N, N m].
-        axes: whose directions they are.
-        with_load: whether the load's weight counts, too.
+        axes: axes of these directions.
+        with_load: whether the load's weight is included.
     """
 
     direction: tuple[bool, ...]
@@ -104,7 +104,7 @@ class ForceGuard:
     with_load: bool = True
 
     def exceeded(self, force: Sequence[float]) -> str:
-        """Tell which limit a force is beyond; empty if none."""
+        """Say which limit a force exceeds; empty if none."""
         for i, (on, limit) in enumerate(zip(self.direction, self.limit, strict=True)):
             if on and not abs(force[i]) <= limit:
                 unit = "N" if i < 3 else "N m"
@@ -115,12 +115,12 @@ class ForceGuard:
 
 
 class ForceControl:
-    """Gives way to forces while motions run, watches them, and judges the conditions.
+    """Makes the arm compliant while motions run, monitors forces, and checks the conditions.
 
     Args:
         arm: the arm.
         cycle: time between two ticks [s].
-        gravity: along the base's axes [m/s²].
+        gravity: gravity along the base's axes [m/s²].
     """
 
     def __init__(
@@ -139,14 +139,14 @@ class ForceControl:
 
     @property
     def moving(self) -> bool:
-        """Whether the set-points of the drives move for a force's sake."""
+        """Whether a force moves the drives' set-points, or the joints slow down after a failure."""
         if self._failed:
             return bool(self._offset.setpoint.qd.any())
         return self._twist is not _NOTHING
 
     @property
     def failed(self) -> bool:
-        """Whether the joints could not follow: they slow down and stand, until a new start."""
+        """Whether the joints could not follow: they then slow down and stand until a new start."""
         return self._failed
 
     @property
@@ -156,12 +156,12 @@ class ForceControl:
 
     @property
     def axes(self) -> ForceAxes:
-        """Those of fc_config; the flange's and the base's before it was called."""
+        """The axes of fc_config; before it was called, those of the flange and the base."""
         return _PLAIN if self.law is None else self.law.axes
 
     @property
     def shifted(self) -> bool:
-        """Whether the drives are led somewhere else than the motions say."""
+        """Whether the drives' set-points differ from those of the motions."""
         return self._offset.shifted
 
     def turn(self, sensed: SensedState) -> Array:
@@ -170,31 +170,31 @@ class ForceControl:
         return rotation
 
     def start(self, setpoint: JointSetPoint) -> None:
-        """Begin where the motions are."""
+        """Begin at the set-point of the motions."""
         self.active, self._failed = True, False
         self._twist = _NOTHING
         self._offset.begin(setpoint)
 
     def end(self) -> None:
-        """End; the motions have to begin anew where the arm is."""
+        """End; the motions have to restart from where the arm is."""
         self.active = self._failed = False
         self._twist = _NOTHING
         self.conditions.end()
 
     def fold(self) -> None:
-        """Take note that the motions begin anew where the arm is; what fades away goes on."""
+        """Drop the offset, as the motions restart where the arm is; a decaying motion continues."""
         self._failed = False
         self._offset.fold()
 
     def tick(
         self, setpoint: JointSetPoint, sensed: SensedState, *, giving: bool
     ) -> tuple[JointSetPoint, ForceOutcome | None]:
-        """Go on by one cycle.
+        """Advance by one cycle.
 
         Args:
-            setpoint: of the motions.
-            sensed: what the controller knows of the arm.
-            giving: whether the arm gives way: only while a motion runs.
+            setpoint: set-point of the motions.
+            sensed: state of the arm as the controller measures it.
+            giving: whether the arm is compliant, which it is only while a motion runs.
         """
         flange = self._offset.flange
         external = self.sensor.external(sensed.wrench, flange)
@@ -212,7 +212,7 @@ class ForceControl:
         return drives, self._judge(sensed, running=giving)
 
     def measure(self, quantity: Quantity, sensed: SensedState) -> list[float]:
-        """Give what a condition looks at: the tip in the work object, its speed, the force on it.
+        """Give the numbers for a condition: the tip in the work object, its speed, the force on it.
 
         Position and speed are along the work object's axes, the force along those of fc_config.
         """
@@ -250,7 +250,7 @@ class ForceControl:
         return ForceOutcome(verdict, f"the conditions of fc_wait_logic {how}")
 
     def _give_way(self, external: list[float], *, giving: bool) -> None:
-        """Move the offset at the speed that the force gives the tip, as a light mass would."""
+        """Move the offset at the speed that the force demands, with the lag of a light mass."""
         law, flange = self.law, self._offset.flange
         wanted: Sequence[float] = _NOTHING
         if giving and law is not None:

@@ -1,4 +1,4 @@
-"""What a force sensor shows without a force: an offset, and noise."""
+"""The errors of a force sensor: an offset, and noise."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SensorNoise"]
 
-#: three standard deviations of the noise; of the forces as public logs show [N], of the torques an
+#: three standard deviations of the noise: for the forces from public logs [N], for the torques an
 #: assumption [N m]
 _NOISE = np.array([0.5] * 3 + [0.02] * 3)
 #: largest offset: an assumption [N, N m]
@@ -21,13 +21,13 @@ _OFFSET = np.array([5.0] * 3 + [0.2] * 3)
 
 
 class SensorNoise:
-    """Adds to a signal what its sensor shows by itself.
+    """Adds the sensor's offset and noise to a signal.
 
     Args:
-        seed: of offset and noise: the same seed gives the same sequence.
+        seed: seed of offset and noise: the same seed gives the same sequence.
 
     Attributes:
-        offset: what it shows on average without a force [N, N m]. Shape (6,).
+        offset: mean signal without a force [N, N m]. Shape (6,).
     """
 
     def __init__(self, seed: int) -> None:
@@ -35,6 +35,6 @@ class SensorNoise:
         self.offset: Vector = self._random.uniform(-_OFFSET, _OFFSET)
 
     def __call__(self, signal: Vector) -> Vector:
-        """The signal as the sensor gives it at this instant [N, N m]. Shape (6,)."""
+        """Give the signal with the offset and a new sample of the noise [N, N m]. Shape (6,)."""
         noise: Vector = self._random.standard_normal(6) * (_NOISE / 3.0)
         return signal + self.offset + noise

@@ -1,7 +1,7 @@
-"""The way from set-points of the motions to those of the drives: an offset of the flange.
+"""An offset of the flange between set-points of the motions and those of the drives.
 
-What force control has moved the flange by is kept in the base frame, whatever the tool and the
-axes are that it was moved along, so that these can change at any time without a jump.
+The offset is how far force control has moved the flange. It is kept in the base frame, whatever
+tool and axes were in use, so that these can change at any time without a jump.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def _jacobian(chain: Array) -> Array:
 
 
 def _turned(a: float, b: float, c: float, time: float) -> Array:
-    """Give the rotation matrix of some time at an angular speed [rad/s]."""
+    """Give the rotation matrix after some time [s] at an angular speed [rad/s]."""
     rate = math.sqrt(a * a + b * b + c * c) or 1.0
     a, b, c = a / rate, b / rate, c / rate
     sine, cosine = math.sin(rate * time), math.cos(rate * time)
@@ -70,7 +70,7 @@ def _turned(a: float, b: float, c: float, time: float) -> Array:
 
 
 class FlangeOffset:
-    """Adds what force control has moved the flange by to set-points, cycle by cycle.
+    """Adds the motion of the flange by force control to set-points, cycle by cycle.
 
     Small matrices are multiplied by `dot`, which takes a third of the time of `@`.
 
@@ -113,7 +113,7 @@ class FlangeOffset:
         self.flange = self._frames(setpoint.q)[6, :3, :3]
 
     def fold(self) -> None:
-        """Forget the offset: the motions begin anew where it has led."""
+        """Drop the offset: the motions restart from where the offset has moved the arm."""
         self._shift, self._turn, self._none = _NOWHERE, _STRAIGHT, True
         self._speed = (0.0,) * 6
 
@@ -121,7 +121,8 @@ class FlangeOffset:
         """Move the tool's tip for one cycle.
 
         Args:
-            twist: its speed at the end of it [m/s], then its angular speed [rad/s], in the base.
+            twist: speed of the tip at the end of the cycle [m/s], then its angular speed [rad/s],
+                in the base frame.
             tip: the tip in the flange's frame [m]. Shape (3,).
         """
         u, v, w, a, b, c = twist
@@ -129,7 +130,7 @@ class FlangeOffset:
         self._twist = twist
         step = self._cycle * np.array(mean[:3])
         if a or b or c or any(mean[3:]):
-            # Turned about the tip: the flange goes round it.
+            # The rotation is about the tip: the flange moves round it.
             arm = self.flange.dot(tip)
             x, y, z = arm.tolist()
             turned = _turned(mean[3], mean[4], mean[5], self._cycle)
@@ -164,7 +165,7 @@ class FlangeOffset:
         chain = frames(self._arm.geometry, guess)
         (_, c, d), (e, _, f), (g, h, _) = flange.dot(chain[6, :3, :3].T).tolist()
         x, y, z = (nominal[6, :3, 3] + self._shift - chain[6, :3, 3]).tolist()
-        # One step of Newton's method from where the last cycle led: there is no error to be seen.
+        # One step of Newton's method from the extrapolated last cycle: its error is negligible.
         wanted = np.empty((6, 2))
         wanted[:, 0] = (x, y, z, 0.5 * (h - f), 0.5 * (d - g), 0.5 * (e - c))
         wanted[:, 1] = speed
@@ -180,7 +181,7 @@ class FlangeOffset:
         return self._last
 
     def slow_down(self) -> JointSetPoint:
-        """Slow the joints down for one cycle, whatever the motions say."""
+        """Slow the joints down for one cycle, whatever the set-points of the motions."""
         last = self._last
         left = float((np.abs(last.qd) / self._hard).max())
         if left <= self._cycle:
@@ -204,7 +205,7 @@ class FlangeOffset:
                 raise OutOfReach(
                     f"force control: joint {i + 1} would have to turn at {speed:.3f} rad/s"
                 )
-            # So far from its limit that it still comes to a stand.
+            # The joint must be able to stop before its limit.
             rest = angle + 0.5 * rate * speed / self._braking[i]
             if not self._arm.lower[i] <= rest <= self._arm.upper[i]:
                 raise OutOfReach(f"force control: joint {i + 1} comes to its limit")

@@ -1,4 +1,4 @@
-"""The force sensor at the flange: what the controller makes of its signal."""
+"""The force sensor at the flange: how the controller interprets its signal."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _NOTHING = (0.0,) * 6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceAxes:
-    """About which point forces are given, and along whose axes.
+    """The reference point and the axes of forces.
 
     Attributes:
         tip: the tool's tip in the flange's frame. Shape (4, 4).
@@ -45,16 +45,16 @@ class ForceAxes:
         return turned
 
     def seen(self, wrench: Sequence[float], flange: Matrix) -> list[float]:
-        """Give a wrench on the flange as one on the tip, along the axes.
+        """Convert a wrench on the flange to one on the tip, along the axes.
 
         Args:
             wrench: force [N], then torque about the flange's origin [N m], in its frame.
-            flange: its rotation in the base frame. Shape (3, 3).
+            flange: rotation of the flange in the base frame. Shape (3, 3).
         """
         fx, fy, fz, tx, ty, tz = wrench
         x, y, z = self.tip[:3, 3].tolist()
         about = (tx - (y * fz - z * fy), ty - (z * fx - x * fz), tz - (x * fy - y * fx))
-        # Rows of vectors: into the axes is from the right by a matrix whose columns they are.
+        # The vectors are rows: multiply them from the right by a matrix with the axes as columns.
         axes = self.tip[:3, :3] if self.of_tool else flange.T @ self.wobj[:3, :3]
         both: list[list[float]] = np.array(((fx, fy, fz), about)).dot(axes).tolist()
         return [*both[0], *both[1]]
@@ -62,18 +62,18 @@ class ForceAxes:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceSensor:
-    """How the signal of the sensor is read. A value: to tare it makes another one.
+    """How the signal of the sensor is interpreted. It is immutable: taring makes another one.
 
     The signal is what the flange's surroundings apply to it, in its frame: force [N], then torque
-    [N m]. It is made of three parts: what the sensor shows without anything at it, the weight of
-    what the flange carries, and the force from outside.
+    [N m]. It is the sum of three parts: the sensor's own offset, the weight of what the flange
+    carries, and the external force.
 
     Attributes:
-        zero: what is taken from the signal to give the reading. Six numbers.
-        bare: the signal without load and force, as the controller thinks. Six numbers.
-        mass: of the load that the controller knows of [kg].
+        zero: subtracted from the signal to get the reading. Six numbers.
+        bare: the signal without load and force, as the controller assumes it. Six numbers.
+        mass: mass of the load that was set on the controller [kg].
         centre: its centre of mass in the flange's frame [m].
-        gravity: along the base's axes [m/s²].
+        gravity: gravity along the base's axes [m/s²].
     """
 
     zero: tuple[float, ...] = _NOTHING
@@ -87,14 +87,14 @@ class ForceSensor:
         return _less(signal.tolist(), self.zero)
 
     def felt(self, signal: Vector) -> list[float]:
-        """Give load and force from outside together."""
+        """Give the sum of the load's weight and the external force."""
         return _less(signal.tolist(), self.bare)
 
     def external(self, signal: Vector, flange: Matrix) -> list[float]:
-        """Give the force from outside.
+        """Give the external force.
 
         Args:
-            signal: of the sensor [N, N m]. Shape (6,).
+            signal: signal of the sensor [N, N m]. Shape (6,).
             flange: the flange's rotation in the base frame. Shape (3, 3).
         """
         return _less(self.felt(signal), self.weight(flange))
@@ -108,7 +108,7 @@ class ForceSensor:
         return (x, y, z, b * z - c * y, c * x - a * z, a * y - b * x)
 
     def carrying(self, mass: float, centre: Sequence[float]) -> ForceSensor:
-        """Give one that knows of a load [kg], and of its centre in the flange's frame [m]."""
+        """Give a sensor with another load [kg], whose centre is in the flange's frame [m]."""
         return replace(self, mass=mass, centre=tuple(centre))
 
     def tared(
@@ -118,13 +118,13 @@ class ForceSensor:
         direction: Sequence[bool] = (True,) * 6,
         value: Sequence[float] = _NOTHING,
     ) -> ForceSensor:
-        """Give one that reads certain values now, and takes them for forces from outside.
+        """Give a sensor that reads certain values now, and takes them for external forces.
 
         Args:
-            signal: of the sensor now [N, N m]. Shape (6,).
+            signal: present signal of the sensor [N, N m]. Shape (6,).
             flange: the flange's rotation in the base frame. Shape (3, 3).
-            direction: which of the six are set.
-            value: what they read then [N, N m].
+            direction: which of the six readings are set.
+            value: the values that they get [N, N m].
         """
         now, weight = signal.tolist(), self.weight(flange)
         zero, bare = list(self.zero), list(self.bare)

@@ -1,11 +1,11 @@
-"""What the simulated controller answers to the calls of the wire, a class for each section.
+"""Handlers of the functions of the wire in the simulated controller, a class for each section.
 
-A handler checks the arguments of a call and makes a command of the controller of them, or reads a
-snapshot. The modules are called as the manual's sections, and as those of `aioduco.api`. May import
-`controller`, `cabinet`, `force`, `planner`, `physics`, `runtime` and `refusal`.
+A handler checks the arguments of a call, then gives the controller a command or reads a snapshot.
+The modules have the names of the manual's sections and of the modules of `aioduco.api`. They may
+import `controller`, `cabinet`, `force`, `planner`, `physics`, `runtime` and `refusal`.
 
-A function whose data the vendor does not publish is refused by an application error with its
-reason, never answered by a made-up value.
+A function whose data the vendor does not publish is refused with an application error that gives
+the reason. It is never answered with an invented value.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ __all__ = ["NOT_PUBLIC", "Handlers"]
 _PASSWORD = "the password and what it is for"
 _DRIVES = "the drives' parameters"
 
-#: by function, what of it is not public
+#: for each function, the data that the vendor does not publish
 NOT_PUBLIC = {
     "get_axis_motor_kt": "the motors' torque constants",
     "get_axis_motor_rated_current": "the motors' rated currents",
@@ -79,8 +79,8 @@ class Handlers(
 ):
     """Every function of the wire.
 
-    The generated functions stand at the end of the line: what no section has ends in `_call`,
-    which refuses it.
+    `Functions`, which is generated, is the last base class: a call of a function that no section
+    implements reaches `_call`, which refuses it.
     """
 
     def _call(self, name: str, args: tuple[Any, ...]) -> NoReturn:  # noqa: ARG002  # as above

@@ -1,4 +1,4 @@
-"""Checks of arguments; a wrong one ends the task in the state that the real controller gives it."""
+"""Checks of arguments. A wrong one ends the task in the same state as on the real controller."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ if TYPE_CHECKING:
     from aioduco.sim.forgiving import Forgiving
 
 
-#: the largest distance in a pose: far beyond every arm, and still a number to compute with [m]
+#: the largest distance in a pose [m]: far beyond every arm, but still safe to compute with
 _FARTHEST = 1000.0
-#: the largest load, the carrying capacity of the largest arm [kg], and how far off it may be [m]
+#: the largest load, the payload of the largest arm [kg], and its largest distance along an axis [m]
 _HEAVIEST, _ARM = 35.0, 10.0
-#: the largest angle in a pose (manual 1.3.5), and what rounding adds to it [rad]
+#: the largest angle in a pose (manual 1.3.5), with an allowance for rounding [rad]
 _TURNS = 2.0 * math.pi + 1e-9
 
 
 def mismatch(message: str) -> Rejected:
-    """A parameter is wrong."""
+    """Make the rejection of a task with a wrong parameter."""
     return Rejected(TaskState.PARAMETER_MISMATCH, message)
 
 
 def number(name: str, value: float, low: float, high: float, unit: str) -> float:
-    """A number within a range; NaN is in none."""
+    """Check that a number is within a range; NaN never is."""
     if not low <= value <= high:
         raise mismatch(f"{name} is {value}, but must be from {low:.6g} to {high:.6g} {unit}")
     return value
@@ -41,7 +41,7 @@ def number(name: str, value: float, low: float, high: float, unit: str) -> float
 def at_most(
     forgiving: Forgiving, kind: str, name: str, value: float, low: float, high: float, unit: str
 ) -> float:
-    """A number within a range; above it, the highest, if that is forgiven."""
+    """Check that a number is within a range; a larger one is cut to `high` if that is forgiven."""
     if high < value < math.inf:
         forgiving.forgive(
             kind, f"{name} is {value}, but must be from {low:.6g} to {high:.6g} {unit}"
@@ -51,21 +51,21 @@ def at_most(
 
 
 def positive(name: str, value: float, high: float, unit: str) -> float:
-    """A number above zero, up to `high`."""
+    """Check that a number is above zero and at most `high`."""
     if not value > 0.0:
         raise mismatch(f"{name} is {value}, but must be above 0 {unit}")
     return number(name, value, 0.0, high, unit)
 
 
 def numbers(name: str, values: Sequence[float], length: int) -> tuple[float, ...]:
-    """So many finite numbers."""
+    """Check that there are `length` numbers, all of them finite."""
     if len(values) != length or not all(map(math.isfinite, values)):
         raise mismatch(f"{name} must be {length} finite numbers")
     return tuple(values)
 
 
 def pose(name: str, values: Sequence[float]) -> Pose:
-    """A pose [m, rad]: positions within a kilometre, angles from -2π to 2π."""
+    """Check a pose [m, rad]: positions within a kilometre, angles from -2π to 2π."""
     try:
         given = Pose.of(list(values))
     except ParameterError as exc:
@@ -77,16 +77,16 @@ def pose(name: str, values: Sequence[float]) -> Pose:
 
 
 def load(name: str, values: Sequence[float]) -> tuple[float, ...]:
-    """A load's mass [kg] and its centre of gravity [m]: what the largest arm carries, and near."""
+    """Check a load: mass up to the largest arm's payload [kg], and centre of gravity [m]."""
     mass, *centre = numbers(name, values, 4)
     number(name, mass, 0.0, _HEAVIEST, "kg")
     return mass, *(number(name, one, -_ARM, _ARM, "m") for one in centre)
 
 
 def joints(name: str, values: Sequence[float]) -> tuple[float, ...]:
-    """Six joint angles [rad], each from -2π to 2π.
+    """Check six joint angles [rad], each from -2π to 2π.
 
-    As on the controller, a wrong number of them is ILLEGAL and a wrong value PARAMETER_MISMATCH.
+    As on the controller, a wrong count of angles is ILLEGAL and a wrong value PARAMETER_MISMATCH.
     """
     if len(values) != 6:
         raise Rejected(TaskState.ILLEGAL, f"{name} has {len(values)} numbers, but must have 6")
@@ -96,14 +96,14 @@ def joints(name: str, values: Sequence[float]) -> tuple[float, ...]:
 
 
 def name_of(name: str, value: str, max_bytes: int) -> str:
-    """A name that is not empty and not too long."""
+    """Check that a name is not empty and not too long."""
     if not 0 < len(value.encode()) <= max_bytes:
         raise mismatch(f"{name} must have 1 to {max_bytes} bytes")
     return value
 
 
 def tool(frames: FrameTable, name: str) -> Tool:
-    """A tool by name; the one in use for an empty name."""
+    """Find a tool by its name; an empty name means the tool in use."""
     try:
         return frames.tool(name)
     except UnknownName as exc:
@@ -111,7 +111,7 @@ def tool(frames: FrameTable, name: str) -> Tool:
 
 
 def wobj(frames: FrameTable, name: str) -> WorkObject:
-    """A work object by name; the one in use for an empty name."""
+    """Find a work object by its name; an empty name means the one in use."""
     try:
         return frames.wobj(name)
     except UnknownName as exc:

@@ -1,4 +1,4 @@
-"""What all handlers share: the simulation behind them, and how a task is answered."""
+"""Base of all handlers: access to the simulation, and the answer to a call that makes a task."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ __all__ = ["ZERO_OUT_OF_RANGE"]
 
 T = TypeVar("T")
 #: functions of 1.3.7, whose first note says that they return 0 for an argument out of its range;
-#: the last two are on the wire, not in the manual, and like their neighbours
+#: the last two are on the wire, not in the manual, and are assumed to do the same
 ZERO_OUT_OF_RANGE = frozenset(
     (
         "set_digital_output_mode",
@@ -52,17 +52,17 @@ ZERO_OUT_OF_RANGE = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class HandlerContext:
-    """What handlers act on.
+    """The parts of the simulation that handlers use.
 
     Attributes:
         arm: the arm's dimensions and kinematics.
         runtime: the running simulation.
         signals: inputs and outputs.
         frames: tools and work objects.
-        series, model, serial: what get_robot_type tells.
-        cabinet: what the controller keeps besides: variables, ports, files.
-        forgiving: decides whether a call that is off the manual is taken.
-        mounting: where the base is in the world.
+        series, model, serial: what get_robot_type returns.
+        cabinet: the other state of the controller: variables, ports, files.
+        forgiving: decides whether a call that deviates from the manual is accepted.
+        mounting: pose of the base in the world.
     """
 
     arm: Arm
@@ -90,7 +90,7 @@ class HandlerSection:
         self._context = context
 
     def _task(self, name: str, block: bool, command: Callable[[Controller], int]) -> int:
-        """Give a command that makes a task.
+        """Give the controller a command that makes a task.
 
         Returns:
             The state in which the task ended, or the task's id when the call does not block; 0
@@ -106,9 +106,9 @@ class HandlerSection:
         return int(self._runtime.wait(id_)) if block else id_
 
     def _senseless(self, name: str, reason: Exception, answer: T) -> T:
-        """Answer wrong arguments of a call that makes no task.
+        """Answer a call that makes no task and has wrong arguments.
 
-        The reason goes to the error list, as that of a rejected task does.
+        The reason is added to the error list, like that of a rejected task.
         """
         with self._runtime.command() as controller:
             controller.note_error(f"{name}: {reason}")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 Octets = list[int]
-#: no register and no coil has this value: it stands for "nothing was read"
+#: answer if nothing was read; no register and no coil has this value
 _NOT_READ = -1
 
 
@@ -37,20 +37,20 @@ class BusHandlers(HandlerSection):
         return self._rate("set_baudrate_485", value, block, change)
 
     def read_raw_data_485(self, len: int) -> Octets:  # noqa: A002 - the name on the wire
-        """Up to so many bytes."""
+        """Read up to `len` bytes."""
         return self._receive(self._cabinet.serial, lambda port: port.read(len))
 
     def read_raw_data_485_h(self, head: Sequence[int], len: int) -> Octets:  # noqa: A002 - as above
-        """A frame with a head."""
+        """Read a frame that begins with a head."""
         return self._receive(self._cabinet.serial, lambda port: port.read_framed(_bytes(head), len))
 
     def read_raw_data_485_ht(self, head: Sequence[int], tail: Sequence[int]) -> Octets:
-        """A frame between a head and a tail."""
+        """Read a frame from a head to a tail."""
         ends = _bytes(head), _bytes(tail)
         return self._receive(self._cabinet.serial, lambda port: port.read_between(*ends))
 
     def read_data_485(self) -> Octets:
-        """Every byte that there is; on the wire, not in the manual."""
+        """Read all bytes that have arrived; on the wire, not in the manual."""
         return self._receive(self._cabinet.serial, lambda port: port.read())
 
     def write_raw_data_485(self, data: Sequence[int]) -> bool:
@@ -58,13 +58,13 @@ class BusHandlers(HandlerSection):
         return self._send(self._cabinet.serial, data)
 
     def write_raw_data_485_h(self, data: Sequence[int], head: Sequence[int]) -> bool:
-        """With a head before it."""
+        """Write a head, then the data."""
         return self._send(self._cabinet.serial, head, data)
 
     def write_raw_data_485_ht(
         self, data: Sequence[int], head: Sequence[int], tail: Sequence[int]
     ) -> bool:
-        """With a head before and a tail behind it."""
+        """Write a head, the data, then a tail."""
         return self._send(self._cabinet.serial, head, data, tail)
 
     def write_data_485(self, data: Sequence[int]) -> bool:
@@ -72,22 +72,22 @@ class BusHandlers(HandlerSection):
         return self._send(self._cabinet.serial, data)
 
     def tool_read_raw_data_485(self, len: int) -> Octets:  # noqa: A002 - the name on the wire
-        """Up to so many bytes."""
+        """Read up to `len` bytes."""
         return self._receive(self._cabinet.tool_serial, lambda port: port.read(len))
 
     def tool_read_raw_data_485_h(self, head: Sequence[int], len: int) -> Octets:  # noqa: A002 - as above
-        """A frame with a head."""
+        """Read a frame that begins with a head."""
         return self._receive(
             self._cabinet.tool_serial, lambda port: port.read_framed(_bytes(head), len)
         )
 
     def tool_read_raw_data_485_ht(self, head: Sequence[int], tail: Sequence[int]) -> Octets:
-        """A frame between a head and a tail."""
+        """Read a frame from a head to a tail."""
         ends = _bytes(head), _bytes(tail)
         return self._receive(self._cabinet.tool_serial, lambda port: port.read_between(*ends))
 
     def tool_read_data_485(self) -> Octets:
-        """Every byte that there is; on the wire, not in the manual."""
+        """Read all bytes that have arrived; on the wire, not in the manual."""
         return self._receive(self._cabinet.tool_serial, lambda port: port.read())
 
     def tool_write_raw_data_485(self, data: Sequence[int]) -> bool:
@@ -95,13 +95,13 @@ class BusHandlers(HandlerSection):
         return self._send(self._cabinet.tool_serial, data)
 
     def tool_write_raw_data_485_h(self, data: Sequence[int], head: Sequence[int]) -> bool:
-        """With a head before it."""
+        """Write a head, then the data."""
         return self._send(self._cabinet.tool_serial, head, data)
 
     def tool_write_raw_data_485_ht(
         self, data: Sequence[int], head: Sequence[int], tail: Sequence[int]
     ) -> bool:
-        """With a head before and a tail behind it."""
+        """Write a head, the data, then a tail."""
         return self._send(self._cabinet.tool_serial, head, data, tail)
 
     def tool_write_data_485(self, data: Sequence[int]) -> bool:
@@ -135,13 +135,13 @@ class BusHandlers(HandlerSection):
         return self._rate("set_baudrate_can", value, block, change)
 
     def read_raw_data_can(self) -> Octets:
-        """A frame: its identifier, then its data. Of a longer identifier the lowest byte fits."""
+        """Read a frame: its identifier, cut to the lowest byte if it is longer, then its data."""
         with self._cabinet.lock:
             frame = self._cabinet.can.read()
         return [] if frame is None else _octets(bytes([frame[0] & 0xFF]) + frame[1])
 
     def read_data_can(self) -> Octets:
-        """The same; on the wire, not in the manual."""
+        """The same as read_raw_data_can; on the wire, not in the manual."""
         return self.read_raw_data_can()
 
     def write_raw_data_can(self, id: int, data: Sequence[int]) -> bool:  # noqa: A002 - as on the wire
@@ -150,7 +150,7 @@ class BusHandlers(HandlerSection):
             return self._cabinet.can.write(id, _bytes(data))
 
     def write_data_can(self, id: int, data: Sequence[int]) -> bool:  # noqa: A002 - as on the wire
-        """The same; on the wire, not in the manual."""
+        """The same as write_raw_data_can; on the wire, not in the manual."""
         return self.write_raw_data_can(id, data)
 
     def modbus_add_signal(
@@ -167,7 +167,7 @@ class BusHandlers(HandlerSection):
         return self._change("modbus_add_signal", change)
 
     def modbus_delete_signal(self, signal_name: str) -> int:
-        """Take a signal away; on the wire, not in the manual."""
+        """Delete a signal; on the wire, not in the manual."""
         return self._change(
             "modbus_delete_signal", lambda: self._cabinet.modbus.delete(signal_name)
         )

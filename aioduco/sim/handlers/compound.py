@@ -1,4 +1,4 @@
-"""Combined motion: a weave over the paths that come (复合运动, manual 1.3.13)."""
+"""Combined motion: a weave that is added to later paths (复合运动, manual 1.3.13)."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class CompoundHandlers(HandlerSection):
         path_dwell: bool,
         op_list: Sequence[Op],
     ) -> int:
-        """Set the weave for the next time that it is switched on."""
+        """Set the weave that the next enable_combine_motion switches on."""
 
         def command(controller: Controller) -> int:
             if type not in tuple(WeaveShape):
@@ -51,7 +51,7 @@ class CompoundHandlers(HandlerSection):
                 raise mismatch("el_offset, az_offset and up_height must be finite")
             left, right = _dwells(time)
             for op in op_list:
-                # When they are due, no source says: they are only checked.
+                # No source says when they are due: they are only checked.
                 point_trigger(op, self._signals, self._forgiving)
             controller.weaving.chosen = Weave(
                 WeaveShape(type),
@@ -67,7 +67,7 @@ class CompoundHandlers(HandlerSection):
         return self._task("combine_motion_config", True, command)
 
     def enable_combine_motion(self) -> int:
-        """Lay the weave that was set last over the paths that come."""
+        """Add the weave that was set last to later paths."""
 
         def command(controller: Controller) -> int:
             _check_idle(controller)
@@ -79,7 +79,7 @@ class CompoundHandlers(HandlerSection):
         return self._task("enable_combine_motion", True, command)
 
     def disable_combine_motion(self) -> int:
-        """Paths that come are without a weave."""
+        """Add no weave to later paths."""
 
         def command(controller: Controller) -> int:
             _check_idle(controller)
@@ -90,13 +90,13 @@ class CompoundHandlers(HandlerSection):
 
 
 def _check_idle(controller: Controller) -> None:
-    """The manual: it is switched only while the robot is stopped."""
+    """Check that no motion runs: the manual allows the switch only while the robot is stopped."""
     if not controller.idle:
         raise Rejected(TaskState.ILLEGAL, "motions are running")
 
 
 def _dwells(milliseconds: Sequence[int]) -> tuple[float, float]:
-    """On the left and on the right [s]; none when the list is left out."""
+    """Dwell times on the left and on the right [s]; zero when the list is left out."""
     if len(milliseconds) not in (0, 2) or any(each < 0 for each in milliseconds):
         raise mismatch(f"time is {list(milliseconds)}, but must be two numbers from 0 ms")
     left, right = milliseconds or (0, 0)

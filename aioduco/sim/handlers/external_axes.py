@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
     Vector = NDArray[np.float64]
 
-_FARTHEST = 1e4  # stands for a way without an end [rad or m]
-_SPEEDS = (1e-6, 1e4, "rad/s or m/s")  # what counts as above zero, and as finite
+_FARTHEST = 1e4  # stands for an unlimited range [rad or m]
+_SPEEDS = (1e-6, 1e4, "rad/s or m/s")  # least above zero, and largest finite
 _ACCELERATIONS = (1e-6, 1e6, "rad/s² or m/s²")
-#: the manual's ranges begin at zero, other than those of movel
+#: the manual's ranges begin at zero, unlike those of movel
 _TOOL_SPEED = (1e-6, 5.0, "m/s")
 _TOOL_ACCELERATION = (1e-6, math.inf, "m/s²")
 
@@ -39,10 +39,10 @@ _TOOL_ACCELERATION = (1e-6, math.inf, "m/s²")
 class ExternalAxisHandlers(PathSection):
     """add_eaxis_scheme to get_eaxis_info, move_eaxis to move_circle_eaxis, move_jog_eaxis."""
 
-    # -- what is set up ------------------------------------------------------------------------
+    # -- set-up --------------------------------------------------------------------------------
 
     def set_eaxis_param(self, num: int, param: EAxisParam, block: bool) -> int:
-        """Set an axis up; what drives and encoders need plays no part here."""
+        """Set up an axis; parameters of drives and encoders have no effect here."""
 
         def command(controller: Controller) -> int:
             controller.external_axes.set_axis(num, _axis(param))
@@ -51,7 +51,7 @@ class ExternalAxisHandlers(PathSection):
         return self._task("set_eaxis_param", block, command)
 
     def set_eaxiss_scheme_param(self, num: int, param: EAxisSchemeParam, block: bool) -> int:
-        """Say which axes belong to a scheme; where they stand plays no part here."""
+        """Set which axes belong to a scheme; their placement has no effect here."""
 
         def command(controller: Controller) -> int:
             controller.external_axes.link(num, param.axis_link)
@@ -60,7 +60,7 @@ class ExternalAxisHandlers(PathSection):
         return self._task("set_eaxiss_scheme_param", block, command)
 
     def add_eaxis_scheme(self, num: int, block: bool) -> int:
-        """Add a scheme, which is called "scheme<num>" and has no axes yet."""
+        """Add a scheme. It is called "scheme<num>" and has no axes yet."""
 
         def command(controller: Controller) -> int:
             controller.external_axes.add(num)
@@ -87,7 +87,7 @@ class ExternalAxisHandlers(PathSection):
         return self._task("enable_eaxis_scheme", True, command)
 
     def disable_eaxis_scheme(self, scheme_name: str) -> int:
-        """结束外部轴方案, while nothing moves."""
+        """结束外部轴方案, only while nothing moves."""
 
         def command(controller: Controller) -> int:
             if not controller.idle:
@@ -98,7 +98,7 @@ class ExternalAxisHandlers(PathSection):
         return self._task("disable_eaxis_scheme", True, command)
 
     def get_eaxis_info(self) -> list[EAxissInfo]:
-        """Each scheme, whether it is active, and where its first axis is."""
+        """Name of each scheme, whether it is active, and the position of its first axis."""
         states = self._runtime.external_axes.states()
         return [EAxissInfo(name, int(active), at) for name, active, at in states]
 
@@ -107,7 +107,7 @@ class ExternalAxisHandlers(PathSection):
     def move_eaxis(
         self, scheme_name: str, epose: Sequence[float], v: float, block: bool, op: Op
     ) -> int:
-        """The axes alone; the arm stays where it is."""
+        """Move the axes alone; the arm stays where it is."""
 
         def plan() -> Plan:
             return self._with(lambda start: stay(self._arm, start), scheme_name, epose, v)
@@ -115,7 +115,7 @@ class ExternalAxisHandlers(PathSection):
         return self._motion("move_eaxis", plan, op, block, line=False)
 
     def move_jog_eaxis(self, name: str, direction: int, vel: float, block: bool) -> int:
-        """The first axis of a scheme, until stop_manual_move or the end of its way."""
+        """Jog the first axis of a scheme, until stop_manual_move or the end of its range."""
 
         def command(controller: Controller) -> int:
             if direction not in (-1, 1):
@@ -141,7 +141,7 @@ class ExternalAxisHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """To joints, with the axes."""
+        """Move to joint angles, together with the axes."""
 
         def plan() -> Plan:
             moved = self._to_joints(joints_list, self._joint_pace(v, a, def_acc), rad)
@@ -165,7 +165,7 @@ class ExternalAxisHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """To a pose of the tool by the joints, with the axes."""
+        """Move to a pose of the tool in joint space, together with the axes."""
 
         def plan() -> Plan:
             pace = self._joint_pace(v, a, def_acc)
@@ -190,7 +190,7 @@ class ExternalAxisHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """Along a line, with the axes."""
+        """Move along a line, together with the axes."""
 
         def plan() -> Plan:
             pace = self._line_pace(v, a, def_acc, _TOOL_SPEED, _TOOL_ACCELERATION)
@@ -217,7 +217,7 @@ class ExternalAxisHandlers(PathSection):
         def_acc: bool,
         mode: int,
     ) -> int:
-        """Along an arc, with the axes."""
+        """Move along an arc, together with the axes."""
 
         def plan() -> Plan:
             pace = self._line_pace(v, a, def_acc, _TOOL_SPEED, _TOOL_ACCELERATION)
@@ -244,7 +244,7 @@ class ExternalAxisHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """Once round a circle, with the axes."""
+        """Move once round a circle, together with the axes."""
 
         def plan() -> Plan:
             pace = self._line_pace(v, a, def_acc, _TOOL_SPEED, _TOOL_ACCELERATION)
@@ -253,10 +253,10 @@ class ExternalAxisHandlers(PathSection):
 
         return self._motion("move_circle_eaxis", plan, op, block, line=False)
 
-    # -- what they share -----------------------------------------------------------------------
+    # -- shared parts --------------------------------------------------------------------------
 
     def _with(self, plan: Plan, scheme_name: str, epose: Sequence[float], eaxis_v: float) -> Plan:
-        """A motion of the arm, with which the axes of a scheme go to their positions."""
+        """Add a move of the axes of a scheme to a motion of the arm."""
         target = arguments.numbers("epose", epose, 3)
         speed = arguments.number("eaxis_v", eaxis_v, *_SPEEDS)
         external = self._runtime.external_axes
@@ -269,7 +269,7 @@ class ExternalAxisHandlers(PathSection):
 
 
 def _axis(param: EAxisParam) -> Axis:
-    """What of an axis's parameters has a meaning here."""
+    """Make an axis from those parameters that have an effect here."""
     limits = param.position_limit or (-_FARTHEST, _FARTHEST)
     lower, upper = (
         arguments.number("position_limit", limit, -_FARTHEST, _FARTHEST, "rad or m")
@@ -284,5 +284,5 @@ def _axis(param: EAxisParam) -> Axis:
 
 
 def _reference(name: str, value: float, most: float) -> float:
-    """A reference value: at most the highest one, which it is if it is left out."""
+    """Check a reference value: at most `most`, which is also the value of one that is left out."""
     return most if value == 0.0 else arguments.number(name, value, 1e-6, most, "rad or m, s")

@@ -31,7 +31,7 @@ _NO_SENSOR = "no force sensor is set up"
 
 
 class ForceHandlers(HandlerSection):
-    """fc_start to fc_mode_is_active; those that make a task answer with its id."""
+    """fc_start to fc_mode_is_active; those that make a task return its id."""
 
     def fc_start(self) -> int:
         """开启机器人末端力控."""
@@ -201,7 +201,7 @@ class ForceHandlers(HandlerSection):
         """当前机器人末端力控功能启用状态."""
         return self._runtime.snapshot.view.force_control
 
-    # -- what they share -----------------------------------------------------------------------
+    # -- shared parts --------------------------------------------------------------------------
 
     def _axes_of(self, tool: str, wobj: str, kind: int) -> ForceAxes:
         _choice("type", kind, tuple(ForceFrame))

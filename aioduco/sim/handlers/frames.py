@@ -129,7 +129,7 @@ class FrameHandlers(HandlerSection):
         return used.matrix, used.inverse
 
     def set_load_data(self, value: Sequence[float]) -> int:
-        """抓取负载 [kg, m], its centre of gravity in the tool's frame: it is mounted, too."""
+        """抓取负载 [kg, m], centre of gravity in the tool's frame; the physics mount it, too."""
 
         def command(controller: Controller) -> int:
             mass, *centre = load("value", value)
@@ -159,9 +159,10 @@ class FrameHandlers(HandlerSection):
         return axes.seen(snapshot.view.sensor.external(snapshot.wrench, flange), flange)
 
     def _carry(self, controller: Controller) -> None:
-        """Tell sensor and drives of the tool in use and of what it holds; both are mounted.
+        """Pass the masses of the tool in use and of its load to the force sensor and the physics.
 
-        A tool that the simulator was given is there already, as heavy as it is.
+        The physics mount both. A tool that the simulator was given is not mounted again: the
+        model of the arm has it already, with its own mass.
         """
         mass, *centre = controller.frames.tool().payload
         held = self._cabinet.held

@@ -51,7 +51,7 @@ class MotionHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """To joints, all arriving together."""
+        """Move to joint angles; all joints arrive together."""
 
         def plan() -> Plan:
             return self._to_joints(joints_list, self._joint_pace(v, a, def_acc), r)
@@ -68,7 +68,7 @@ class MotionHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """The same with speed and acceleration in percent; not in the manual."""
+        """The same as movej2 with speed and acceleration in percent; not in the manual."""
 
         def plan() -> Plan:
             return self._to_joints(joints_list, self._percent(v, a, def_acc), r)
@@ -88,7 +88,7 @@ class MotionHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """To a pose of the tool, all joints arriving together."""
+        """Move to a pose of the tool in joint space; all joints arrive together."""
 
         def plan() -> Plan:
             return self._to_pose(p, q_near, tool, wobj, self._joint_pace(v, a, def_acc), r)
@@ -108,7 +108,7 @@ class MotionHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """The same with speed and acceleration in percent; not in the manual."""
+        """The same as movej_pose2 with speed and acceleration in percent; not in the manual."""
 
         def plan() -> Plan:
             return self._to_pose(p, q_near, tool, wobj, self._percent(v, a, def_acc), r)
@@ -128,7 +128,7 @@ class MotionHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """To a pose of the tool, its tip going straight."""
+        """Move to a pose of the tool; the tip moves along a straight line."""
 
         def plan() -> Plan:
             return self._to_line(p, q_near, tool, wobj, self._line_pace(v, a, def_acc), r)
@@ -150,7 +150,7 @@ class MotionHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """Along an arc through p1 to p2."""
+        """Move along an arc through p1 to p2."""
 
         def plan() -> Plan:
             pace = self._line_pace(v, a, def_acc)
@@ -159,7 +159,7 @@ class MotionHandlers(PathSection):
         return self._motion("movec", plan, op, block)
 
     def _percent(self, v: float, a: float, def_acc: bool) -> tuple[float, float]:
-        """Percent of the slowest joint's speed, and of the acceleration the controller chooses."""
+        """Convert percent of the slowest joint's speed and of the default acceleration."""
         speed = arguments.positive("v", v, 100.0, "%") / 100.0 * min(self._arm.velocity)
         if def_acc:
             return speed, DEFAULT_JOINT_ACCELERATION
@@ -182,7 +182,7 @@ class MotionHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """Once round the circle through p1 and p2."""
+        """Move once round the circle through p1 and p2."""
 
         def plan() -> Plan:
             pace = self._line_pace(v, a, def_acc)
@@ -207,7 +207,7 @@ class MotionHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """Along a spiral about the z axis of p1, to a radius and a height or to p2."""
+        """Move along a spiral about the z axis of p1, to a radius and a height or to p2."""
 
         def plan() -> Plan:
             if mode not in (_BY_PARAMETERS, _BY_END):
@@ -250,7 +250,7 @@ class MotionHandlers(PathSection):
         r: float,
         def_acc: bool,
     ) -> int:
-        """Along a smooth curve through up to 50 poses."""
+        """Move along a smooth curve through up to 50 poses."""
 
         def plan() -> Plan:
             pace = self._line_pace(v, a, def_acc)
@@ -270,7 +270,7 @@ class MotionHandlers(PathSection):
         r: float,
         def_acc: bool,
     ) -> int:
-        """The same, with what is triggered at each pose."""
+        """The same as spline, with triggers at the poses."""
         fires: list[tuple[Matrix, Callable[[], None]]] = []
 
         def plan() -> Plan:
@@ -280,7 +280,7 @@ class MotionHandlers(PathSection):
                 if fire is not None:
                     place, _ = self._target("pose_list", point.pos, tool, wobj)
                     fires.append((place[:3, 3], fire))
-            # The manual gives this function smaller least values than the other one.
+            # The manual gives smaller minimum values for this function than for spline.
             pace = self._line_pace(v, a, def_acc, _FINE_SPEED, _FINE_ACCELERATION)
             return self._spline(poses, pace, tool, wobj, r)
 
@@ -303,7 +303,7 @@ class MotionHandlers(PathSection):
         apart = self._runtime.last_motion in _SPLINES
 
         def path(start: Vector) -> Segment:
-            # Here, without the controller's lock: for fifty poses it takes a millisecond.
+            # Computed here, without the controller's lock: fifty poses take a millisecond.
             targets = [base @ pose.matrix @ flange for pose in given]
             return spline_move(
                 self._arm, start, targets, *pace, radius, tool=tip, apart=apart, **manner
@@ -311,7 +311,7 @@ class MotionHandlers(PathSection):
 
         return path
 
-    # -- lines by an offset from where the motion before ends -------------------------------------
+    # -- lines by an offset from the end of the previous motion -----------------------------------
 
     def tcp_move(
         self,
@@ -324,7 +324,7 @@ class MotionHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """By an offset in the tool's frame."""
+        """Move by an offset in the tool's frame."""
 
         def plan() -> Plan:
             used = arguments.tool(self._frames, tool)
@@ -346,7 +346,7 @@ class MotionHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """By the way from one pose to another, in the tool's frame: tip · p1⁻¹ · p2."""
+        """Move by the displacement from p1 to p2, in the tool's frame: tip · p1⁻¹ · p2."""
 
         def plan() -> Plan:
             used = arguments.tool(self._frames, tool)
@@ -368,7 +368,7 @@ class MotionHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """By an offset along and about the axes of the work object."""
+        """Move by an offset along and about the axes of the work object."""
 
         def plan() -> Plan:
             step = arguments.pose("pose_offset", pose_offset).matrix
@@ -391,7 +391,7 @@ class MotionHandlers(PathSection):
         op: Op,
         def_acc: bool,
     ) -> int:
-        """By the way from one pose to another, along and about the axes of the work object."""
+        """Move by the displacement from p1 to p2, along and about the axes of the work object."""
 
         def plan() -> Plan:
             used = arguments.tool(self._frames, tool)
@@ -405,12 +405,12 @@ class MotionHandlers(PathSection):
         return self._motion("wobj_move_2p", plan, op, block)
 
     def set_blend_ahead(self, per: int, num: int) -> int:
-        """How far programs read motions ahead, and when calls that block are answered."""
+        """Set how far programs read motions ahead, and when blocking calls are answered."""
 
         def command(controller: Controller) -> int:
             if not 0 <= per <= 100:
                 raise mismatch(f"per is {per}, but must be from 0 to 100 %")
-            # A client may leave it out, which is 0 on the wire and means 1.
+            # A client may leave `num` out: then it is 0 on the wire, which means 1.
             if not 0 <= num <= 3:
                 raise mismatch(f"num is {num}, but must be from 1 to 3")
             controller.read_ahead = per, max(num, 1)
@@ -438,7 +438,7 @@ class MotionHandlers(PathSection):
 
 
 def _along(tip: Matrix, axes: Matrix, step: Matrix) -> Matrix:
-    """A tip moved and turned in place, along and about given axes."""
+    """Move a tip along given axes, and turn it in place about them."""
     moved = tip.copy()
     moved[:3, 3] += axes @ step[:3, 3]
     moved[:3, :3] = axes @ step[:3, :3] @ axes.T @ tip[:3, :3]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class OptimizationHandlers(HandlerSection):
-    """enable_speed_optimization to disable_vibration_control: for motions that come later."""
+    """enable_speed_optimization to disable_vibration_control; they apply to later motions."""
 
     def enable_speed_optimization(self) -> int:
         """开启速度优化."""

@@ -1,4 +1,4 @@
-"""What the handlers of motions with a path share (manual 1.3.5)."""
+"""Base of the handlers of motions along a path (manual 1.3.5)."""
 
 from __future__ import annotations
 
@@ -40,25 +40,25 @@ _JOINT_SPEED = (math.radians(0.01), 1.25 * math.pi, "rad/s")
 _JOINT_ACCELERATION = (math.radians(0.01), math.inf, "rad/s²")
 _LINE_SPEED = (0.01, 5.0, "m/s")
 _LINE_ACCELERATION = (0.01, math.inf, "m/s²")
-#: what the controller takes when it is to choose the acceleration itself: an assumption
+#: accelerations if the caller leaves the choice to the controller: an assumption
 DEFAULT_JOINT_ACCELERATION = 5.0
 DEFAULT_LINE_ACCELERATION = 2.0
-#: what is forgiven of the speed of a motion that has a target
+#: the kind of deviation that is forgiven for the speed of a motion with a target
 TOO_FAST = "speed above its range"
-#: parts of a branch, and how far both have to be from the singularity between its two sides:
-#: nearer to it the sign of a value says little [m; sines]
+#: parts of a branch, and the least distance of both configurations from the singularity between
+#: its two sides: closer to it the sign of a value is unreliable [m; sines]
 _BRANCH = ("shoulder", "elbow", "wrist")
 _MIRRORED = 0.02
 _STEEPEST = 1e3  # stands for an acceleration that only the joints limit [m/s²]
 
 
 class PathOptions(TypedDict):
-    """What the functions for paths of the tool take besides.
+    """Further arguments of the functions for paths of the tool.
 
     Attributes:
-        weave: laid over the path; None while that is switched off.
-        around: whether singularities are passed by the joints.
-        turn: lets others go on while they are planned.
+        weave: added to the path; None while weaving is switched off.
+        around: whether the path passes singularities in joint space.
+        turn: called between slices of the planning, so that other threads can run.
     """
 
     weave: Weave | None
@@ -82,12 +82,12 @@ class PathSection(HandlerSection):
         """Queue a motion.
 
         Args:
-            name: of the function.
-            plan: makes the plan of what came; raises Rejected if it makes no sense.
+            name: name of the function.
+            plan: makes the plan from the arguments; raises Rejected if they are wrong.
             op: triggers along the path.
-            block: whether to wait for its end.
+            block: whether to wait for the end of the motion.
             line: whether its path has a length in metres, for triggers by distance.
-            points: what happens where on the way, in order; filled by `plan`.
+            points: positions on the path with the action at each, in order; filled by `plan`.
         """
 
         def command(controller: Controller) -> int:
@@ -107,7 +107,7 @@ class PathSection(HandlerSection):
         return self._task(name, block, command)
 
     def _joint_pace(self, v: float, a: float, def_acc: bool) -> tuple[float, float]:
-        """Speed and acceleration of joints, as asked for or optimized."""
+        """Speed and acceleration of joints, as requested or optimized."""
         speed = arguments.at_most(self._forgiving, TOO_FAST, "v", v, *_JOINT_SPEED)
         change = DEFAULT_JOINT_ACCELERATION
         if not def_acc:
@@ -123,7 +123,7 @@ class PathSection(HandlerSection):
         speeds: Range = _LINE_SPEED,
         accelerations: Range = _LINE_ACCELERATION,
     ) -> tuple[float, float]:
-        """Speed and acceleration of the tool, as asked for or optimized."""
+        """Speed and acceleration of the tool, as requested or optimized."""
         speed = arguments.at_most(self._forgiving, TOO_FAST, "v", v, *speeds)
         change = DEFAULT_LINE_ACCELERATION
         if not def_acc:
@@ -132,13 +132,13 @@ class PathSection(HandlerSection):
         return speeds[1] if fast else speed, _STEEPEST if steep else change
 
     def _optimized(self) -> tuple[bool, bool]:
-        """Whether speeds and accelerations are the controller's to choose."""
+        """Whether the controller chooses speeds, and whether it chooses accelerations."""
         switches, mode = self._runtime.optimization, self._runtime.snapshot.view.mode
         fast = switches.speed and mode is OperationMode.AUTO
         return fast, fast or switches.acceleration
 
     def _manner(self, wobj: str = "") -> PathOptions:
-        """How paths at a work object are laid, by what is switched on."""
+        """Options of paths at a work object, by the settings that are switched on."""
         weave = self._runtime.weaving.active
         if weave is not None:
             axes = arguments.wobj(self._frames, wobj).matrix[:3, :3]
@@ -147,7 +147,7 @@ class PathSection(HandlerSection):
         return {"weave": weave, "around": around, "turn": self._runtime.planning.turn}
 
     def _to_joints(self, target: Sequence[float], pace: tuple[float, float], r: float) -> Plan:
-        """To joints, all arriving together."""
+        """Plan a motion to joint angles; all joints arrive together."""
         end = np.array(arguments.joints("joints_list", target))
         radius = blend(r)
         tip = self._frames.tool().matrix
@@ -162,7 +162,7 @@ class PathSection(HandlerSection):
         pace: tuple[float, float],
         r: float,
     ) -> Plan:
-        """To a pose of the tool, all joints arriving together."""
+        """Plan a motion to a pose of the tool in joint space; all joints arrive together."""
         target, tip = self._target("p", p, tool, wobj)
         reference, radius = near(q_near), blend(r)
 
@@ -184,7 +184,7 @@ class PathSection(HandlerSection):
         pace: tuple[float, float],
         r: float,
     ) -> Plan:
-        """To a pose of the tool, its tip going straight."""
+        """Plan a motion to a pose of the tool; the tip moves along a straight line."""
         target, tip = self._target("p", p, tool, wobj)
         radius, manner = blend(r), self._manner(wobj)
         return self._verified(
@@ -203,7 +203,7 @@ class PathSection(HandlerSection):
         pace: tuple[float, float],
         r: float,
     ) -> Plan:
-        """Along an arc through p1 to p2."""
+        """Plan a motion along an arc through p1 to p2."""
         via, tip = self._target("p1", p1, tool, wobj)
         target, _ = self._target("p2", p2, tool, wobj)
         if mode not in (0, 1, 2):
@@ -227,7 +227,7 @@ class PathSection(HandlerSection):
         pace: tuple[float, float],
         r: float,
     ) -> Plan:
-        """Once round the circle through p1 and p2."""
+        """Plan a motion once round the circle through p1 and p2."""
         first, tip = self._target("p1", p1, tool, wobj)
         second, _ = self._target("p2", p2, tool, wobj)
         if mode not in (1, 2):
@@ -241,7 +241,7 @@ class PathSection(HandlerSection):
         )
 
     def _verified(self, plan: Plan, q_near: Sequence[float]) -> Plan:
-        """A path of the tool that must end in the branch of the joints given, if any are."""
+        """Wrap a plan so that its path must end in the branch of `q_near`, if that is given."""
         reference = near(q_near)
         if reference is None:
             return plan
@@ -271,10 +271,10 @@ class PathSection(HandlerSection):
 
 
 def near(q_near: Sequence[float]) -> Vector | None:
-    """Reference joints; None for none given."""
+    """Reference joints; None if none are given."""
     return np.array(arguments.joints("q_near", q_near)) if q_near else None
 
 
 def blend(r: float) -> float:
-    """Radius of a blend [m]."""
+    """Check the radius of a blend [m]."""
     return arguments.number("r", r, 0.0, math.inf, "m")

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     Vector = NDArray[np.float64]
 
 _KIND = "realtime control"
-#: the manual's defaults, for a client that leaves them out
+#: the manual's defaults, for a client that leaves the arguments out
 _BANDWIDTH, _PATIENCE = 100.0, 0.02
 
 
@@ -34,7 +34,7 @@ class RealtimeHandlers(HandlerSection):
     """start_realtime_mode to get_realtime_data_queue_size."""
 
     def start_realtime_mode(self, mode: int, fileter_bandwidth: float, com_lost_time: float) -> int:
-        """Follow the queue, a point in each cycle; done as soon as it has begun."""
+        """Follow the queue, one point per cycle; the task is done as soon as that has begun."""
 
         def command(controller: Controller) -> int:
             if mode == RealtimeMode.JOINT_TORQUE:
@@ -83,7 +83,7 @@ class RealtimeHandlers(HandlerSection):
         return controller.finish("start_realtime_mode")
 
     def end_realtime_mode(self) -> int:
-        """Come to rest and leave the mode."""
+        """Bring the arm to rest and leave the mode."""
         return self._task(
             "end_realtime_mode", True, lambda c: c.end_following("end_realtime_mode", _KIND)
         )
@@ -91,7 +91,7 @@ class RealtimeHandlers(HandlerSection):
     def realtime_data_enqueue(
         self, realtime_data: Sequence[RealTimeControlData], block: bool
     ) -> int:
-        """Put points into the queue: all of them, or -1 if there is no room."""
+        """Put points into the queue: all of them, or none if they do not fit; then return -1."""
 
         def command(controller: Controller) -> int:
             points = [_command(data) for data in realtime_data if data.status]
@@ -114,7 +114,7 @@ class RealtimeHandlers(HandlerSection):
         return self._task("clear_realtime_data_queue", True, command)
 
     def get_realtime_data_queue_size(self) -> int:
-        """How many points wait in the queue."""
+        """Number of points in the queue."""
         with self._runtime.command() as controller:
             return len(controller.commands)
 
@@ -124,7 +124,7 @@ class QueueFull(Exception):
 
 
 def _command(data: RealTimeControlData) -> RealtimeCommand:
-    """A point; what it has must make sense, whatever the mode."""
+    """Check a point: every value that it has must be valid, whatever the mode."""
     joints = data.joint_pos_cmd
     return RealtimeCommand(
         arguments.joints("joint_pos_cmd", joints) if joints else (),

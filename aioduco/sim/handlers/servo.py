@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _SPEED = (math.radians(0.01), 1.25 * math.pi, "rad/s")
 _ACCELERATION = (math.radians(0.01), math.inf, "rad/s²")
-#: the vendor's own, for a client that leaves them out: all four are then zeros on the wire
+#: the vendor's values, for a client that leaves them out: all four are then zero on the wire
 _GAINS = (200.0, 25.0, 10.0, 1.0)
 
 
@@ -44,7 +44,7 @@ class ServoHandlers(HandlerSection):
         smooth_vel: float,
         smooth_acc: float,
     ) -> int:
-        """To joints, each for itself."""
+        """Move to joint angles, each joint independently."""
 
         def target() -> Callable[[Vector], Vector]:
             goal = np.array(arguments.joints("joints_list", joints_list))
@@ -66,7 +66,7 @@ class ServoHandlers(HandlerSection):
         smooth_vel: float,
         smooth_acc: float,
     ) -> int:
-        """To a pose of the tool, each joint for itself."""
+        """Move to a pose of the tool, each joint independently."""
 
         def target() -> Callable[[Vector], Vector]:
             return self._at_pose(pose_list, q_near, tool, wobj)
@@ -85,7 +85,7 @@ class ServoHandlers(HandlerSection):
         smooth_vel: float,
         smooth_acc: float,
     ) -> int:
-        """By an offset in the tool's frame, from the present target on."""
+        """Move by an offset in the tool's frame, relative to the present target."""
 
         def target() -> Callable[[Vector], Vector]:
             used = arguments.tool(self._frames, tool)
@@ -108,14 +108,14 @@ class ServoHandlers(HandlerSection):
         smooth_vel: float,
         smooth_acc: float,
     ) -> int:
-        """To a pose of the tool, each joint for itself, as the manual's text says."""
+        """Move to a pose of the tool, each joint independently, as the manual's text says."""
 
         def target() -> Callable[[Vector], Vector]:
             return self._at_pose(pose_list, q_near, tool, wobj)
 
         return self._servo("servol", target, (v, a, kp, kd, smooth_vel, smooth_acc), block)
 
-    # -- what they share -----------------------------------------------------------------------
+    # -- shared parts --------------------------------------------------------------------------
 
     def _servo(
         self,
@@ -155,14 +155,14 @@ class ServoHandlers(HandlerSection):
         )
 
     def _usual(self, name: str, value: float, usual: float) -> float:
-        """The vendor's own value for a 0 that is out of its range."""
+        """Replace a 0 that is out of range by the vendor's value, if that is forgiven."""
         if value:
             return value
         self._forgiving.forgive("servo gains and smoothing", f"{name} is 0, but must be above 0")
         return usual
 
     def _smoothing(self, name: str, value: float, low: float, high: float) -> float:
-        """A smoothing; out of its range, the nearest one that is in it."""
+        """Check a smoothing; one out of range is moved to the nearest limit if that is forgiven."""
         if math.isfinite(value) and not low <= value <= high:
             text = f"{name} is {value}, but must be from {low:g} to {high:g}"
             self._forgiving.forgive("servo gains and smoothing", text)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class SettingHandlers(HandlerSection):
-    """Settings of robot, pendant and collisions; what the robot is, and where it reaches."""
+    """Settings of robot, pendant and collision detection; type and reach of the robot."""
 
     def speed(self, val: float) -> int:
         """机器人全局速度百分比 [%]."""
@@ -35,7 +35,7 @@ class SettingHandlers(HandlerSection):
         return math.floor(self._runtime.snapshot.view.speed)
 
     def switch_mode(self, mode: int) -> int:
-        """0: manual, 1: automatic; refused where a switch at the cabinet decides."""
+        """Set manual (0) or automatic mode (1); refused if a switch at the cabinet decides it."""
 
         def command(controller: Controller) -> int:
             if mode not in (OperationMode.MANUAL, OperationMode.AUTO):
@@ -69,11 +69,11 @@ class SettingHandlers(HandlerSection):
         return [list(row) for row in zip(g.a, g.alpha, g.d, g.theta, strict=True)]
 
     def get_calib_DH(self) -> list[list[float]]:  # noqa: N802 - the name on the wire
-        """The same: a simulated arm is built as designed."""
+        """The same as get_origin_DH: a simulated arm is built as designed."""
         return self.get_origin_DH()
 
     def set_teach_speed(self, v: int) -> int:
-        """示教速度的百分比 [%]: that of jogs from the next one on."""
+        """示教速度的百分比 [%]; it applies from the next jog on."""
 
         def change() -> None:
             self._cabinet.teach_speed = int(number("v", v, 1, 100, "%"))
@@ -117,7 +117,7 @@ class SettingHandlers(HandlerSection):
         ref_pos: Sequence[float],
         check_points: Sequence[Sequence[float]],
     ) -> ReachabilityParam:
-        """Whether every pose can be reached, and if so by which joints."""
+        """Tell whether every pose can be reached, and if so by which joints."""
         try:
             frame = pose("base", base).inverse() @ pose("wobj", wobj)
             flange = pose("tool", tool).inverse()
@@ -132,7 +132,7 @@ class SettingHandlers(HandlerSection):
         return ReachabilityParam(True, found)
 
     def set_dynamic_calibration_params(self, params: Sequence[Sequence[float]]) -> int:
-        """Kept, and without effect: a simulated arm is built as designed."""
+        """Store the parameters. They have no effect: a simulated arm is built as designed."""
 
         def change() -> None:
             if not all(math.isfinite(value) for row in params for value in row):
@@ -142,7 +142,7 @@ class SettingHandlers(HandlerSection):
         return self._keep("set_dynamic_calibration_params", change)
 
     def get_dynamic_calibration_params(self) -> list[list[float]]:
-        """What was set; nothing before."""
+        """The parameters that were set last; empty before."""
         return self._cabinet.dynamics
 
     def _keep(self, name: str, change: Callable[[], None]) -> int:

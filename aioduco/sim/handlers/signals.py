@@ -27,7 +27,7 @@ _NOT_SET = 1  # any answer but 0 means that a system value was not set
 class SignalHandlers(HandlerSection):
     """Signals of the cabinet and the tool, registers, system values.
 
-    Reading a signal or register that does not exist gives False or 0 (manual 1.3.7); setting one
+    Reading a signal or register that does not exist returns False or 0 (manual 1.3.7); setting one
     changes nothing.
     """
 
@@ -146,7 +146,7 @@ class SignalHandlers(HandlerSection):
         )
 
     def set_analog_output_mode(self, num: int, mode: int, block: bool) -> int:
-        """Voltage (0) or current (1); on the wire, not in the manual."""
+        """Set an analog output to voltage (0) or current (1); on the wire, not in the manual."""
         return self._set(
             "set_analog_output_mode",
             self._signals.analog_mode,
@@ -282,5 +282,5 @@ class SignalHandlers(HandlerSection):
 
 
 def signed16(word: int) -> int:
-    """A register of 16 bits as the wire's i16."""
+    """Convert a register of 16 bits to the wire's i16."""
     return (word + 0x8000) % 0x10000 - 0x8000

@@ -1,4 +1,4 @@
-"""Answers with readings in single precision, as a controller gives them."""
+"""Handlers that return readings in single precision, as a controller does."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["READINGS", "SinglePrecisionHandlers"]
 
-#: functions whose numbers are measured, or made of what is
+#: functions that return readings of the arm: measured, commanded, or computed from these
 READINGS = (
     "getRobotStatus",
     *(
@@ -35,7 +35,7 @@ READINGS = (
 
 
 class SinglePrecisionHandlers(Handlers):
-    """The same functions; each number of a reading is one that 32 bits hold."""
+    """The same functions; each number of a reading is rounded to a 32-bit float."""
 
 
 def _rounded(name: str) -> Callable[..., Any]:

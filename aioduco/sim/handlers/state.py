@@ -48,11 +48,11 @@ class StateHandlers(HandlerSection):
         return _list(self._runtime.snapshot.torque)
 
     def get_target_joints_torque(self) -> list[float]:
-        """各关节目标力矩: what the commanded motion needs, as the controller knows it [N m]."""
+        """各关节目标力矩: what the commanded motion needs by the controller's model [N m]."""
         return _list(self._runtime.snapshot.target_torque)
 
     def get_ext_torque(self) -> list[float]:
-        """关节观测外力矩: what pushes at the joints from outside [N m]."""
+        """关节观测外力矩: external torques on the joints [N m]."""
         return _list(self._runtime.snapshot.external_torque)
 
     def get_target_joints_position(self) -> list[float]:
@@ -82,7 +82,7 @@ class StateHandlers(HandlerSection):
         return self._tips(self._runtime.snapshot)[0].acceleration
 
     def get_tcp_pose_coord(self, tool: str, wobj: str) -> list[float]:
-        """The tip of a tool in the frame of a work object, both by name [m, rad]."""
+        """Pose of a tool's tip in the frame of a work object, both given by name [m, rad]."""
         try:
             offset, base = self._frames.tool(tool), self._frames.wobj(wobj)
         except UnknownName as exc:
@@ -124,7 +124,7 @@ class StateHandlers(HandlerSection):
             jointActualPosition=_list(snapshot.q),
             jointActualVelocity=_list(snapshot.qd),
             jointActualAccelera=_list(snapshot.qdd),
-            # Of the motors no data are public: the joint's largest torque stands for the rated.
+            # The motors' data are not public: the joint's largest torque stands for the rated one.
             jointActualCurrent=_list(1000.0 * snapshot.torque / self._effort),
             jointTemperature=_list(snapshot.joint_temperature),
             driverTemperature=_list(snapshot.board_temperature),
@@ -155,7 +155,7 @@ class StateHandlers(HandlerSection):
         return actual, expected
 
     def _in_world(self, tip: TipMotion) -> TipMotion:
-        """The same in the world's frame, in which the status has it."""
+        """Convert a tip's motion to the world's frame, which the status uses."""
         mounting = self._mounting
         if mounting is None:
             return tip

@@ -62,10 +62,10 @@ class SystemHandlers(HandlerSection):
         return self._task("abort", block, lambda c: c.abort())
 
     def rpc_heartbeat(self, time: int) -> None:
-        """A sign of life; the next is due within `time` milliseconds."""
+        """Take a heartbeat; the next one is due within `time` milliseconds."""
         with self._runtime.command() as controller:
             late = controller.heartbeat.beat(monotonic(), time)
-        # With a slack that is set, a strict controller has one too: nothing was refused.
+        # A strict simulator accepts a late heartbeat only within a slack that was set for it.
         if late and not self._forgiving.strict:
             self._forgiving.forgive("late heartbeat", f"a heartbeat came {late:.3f} s late")
 

@@ -39,10 +39,10 @@ _JOINT_ACCELERATION = (math.radians(0.01), 12.5 * math.pi, "rad/s²")
 _LINE_SPEED = (1e-5, 5.0, "m/s")
 _LINE_ACCELERATION = (1e-5, math.inf, "m/s²")
 _STEEPEST = 1e4  # stands for an acceleration without a limit [m/s²]
-#: what the manual gives for an interval that is left out: degrees, seconds
+#: the manual's defaults for an interval that is left out: degrees, seconds
 _INTERVALS = {BY_POSITION: 5.0, BY_TIME: 0.25}
 _LONGEST_NAME = 255  # bytes
-_REPLAY_SPEED = 1.0  # what 100 % of the set speed are for the tool: an assumption [m/s]
+_REPLAY_SPEED = 1.0  # speed of the tool at 100 % of the set speed: an assumption [m/s]
 
 
 class TrackHandlers(HandlerSection):
@@ -53,7 +53,7 @@ class TrackHandlers(HandlerSection):
         return self._put("trackEnqueue", block, lambda: [(_point(p), None) for p in track])
 
     def trackEnqueueOp(self, track: Sequence[PointOp], block: bool) -> int:  # noqa: N802
-        """The same, each with what is triggered there."""
+        """The same as trackEnqueue, with triggers at the points."""
 
         def points() -> list[tuple[tuple[float, ...], Any]]:
             return [
@@ -63,7 +63,7 @@ class TrackHandlers(HandlerSection):
         return self._put("trackEnqueueOp", block, points)
 
     def trackClearQueue(self) -> int:  # noqa: N802 - the name on the wire
-        """清空轨迹池; an arm that follows it slows down."""
+        """清空轨迹池; an arm that follows the pool slows down."""
 
         def command(controller: Controller) -> int:
             controller.pool.clear()
@@ -77,7 +77,7 @@ class TrackHandlers(HandlerSection):
             return len(controller.pool)
 
     def trackJointMotion(self, speed: float, acc: float, block: bool) -> int:  # noqa: N802
-        """Through the points as joints, until there are none."""
+        """Move through the points as joints, until the pool is empty."""
 
         def following(controller: Controller) -> Following:
             v = arguments.number("speed", speed, *_JOINT_SPEED)
@@ -95,7 +95,7 @@ class TrackHandlers(HandlerSection):
     def trackCartMotion(  # noqa: N802 - the name on the wire
         self, speed: float, acc: float, block: bool, tool: str, wobj: str, radius: float
     ) -> int:
-        """Through the points as poses of the tool in the work object, until there are none."""
+        """Move through the points as poses of the tool in the work object, until none is left."""
 
         def following(controller: Controller) -> Following:
             v = arguments.number("speed", speed, *_LINE_SPEED)
@@ -140,7 +140,7 @@ class TrackHandlers(HandlerSection):
     def start_record_track(
         self, name: str, mode: int, tool: str, wobj: str, interval: float
     ) -> int:
-        """轨迹记录. The id of a task, which is done once the recording has begun."""
+        """轨迹记录. Returns the id of a task that is done once the recording has begun."""
 
         def command(controller: Controller) -> int:
             if mode not in _INTERVALS:
@@ -178,7 +178,7 @@ class TrackHandlers(HandlerSection):
         return self._task("stop_record_track", True, command)
 
     def replay(self, name: str, value: int, mode: int) -> int:
-        """轨迹复现: to the first point, then through all of them; `value` is the speed [%]."""
+        """轨迹复现: move to the first point, then through all of them; `value` is the speed [%]."""
 
         def command(controller: Controller) -> int:
             share = arguments.number("value", value, 1, 100, "%") / 100.0
@@ -230,7 +230,7 @@ class PoolFull(Exception):
 
 def _point(values: Sequence[float]) -> tuple[float, ...]:
     point = arguments.numbers("a point", values, 6)
-    # What a point is, joints or a pose, the motion decides; angles of both have this range.
+    # The motion decides whether a point is joints or a pose; angles of both have this range.
     if any(abs(value) > 2 * math.pi for value in point):
         raise mismatch(f"a point is {list(point)}, but its numbers must be from -2π to 2π")
     return point
@@ -241,7 +241,7 @@ def _reached(fire: Callable[[], None]) -> None:
 
 
 def _pool(points: Sequence[tuple[float, ...]]) -> TrackPool:
-    """The points of a track, which are no more than fit."""
+    """Put the points of a track into a pool; a track never has more points than fit."""
     pool = TrackPool()
     fits = pool.put((point, None) for point in points)
     assert fits

@@ -1,4 +1,4 @@
-"""Motions without an end of their own: velocities, jogs, hand guiding (manual 1.3.5)."""
+"""Motions without a given end: velocities, jogs, hand guiding (manual 1.3.5)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _FASTEST_TOOL = 5.0
 _JOINT_ACCELERATION = (math.radians(0.01), math.inf, "rad/s²")
 _TOOL_ACCELERATION = (1e-5, math.inf, "m/s²")
 _STEEPEST = 1e4  # stands for an acceleration without a limit
-#: what 100 % of a jog are: assumptions, of the order of what ISO 10218 calls reduced speed
+#: speeds of a jog at 100 %: assumptions, of the order of the reduced speed of ISO 10218
 _JOG_JOINT, _JOG_LINE, _JOG_TURN = 0.5, 0.25, 0.5  # [rad/s, m/s, rad/s]
 _JOG_JOINT_ACCELERATION, _JOG_LINE_ACCELERATION = 2.0, 1.0  # [rad/s², m/s²]
 _CARTESIAN, _JOINTS = 1, 2
@@ -80,7 +80,7 @@ class VelocityHandlers(HandlerSection):
         return self._task("speedl", block, command)
 
     def speed_stop(self, block: bool) -> int:
-        """End speedj and speedl at their own acceleration."""
+        """Bring speedj and speedl to rest at their own acceleration."""
         name = "speed_stop"
         return self._task(name, block, lambda c: c.end_following(name, "speedj", "speedl"))
 
@@ -101,7 +101,7 @@ class VelocityHandlers(HandlerSection):
         return self._task(name, block, lambda c: c.end_jog(name))
 
     def teach_mode(self, block: bool) -> int:
-        """Begin hand guiding; done when it has begun."""
+        """Begin hand guiding; the task is done when that has begun."""
 
         def command(controller: Controller) -> int:
             giving = self._cabinet.hand_teaching
@@ -129,7 +129,7 @@ class VelocityHandlers(HandlerSection):
         coord_type: int,
         direction: Sequence[bool],
     ) -> int:
-        """牵引参数, from the next hand guiding on: a scale of 0 holds, all others are alike."""
+        """牵引参数, from the next hand guiding on: a scale of 0 blocks, all others act alike."""
 
         def command(controller: Controller) -> int:
             for name, value, allowed in (("space", space, 2), ("coord_type", coord_type, 4)):
@@ -151,7 +151,7 @@ class VelocityHandlers(HandlerSection):
 
         return self._task("set_hand_teach_parameter", True, command)
 
-    # -- what they share -----------------------------------------------------------------------
+    # -- shared parts --------------------------------------------------------------------------
 
     def _joint_velocity(self, q: Vector) -> JointVelocity:
         return JointVelocity(self._arm, q, self._runtime.cycle)
@@ -190,7 +190,7 @@ class VelocityHandlers(HandlerSection):
         return param.vel / 100.0 * self._cabinet.teach_speed / 100.0
 
     def _axes(self, frame: int) -> Vector | None:
-        """Axes of a frame by its number, in the base; None for those of the tool."""
+        """Axes of a frame, by its number, in the base frame; None for those of the tool."""
         if frame == JogFrame.TOOL:
             return None
         if frame == JogFrame.WORK_OBJECT:
@@ -258,7 +258,7 @@ def _speeds(name: str, values: Sequence[float], most: Sequence[float]) -> Vector
 
 
 def _time(milliseconds: int) -> float:
-    """How long it goes on [s]; infinite for -1."""
+    """Convert a duration to seconds; infinite for -1."""
     if milliseconds == -1:
         return math.inf
     if milliseconds <= 0:

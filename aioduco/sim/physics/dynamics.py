@@ -25,28 +25,28 @@ def mount(model: Any, mass: float, centre: Sequence[float]) -> None:
     """Change what the flange of a model carries.
 
     Args:
-        model: of MuJoCo, with a body "flange" of no other mass.
-        mass: of the load, a point without inertia of its own [kg].
+        model: MuJoCo model, with a body "flange" that has no other mass.
+        mass: mass of the load, a point without inertia of its own [kg].
         centre: its centre of mass in the frame of the flange [m].
     """
     body = model.body("flange")
     body.mass[:] = max(mass, NOTHING)
     body.ipos[:] = centre
-    # What follows from the masses is computed on a copy, since it is left at the zero pose.
+    # Computes what depends on the masses; it leaves the data that it gets at the zero pose.
     mujoco.mj_setConst(model, mujoco.MjData(model))
 
 
 class InverseDynamics:
-    """The forces that a motion needs, by a model that stands apart from the world.
+    """The torques that a motion needs, from a model that is separate from the world.
 
-    The model has no contacts and no scene. What the world does to the arm besides is what the
-    controller finds by comparison.
+    The model has no contacts and no scene. The controller compares its torques with those in the
+    world to find the external forces.
 
     Args:
-        model: of MuJoCo: the arm with its tool, without a scene. It is changed.
+        model: MuJoCo model of the arm with its tool, without a scene. It is modified.
 
     Attributes:
-        positions, speeds: how many there are of the arm and its tool.
+        positions, speeds: numbers of positions and of speeds of the arm and its tool.
     """
 
     def __init__(self, model: Any) -> None:
@@ -67,11 +67,11 @@ class InverseDynamics:
         mount(self._model, mass, centre)
 
     def at(self, qpos: Array, qvel: Array) -> None:
-        """Take the state for which torques are asked from now on.
+        """Set the state for which `torque` computes torques from now on.
 
         Args:
             qpos: positions of the arm and its tool [rad].
-            qvel: speeds, likewise [rad/s].
+            qvel: speeds of the arm and its tool [rad/s].
         """
         self._qpos[:] = qpos
         self._qvel[:] = qvel
@@ -79,10 +79,10 @@ class InverseDynamics:
         mujoco.mj_fwdVelocity(self._model, self._data)
 
     def torque(self, acceleration: Array) -> Array:
-        """Give the torques that the arm needs for accelerations, and against its weight [N m].
+        """Compute the torques that the arm needs for accelerations, and against its weight [N m].
 
         Args:
-            acceleration: of the joints, or of arm and tool [rad/s²].
+            acceleration: accelerations of the joints, or of arm and tool [rad/s²].
 
         Returns:
             Shape (6,), valid until the next call.

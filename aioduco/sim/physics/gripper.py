@@ -1,7 +1,7 @@
-"""Fingers and suction cups in MuJoCo, which hold things by friction and drop them.
+"""Fingers and suction cups in MuJoCo, which hold things by friction and can drop them.
 
-`FingerControl` is what a gripper's own controller does: a state machine without physics. `Hand`
-joins it to the model. Orders come from any thread; the rest belongs to the world's thread.
+`FingerControl` is the gripper's own controller: a state machine without physics. `Hand` connects it
+to the model. Any thread may give orders; everything else runs on the world's thread.
 """
 
 from __future__ import annotations
@@ -17,34 +17,35 @@ if TYPE_CHECKING:
 
 __all__ = ["FingerControl", "GripperOrder", "GripperReading", "Hand", "gripper_mjcf"]
 
-#: friction between finger tips, or cup, and what they hold; an assumption, as of rubber
+#: friction between finger tips, or cup, and a thing that they hold; an assumption, as of rubber
 FRICTION = 0.8
-#: of the drive, against the opening [N/m, N s/m], and inertia of it at each finger [kg]
+#: stiffness and damping of the drive [N/m, N s/m], and its inertia at each finger [kg]
 _STIFFNESS, _DAMPING, _INERTIA = 20_000.0, 100.0, 0.2
 #: mass of a finger [kg]
 _FINGER = 0.05
-#: half sizes of a finger across, its thickness, from its tip's middle up and down [m]
+#: a finger's half width, half thickness, and extent from its tip's middle up and down [m]
 _ACROSS, _THICK, _UP, _DOWN = 0.011, 0.006, 0.045, 0.008
-#: what counts as arrived, as no motion, and for how long, as moved away [m, m/s, s, m]
+#: thresholds: distance that is arrived, speed that is none and for how long, distance that is moved
+#: away [m, m/s, s, m]
 _ARRIVED, _STANDING, _STALLED, _AWAY = 5e-4, 2e-3, 0.05, 3e-3
-#: how far the drive's set-point leads a finger that is stopped, beyond what its force takes [m]
+#: how far the drive's set-point leads a stopped finger, beyond what its force needs [m]
 _LEAD = 0.003
-#: until a vacuum has built up, and until it is gone without blowing off [s]; assumptions
+#: time until a vacuum has built up, and until it is gone without blowing off [s]; assumptions
 _BUILD_UP, _FADING = 0.1, 0.2
 _CUP = 0.02  # radius of a cup [m]
-#: cosine of the angle up to which a contact is one of a finger's inner face, or a cup's lip
+#: cosine of the largest angle at which a contact is one of a finger's inner face, or a cup's lip
 _FACING = 0.7
 
 
 class GripperOrder(NamedTuple):
-    """What a gripper is told to do.
+    """An order to a gripper.
 
     Attributes:
-        number: counts the orders.
-        targets: openings to go to, one after another [m]; none to stand. Of a cup: 0 to suck, 1 to
-            let go.
-        speed: of the opening [m/s]; of a cup 1 to blow off.
-        force: N.
+        number: number of the order, counted from the first.
+        targets: openings to move to, one after another [m]; none to stop. For a cup: 0 to suck, 1
+            to release.
+        speed: speed of the opening [m/s]; for a cup 1 to blow off.
+        force: force of the fingers or the cup [N].
     """
 
     number: int
@@ -54,14 +55,14 @@ class GripperOrder(NamedTuple):
 
 
 class GripperReading(NamedTuple):
-    """How a gripper is.
+    """State of a gripper.
 
     Attributes:
-        number: of the order that it carries out.
-        opening: between the fingers [m].
+        number: number of the order that it carries out.
+        opening: distance between the fingers [m].
         moving: whether the order is still being carried out.
-        caught: 1 if something stopped it closing, -1 opening, 0 if nothing did.
-        lost: whether what it had caught is gone.
+        caught: 1 if something stopped it while it closed, -1 while it opened, 0 if nothing did.
+        lost: whether it has lost what it had caught.
     """
 
     number: int
@@ -72,10 +73,12 @@ class GripperReading(NamedTuple):
 
 
 class FingerControl:
-    """Leads the fingers to an opening, sees what stops them, and presses. No clock, no physics.
+    """Moves the fingers to an opening, detects a thing that stops them, and presses on it.
+
+    It has no clock and no physics.
 
     Args:
-        opening: at the beginning [m].
+        opening: opening at the beginning [m].
     """
 
     def __init__(self, opening: float) -> None:
@@ -88,13 +91,13 @@ class FingerControl:
         self._moving = self._lost = False
 
     def tick(self, order: GripperOrder, opening: float, rate: float, step: float) -> float:
-        """One step.
+        """Run one step.
 
         Args:
-            order: what is to be done now.
-            opening: between the fingers [m].
-            rate: its change [m/s].
-            step: s.
+            order: the present order.
+            opening: distance between the fingers [m].
+            rate: speed of the opening [m/s].
+            step: length of the step [s].
 
         Returns:
             The drive's set-point of the opening [m].
@@ -138,21 +141,21 @@ class FingerControl:
             self._moving = False
 
     def reading(self, opening: float) -> GripperReading:
-        """How it is now, at an opening [m]."""
+        """Give the present state, at an opening [m]."""
         return GripperReading(
             self._order.number, opening, self._moving, self._direction, self._lost
         )
 
 
 class Hand:
-    """A gripper of a compiled model.
+    """A gripper in a compiled model.
 
     Args:
-        model, data: of MuJoCo, with what `gripper_mjcf` made as the tool.
-        gripper: which it is.
+        model, data: MuJoCo model and data, whose tool `gripper_mjcf` has made.
+        gripper: model of the gripper.
 
     Attributes:
-        reading: how it is; a new one after each step.
+        reading: state of the gripper; a new one after each step.
     """
 
     def __init__(self, model: Any, data: Any, gripper: GripperModel) -> None:
@@ -160,7 +163,7 @@ class Hand:
         self._data = data
         self._model = model
         self._order = GripperOrder(0, (), 0.0, 0.0)
-        # Firmer against creeping than the arm alone needs.
+        # A gripper's contacts must resist creeping more than the arm alone needs.
         model.opt.impratio = 10.0
         self._actuator: int = model.actuator("tool/grip").id
         self._control = FingerControl(gripper.stroke)
@@ -170,19 +173,19 @@ class Hand:
         if gripper.stroke:
             self._at = [int(model.joint(f"tool/{side}").qposadr[0]) for side in ("left", "right")]
             self._by = [int(model.joint(f"tool/{side}").dofadr[0]) for side in ("left", "right")]
-            # Where each of them closes to, along the axis y of its geometry.
+            # Direction in which each of them closes, along the y axis of its geom.
             self._pads = {model.geom("tool/left").id: -1.0, model.geom("tool/right").id: 1.0}
         else:
             self._cup: int = model.geom("tool/cup").id
 
     def command(self, targets: Iterable[float], speed: float, force: float) -> int:
-        """Tell it what to do, from any thread; the number of the order."""
+        """Give an order, from any thread; return its number."""
         goals = tuple(min(max(float(goal), 0.0), self.gripper.stroke or 1.0) for goal in targets)
         self._order = GripperOrder(self._order.number + 1, goals, speed, force)
         return self._order.number
 
     def reset(self) -> None:
-        """Begin anew, open and without an order; on the world's thread."""
+        """Return to the initial state, open and without an order; on the world's thread."""
         self._order = GripperOrder(self._order.number, (), 0.0, 0.0)
         self._control = FingerControl(self.gripper.stroke)
         self.reading = self._control.reading(self.gripper.stroke)
@@ -190,20 +193,21 @@ class Hand:
 
     @property
     def still(self) -> bool:
-        """Whether nothing is left to be done."""
+        """Whether the latest order has been carried out."""
         reading = self.reading
         return reading.number == self._order.number and not reading.moving
 
     def grips(self, contact: int) -> bool:
-        """Whether a contact is one by which the gripper grips, holds or lets go.
+        """Whether a contact is one by which the gripper grips, holds or releases a thing.
 
-        So is one of a finger's inner face with something that may move, while the fingers move or
-        press on what stopped them; and one of a cup's lip. A finger that is set down on something,
-        pushes it aside with its back, or stands and is led against it does not grip it; nor does
-        one grip what is fixed to the world.
+        This holds for a contact of a finger's inner face with a thing that may move, while the
+        fingers move or press on what stopped them, and for one of a cup's lip with such a thing.
+        A finger does not grip a thing that it is set down on, that it pushes aside with its back,
+        or that it is moved against while the fingers stand still. A thing that is fixed to the
+        world is never gripped.
 
         Args:
-            contact: its number in the model's data.
+            contact: number of the contact in the model's data.
         """
         found = self._data.contact
         first, second = (int(geom) for geom in found.geom[contact])
@@ -218,13 +222,13 @@ class Hand:
             return False
         if self.gripper.stroke and not (self.reading.moving or self.reading.caught == 1):
             return False
-        # MuJoCo's normal leads from the first to the second.
+        # MuJoCo's normal points from the first geom to the second.
         normal = found.frame[contact][:3] * (1.0 if pad == first else -1.0)
         inward = mine[pad] * self._data.geom_xmat[pad].reshape(3, 3)[:, axis]
         return float(normal @ inward) > _FACING
 
     def step(self, seconds: float) -> None:
-        """Drive it for the world's next step [s]."""
+        """Drive the gripper for the world's next step [s]."""
         if self.gripper.stroke:
             self._drive(seconds)
         else:
@@ -273,7 +277,7 @@ def gripper_mjcf(gripper: GripperModel) -> str:
 
 
 _DARK, _PAD = "0.2 0.21 0.23 1", "0.32 0.33 0.35 1"
-#: what touches finger tips or cup touches as they do
+#: contact parameters of finger tips and cup; by the priority they hold for whatever touches these
 _GRIP = {
     "priority": "5", "condim": "4", "friction": f"{FRICTION} 0.01 0.0005",
     "solref": "0.004 1", "solimp": "0.99 0.999 0.0005",

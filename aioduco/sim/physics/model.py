@@ -31,10 +31,10 @@ FREQUENCY = 2 * math.pi * 25
 SERVOS = 5
 """Group of the servos, which lose their power together; a scene's drives are in others."""
 
-# MuJoCo's friction gives way a little under load: this is as firm as it gets.
+# MuJoCo's friction yields a little under load: these are its stiffest parameters.
 _FIRM = "0.9999 0.9999 0.001 0.5 2"
 _GAP = 0.01  # between the base and what it stands on, so that a link may come close to it [m]
-# Housings that are inside each other in every configuration, besides those of neighbours.
+# Housings that overlap in every configuration, besides those of neighbours.
 _NESTED = (("base", "link1"), ("base", "link2"), ("link4", "link6"))
 _TUBE, _JOINT = "0.9 0.91 0.92 1", "0.16 0.36 0.62 1"  # colours
 
@@ -52,9 +52,9 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None, *, pedestal: b
 
     Args:
         arm: the arm.
-        timestep: of the simulation [s].
-        mounting: of the base in the world, whose z axis is up; None for on the floor.
-        pedestal: whether it stands on a column, instead of a plate, where it is off the floor.
+        timestep: time step of the simulation [s].
+        mounting: pose of the base in the world, whose z axis is up; None for on the floor.
+        pedestal: whether a base that is off the floor stands on a column instead of a plate.
     """
     root = ET.Element("mujoco", model=arm.name)
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
@@ -103,7 +103,7 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None, *, pedestal: b
             pos=_text((0.0, 0.0, -_GAP - high)), rgba="0.6 0.63 0.66 1",
         )  # fmt: skip
     elif any(place):
-        # Off the floor the base stands on a plate, which arms do not pass through either.
+        # A base off the floor stands on a plate. The arm cannot pass through it either.
         half = 0.3 * arm.reach
         ET.SubElement(
             parent, "geom", name="plate", type="box", size=_text((half, half, 0.01)),
@@ -123,8 +123,8 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None, *, pedestal: b
             solreffriction=f"{2 * timestep:.9g} 1", solimpfriction=_FIRM,
         )  # fmt: skip
         _solid(parent, link, f"link{i}")
-        # Gains that a drive of this size can hold at this frequency, its rotor being the least
-        # that it ever moves; MuJoCo integrates the damping implicitly.
+        # Gains for this frequency with the rotor alone, the least inertia that the drive ever
+        # moves. MuJoCo integrates the damping implicitly.
         stiffness = ROTOR * effort * FREQUENCY**2
         ET.SubElement(
             actuator, "position", name=f"servo{i}", joint=f"joint{i}", kp=f"{stiffness:.9g}",
@@ -132,13 +132,13 @@ def mjcf(arm: Arm, timestep: float, mounting: Pose | None = None, *, pedestal: b
             group=str(SERVOS),
         )  # fmt: skip
     flange = ET.SubElement(parent, "body", name="flange")
-    # What touches here is felt by the sensor; the link behind it is set back a little.
+    # The sensor measures what touches this geom; the link behind it is set back a little.
     thick, wide = 0.002, links[6].parts[0].radius
     ET.SubElement(
         flange, "geom", name="flange_0", type="cylinder", size=_text((wide, thick)),
         pos=_text((0.0, 0.0, -thick)), rgba=_TUBE, contype="2", conaffinity="3", mass="0",
     )  # fmt: skip
-    # Not at its origin: older MuJoCos take that for good, and loads would be put there.
+    # Not at its origin: older versions of MuJoCo would then keep loads at the origin, too.
     ET.SubElement(
         flange, "inertial", pos="0.001 0.001 0.001", mass="1e-6", diaginertia="1e-9 1e-9 1e-9"
     )
@@ -161,7 +161,7 @@ def _solid(parent: ET.Element, link: Body, name: str) -> None:
             + link.inertia[[0, 0, 1], [1, 2, 2]].tolist()
         ),
     )  # fmt: skip
-    # They touch each other and the world: its geoms have MuJoCo's default of 1 and 1.
+    # By these bits they touch each other and the world, whose geoms have MuJoCo's default, 1 and 1.
     for i, part in enumerate(link.parts):
         ET.SubElement(
             parent, "geom", name=f"{name}_{i}", type="capsule", size=f"{part.radius:.9g}",
@@ -171,12 +171,12 @@ def _solid(parent: ET.Element, link: Body, name: str) -> None:
 
 
 def compose(arm: str, scene: str | None, tool: str | None) -> Any:
-    """Compile an arm, with what it carries and what stands around it.
+    """Compile an arm with its tool and its scene.
 
     The arm comes first, so that its joints, drives and sensors have the first indices. Names of a
-    scene get the prefix "scene/", those of a tool "tool/". Options of both are without effect,
-    since the arm's hold: its drives are made for its time step. A plane that a scene calls "floor"
-    takes the place of the arm's.
+    scene get the prefix "scene/", those of a tool "tool/". Options of both have no effect: those of
+    the arm apply, since its drives are made for its time step. A plane of the scene with the name
+    "floor" replaces the arm's.
 
     Args:
         arm: the arm as MJCF, with a body "flange" and a geom "floor".
@@ -187,13 +187,13 @@ def compose(arm: str, scene: str | None, tool: str | None) -> Any:
         The compiled model.
 
     Raises:
-        SceneError: MuJoCo does not take the scene or the tool; it says why.
+        SceneError: MuJoCo rejects the scene or the tool; the message says why.
     """
     return compiled(assemble(arm, scene, tool))
 
 
 def assemble(arm: str, scene: str | None, tool: str | None) -> Any:
-    """Put together what `compose` compiles: the same, as MuJoCo's specification of a model.
+    """Build MuJoCo's specification of the model that `compose` compiles.
 
     Args:
         arm: the arm as MJCF, with a body "flange" and a geom "floor".
@@ -201,7 +201,7 @@ def assemble(arm: str, scene: str | None, tool: str | None) -> Any:
         tool: likewise, rigidly placed at the flange.
 
     Raises:
-        SceneError: MuJoCo does not take the scene or the tool; it says why.
+        SceneError: MuJoCo rejects the scene or the tool; the message says why.
     """
     spec = mujoco.MjSpec.from_string(arm)
     if tool is not None:
@@ -219,7 +219,7 @@ def compiled(spec: Any) -> Any:
     """Compile a specification.
 
     Raises:
-        SceneError: MuJoCo does not take it; it says why.
+        SceneError: MuJoCo rejects it; the message says why.
     """
     try:
         return spec.compile()
@@ -228,15 +228,15 @@ def compiled(spec: Any) -> Any:
 
 
 def part(name: str, text: str, spec: Any) -> Any:
-    """Read MJCF that is to be attached to a specification, whose options then hold for it.
+    """Read MJCF that is to be attached to a specification, with the options of that specification.
 
     Args:
-        name: what it is, for errors.
+        name: name of the part, for error messages.
         text: MJCF, or the path of a file of it.
-        spec: what it will be attached to.
+        spec: specification that it will be attached to.
 
     Raises:
-        SceneError: MuJoCo does not take it; it says why.
+        SceneError: MuJoCo rejects it; the message says why.
     """
     inline = text.lstrip().startswith("<")
     if not inline and not os.path.isfile(text):  # noqa: PTH113 - a path given as text

@@ -1,7 +1,7 @@
 """Temperatures of joints and drive boards, which follow the load slowly (manual 1.2).
 
-The vendor publishes no thermal data. The figures are those of a machine of this size: at its
-largest torque a joint ends 40 °C above the room, with a time constant of ten minutes.
+The vendor publishes no thermal data. The figures are typical of a machine of this size: at its
+largest torque a joint settles 40 °C above the room, with a time constant of ten minutes.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ __all__ = ["AMBIENT", "Temperatures"]
 
 #: temperature of the room [°C]
 AMBIENT = 25.0
-#: how much warmer a joint and its board become at the joint's largest torque [°C]
+#: rise of a joint's and its board's temperature at the joint's largest torque [°C]
 _JOINT_RISE, _BOARD_RISE = 40.0, 20.0
-#: how much warmer a board becomes that has power [°C]
+#: rise of a board's temperature when it has power [°C]
 _POWERED_RISE = 5.0
 #: time constants [s]
 _JOINT_TIME, _BOARD_TIME = 600.0, 120.0
@@ -33,7 +33,8 @@ _JOINT_TIME, _BOARD_TIME = 600.0, 120.0
 class Temperatures:
     """Temperatures of six joints and of their drive boards, without a clock.
 
-    The heat is in proportion to the square of the torque, as that of a motor's current is.
+    The heat is proportional to the square of the torque, like a motor's heat to the square of its
+    current.
 
     Args:
         effort: largest torques of the joints [N m].
@@ -49,11 +50,11 @@ class Temperatures:
         self.boards: Vector = np.full(6, AMBIENT)
 
     def tick(self, passed: float, torque: Vector, *, powered: bool) -> None:
-        """Go on by some time; the arrays are new ones.
+        """Advance by some time; the arrays are replaced, not changed.
 
         Args:
-            passed: time [s].
-            torque: of the joints' drives in it [N m]. Shape (6,).
+            passed: time that has passed [s].
+            torque: torques of the joints' drives in this time [N m]. Shape (6,).
             powered: whether the drives have power.
         """
         load = np.square(torque / self._effort)

@@ -1,7 +1,7 @@
 """Pose, speed and acceleration of a point that the flange carries.
 
-Plain floats instead of arrays: for one configuration they are several times as fast, and a status
-of the robot is asked for a thousand times a second.
+It uses plain floats instead of arrays: for one configuration they are several times as fast, and
+clients request the robot's status a thousand times a second.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class TipMotion(NamedTuple):
 
 
 def tip_motion(geometry: Geometry, q: Vector, qd: Vector, qdd: Vector, offset: Matrix) -> TipMotion:
-    """Follow the chain of joints up to a point.
+    """Compute the motion of a point along the chain of joints.
 
     Args:
         geometry: the arm's lengths [m].

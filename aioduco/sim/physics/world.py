@@ -29,12 +29,12 @@ else:
 
 __all__ = ["World", "camera_of", "pose_of"]
 
-_BRAKE = 0.5  # torque of a brake, of its drive's; an assumption
-_STILL = 1e-3  # speed that counts as none [m/s, rad/s]
+_BRAKE = 0.5  # torque of a brake as a share of its drive's; an assumption
+_STILL = 1e-3  # speed below which a thing is at rest [m/s, rad/s]
 
 
 def pose_of(position: Array) -> Pose:
-    """Give the pose of a thing: its part of `World.positions`, which `World.place` tells."""
+    """Give the pose of a thing from its part of `World.positions`: see `World.place`."""
     matrix = np.eye(4)
     matrix[:3, :3] = matrix_from_quaternion(position[3:])
     matrix[:3, 3] = position[:3]
@@ -42,12 +42,12 @@ def pose_of(position: Array) -> Pose:
 
 
 def camera_of(model: Any, name: str, positions: Array) -> tuple[float, Array]:
-    """Give a camera's angle of view from top to bottom [rad], and its frame in the world, (4, 4).
+    """Give a camera's vertical angle of view [rad], and its frame in the world. Shape (4, 4).
 
     Args:
-        model: of MuJoCo.
-        name: of a camera of the scene or the tool.
-        positions: of everything that moves.
+        model: MuJoCo model.
+        name: name of a camera of the scene or the tool.
+        positions: positions of everything that moves.
 
     Raises:
         ParameterError: there is no such camera.
@@ -69,24 +69,24 @@ def camera_of(model: Any, name: str, positions: Array) -> tuple[float, Array]:
 
 
 class World:
-    """An arm that follows set-points, one step at a time. Belongs to one thread.
+    """An arm that follows set-points, one step at a time. Only one thread may use it.
 
-    Each servo holds its joint at the set-point; what the motion needs on top of that, inertia,
-    gravity and Coriolis forces, is computed and fed forward, as a controller with a dynamic model
-    does. Torques end at the drives' limits.
+    Each servo holds its joint at the set-point. The torques against inertia, gravity and Coriolis
+    forces are computed and fed forward, as a controller with a dynamic model does. Torques are
+    limited to those of the drives.
 
     Args:
         arm: the arm.
-        timestep: of one step [s].
+        timestep: length of one step [s].
         q: joints at the start [rad]. Shape (6,); None for zero, straight up.
         scene: what stands around it, as `scene.mjcf_of` gives it.
-        tool: what it carries, likewise; its mass is known to the servos.
-        mounting: of its base in the world; None for on the floor.
+        tool: what it carries, likewise; the servos' model includes its mass.
+        mounting: pose of its base in the world; None for on the floor.
         pedestal: whether it stands on a column there.
         gripper: a gripper that drives its fingers, in place of a tool.
 
     Raises:
-        SceneError: MuJoCo does not take the scene or the tool.
+        SceneError: MuJoCo rejects the scene or the tool.
     """
 
     def __init__(
@@ -112,7 +112,7 @@ class World:
         self.hand: Hand | None = None
         if gripper is not None:
             self.hand = Hand(self.model, self.data, gripper)
-        # What the servos model: the tool and load that were set, and nothing of the scene.
+        # The servos' model: the arm with the tool and the load that was set, without the scene.
         self._known = InverseDynamics(compose(bare, None, tool))
         self._stiffness = self.model.actuator_gainprm[:6, 0].copy()
         self._damping = -self.model.actuator_biasprm[:6, 2] / self._stiffness
@@ -122,7 +122,7 @@ class World:
         self._drag: Array = self._stiffness * self._damping
         self._effort = np.array(arm.effort)
         self._hold: Array = _BRAKE * self._effort
-        # The arm's share of what MuJoCo keeps; it comes first.
+        # The arm's part of MuJoCo's arrays; it comes first.
         data = self.data
         self._qpos: Array = data.qpos
         self._alone = self._qpos.size == 6  # nothing else moves
@@ -134,7 +134,7 @@ class World:
         self._ctrl: Array = data.ctrl[:6]
         self._force: Array = data.actuator_force[:6]
         self._sensor: Array = data.sensordata[:6]
-        # Arm and tool: what the servos know of.
+        # Arm and tool, which are in the servos' model.
         self._known_qpos: Array = data.qpos[: self._known.positions]
         self._known_qvel: Array = data.qvel[: self._known.speeds]
         self._others: Array = data.qvel[6:]
@@ -147,7 +147,7 @@ class World:
         self.reset(np.zeros(6) if q is None else q)
 
     def reset(self, q: Array) -> None:
-        """Stand at q [rad] at once, with everything else where the scene puts it."""
+        """Put the arm at q [rad] at once, and everything else where the scene puts it."""
         mujoco.mj_resetData(self.model, self.data)
         if self.hand is not None:
             self.hand.reset()
@@ -157,17 +157,17 @@ class World:
         mujoco.mj_forward(self.model, self.data)
 
     def arrange(self, q: Array, things: Mapping[str, PoseLike]) -> None:
-        """Stand at q [rad] at once, with things of the scene where they are put.
+        """Put the arm at q [rad] at once, and things of the scene at given poses.
 
-        All else is where the scene puts it, and nothing moves: what follows depends on q and
-        `things` alone.
+        Everything else is where the scene puts it, and nothing moves. So the further course
+        depends on q and `things` alone.
 
         Args:
             q: joints [rad]. Shape (6,).
             things: poses in the world [m, rad], by the names of things that may move on their own.
 
         Raises:
-            ParameterError: there is no such thing; the arm and the scene are as at a reset.
+            ParameterError: there is no such thing; the arm and the scene are then as after a reset.
         """
         self.reset(q)
         for name, pose in things.items():
@@ -178,7 +178,7 @@ class World:
         mujoco.mj_forward(self.model, self.data)
 
     def place(self, name: str) -> slice:
-        """Where in `positions` a thing is that may move on its own: x, y, z [m], a quaternion.
+        """Find a thing that may move on its own in `positions`: x, y, z [m], a quaternion.
 
         Raises:
             ParameterError: there is no such thing.
@@ -196,12 +196,12 @@ class World:
         return slice(free[name], free[name] + 7)
 
     def step(self, setpoint: JointSetPoint) -> None:
-        """Go on by one time step, towards a set-point for its end."""
+        """Advance by one time step, towards a set-point for its end."""
         data = self.data
         if self.hand is not None:
             self.hand.step(self._timestep)
         if self._braked:
-            # The brakes carry the weight, as far as they reach: MuJoCo's friction would creep.
+            # The brakes carry the weight, up to their torque: MuJoCo's friction would creep.
             np.clip(self._bias, -self._hold, self._hold, out=self._applied)
             mujoco.mj_step(self.model, data)
             self._target = self._torque = self._external = np.zeros(6)
@@ -209,41 +209,42 @@ class World:
         known = self._known
         known.at(self._known_qpos, self._known_qvel)
         self._target = known.torque(setpoint.qdd).copy()
-        # MuJoCo pulls at the joint where the step begins, and damps the speed that the step
-        # ends with, which is its mean speed: both are taken from the set-point of the end.
+        # MuJoCo computes the spring force from the position at the beginning of the step, and the
+        # damping from the speed at its end, which is the mean speed of the step. Both are derived
+        # from the set-point for the end.
         ahead = setpoint.q + self._lead * setpoint.qd - self._half * setpoint.qdd
         self._ctrl[:] = self._target / self._stiffness + ahead
         before = self._known_qvel.copy()
-        # Releases the GIL for its few microseconds: what waits for it may come in between.
+        # This releases the GIL for a few microseconds, so that waiting threads may run.
         mujoco.mj_step(self.model, data)
         change = self._known_qvel - before
-        # MuJoCo gives the torques for the speed that the step began with, but integrates them with
-        # the damping at the speed that it ended with, unless the drive is at its limit.
+        # MuJoCo reports the torques for the speed at the beginning of the step. But it integrates
+        # with the damping for the speed at the end, unless the drive is at its limit.
         force = self._force
         self._torque = force - self._drag * change[:6] * (np.abs(force) < self._effort)
         self._external = known.torque(change / self._timestep) - self._torque
 
     def load(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
-        """Mount a load at the flange, and tell the servos about it.
+        """Mount a load at the flange, and add it to the servos' model.
 
         Args:
-            mass: of the load, a point without inertia of its own [kg]; zero takes it off.
+            mass: mass of the load, a point without inertia of its own [kg]; zero removes it.
             centre: its centre of mass in the frame of the flange [m].
         """
         self.carry(mass, centre)
         self.tell(mass, centre)
 
     def carry(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
-        """Mount a load at the flange, of which the servos know nothing [kg, m]."""
+        """Mount a load at the flange, without adding it to the servos' model [kg, m]."""
         mount(self.model, mass, centre)
         mujoco.mj_forward(self.model, self.data)
 
     def tell(self, mass: float, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
-        """Tell the servos about a load, whether or not it is there [kg, m]."""
+        """Set the load in the servos' model, whether or not it is mounted [kg, m]."""
         self._known.load(mass, centre)
 
     def push(self, wrench: Sequence[float]) -> None:
-        """Push at the flange from now on.
+        """Apply a force to the flange from now on.
 
         Args:
             wrench: force [N], then torque [N m], in the base frame, at the flange; zeros to end.
@@ -252,9 +253,9 @@ class World:
         self.data.xfrc_applied[self.model.body("flange").id] = turned.ravel()
 
     def brake(self, on: bool) -> None:
-        """Let the joint brakes fall and cut the drives' power, or the reverse.
+        """Close the joint brakes and cut the drives' power, or the reverse.
 
-        The brakes hold by friction: a moving arm is slowed down by them, a standing one stays.
+        The brakes act by friction: they slow a moving arm down, and hold one that stands.
         """
         self._braked = on
         self.model.opt.disableactuator = 1 << SERVOS if on else 0
@@ -268,13 +269,13 @@ class World:
 
     @property
     def still(self) -> bool:
-        """Whether what is loose in the scene lies still."""
+        """Whether the gripper and all loose things in the scene are at rest."""
         if self.hand is not None and not self.hand.still:
             return False
         return self._others.size == 0 or float(np.abs(self._others).max()) < _STILL
 
     def reading(self) -> PlantReading:
-        """All that the controller's cycle asks for, at once."""
+        """All readings that the controller's cycle needs, at once."""
         positions = self._qpos.copy()
         return PlantReading(
             positions,
@@ -319,15 +320,15 @@ class World:
 
     @property
     def target_torque(self) -> Array:
-        """Torques that the set-point needs, as far as the servos know [N m]. Shape (6,)."""
+        """Torques that the set-point needs by the servos' model [N m]. Shape (6,)."""
         return self._target
 
     @property
     def external_torque(self) -> Array:
-        """What the arm's motion in the last step needed beyond its drives' torques [N m].
+        """Torques that the arm's motion in the last step needed beyond its drives' torques [N m].
 
-        The torques of whatever pushes at the arm, and what is wrong about the load that the servos
-        know of. Shape (6,).
+        They come from external forces on the arm, and from errors of the load in the servos'
+        model. Shape (6,).
         """
         return self._external
 
@@ -337,9 +338,9 @@ class World:
         return -self._sensor
 
     def touched(self) -> str:
-        """Say what of the arm or its tool touches what, such as "link4 touches the floor".
+        """List all contacts, such as "link4 touches the floor"; the arm's part comes first in each.
 
-        What the gripper holds, or closes upon, it "grips": see `Hand.grips`.
+        For a contact by which the gripper holds a thing the verb is "grips": see `Hand.grips`.
         """
         model, data = self.model, self.data
         told = set()
@@ -354,7 +355,7 @@ class World:
         return ", ".join(sorted(told))
 
     def called(self, geom: int) -> str:
-        """What a thing is called, for people: the name of its body, or its own in the world."""
+        """Name a geom for messages: by its body, or by its own name if it is part of the world."""
         named = self.model.geom(geom).name
         if named in ("floor", "plate", "pedestal"):
             return f"the {named}"
@@ -366,7 +367,7 @@ class World:
 
     def flange(self) -> Array:
         """Give the pose of the flange in the base frame. Shape (4, 4)."""
-        # A step leaves the frames where they were at its beginning.
+        # After a step, the frames are still those of its beginning.
         mujoco.mj_kinematics(self.model, self.data)
         pose = np.eye(4)
         pose[:3, :3] = self.data.site_xmat[self._flange].reshape(3, 3)

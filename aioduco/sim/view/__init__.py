@@ -1,4 +1,4 @@
-"""Pictures of the arm, and a window on it.
+"""Pictures of the arm, and a window that shows it.
 
-Pictures are drawn by a process of their own. May import nothing else of the simulator.
+A separate process draws the pictures. The modules may import nothing else of the simulator.
 """

@@ -1,4 +1,4 @@
-"""Where a picture of the simulated arm is taken from."""
+"""The camera of a picture of the simulated arm, and marks in the picture."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ __all__ = ["Camera", "PictureMark", "towards"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PictureMark:
-    """A ball that is drawn into a picture, and is not there for the arm.
+    """A ball that is drawn into a picture, but does not exist in the simulation.
 
     Attributes:
         at: its centre, in the world's frame [m].
-        radius: m.
+        radius: radius of the ball [m].
         colour: red, green, blue, 0 to 1.
     """
 
@@ -40,9 +40,9 @@ class Camera:
 
     Attributes:
         target: the point, in the world's frame [m].
-        distance: from it [m].
+        distance: distance from the point [m].
         azimuth: direction in which it looks, about the world's z axis from its x axis [rad].
-        elevation: of that direction above the horizon; below zero it looks down [rad].
+        elevation: angle of that direction above the horizon; below zero it looks down [rad].
     """
 
     target: Sequence[float] = (0.3, 0.0, 0.4)
@@ -58,7 +58,7 @@ class Camera:
             raise ParameterError("distance", self.distance, "above 0 m")
 
     def put(self, view: Any) -> None:
-        """Put a free camera of MuJoCo there, which counts in degrees."""
+        """Set a free camera of MuJoCo, which uses degrees, to this view."""
         view.lookat[:] = self.target
         view.distance = self.distance
         view.azimuth = math.degrees(self.azimuth)
@@ -66,7 +66,7 @@ class Camera:
 
 
 def towards(arm: Arm, mounting: Pose) -> Camera:
-    """Give the camera that sees the whole arm, wherever it reaches in front of its base."""
+    """Give a camera that sees the whole arm, wherever it reaches in front of its base."""
     middle = np.array([0.3 * arm.reach, 0.0, 0.5 * arm.reach, 1.0])
     target = (mounting.matrix @ middle)[:3]
     return Camera(target=tuple(target.tolist()), distance=2.3 * arm.reach)

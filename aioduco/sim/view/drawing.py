@@ -1,7 +1,7 @@
 """The process that draws pictures of one model, started by `PictureProcess`.
 
-It gets MuJoCo's model over its channel, then requests, and answers each. It ends when its channel
-does.
+It receives MuJoCo's model over its channel, then requests, and answers each. It exits when the
+channel closes.
 """
 
 from __future__ import annotations
@@ -26,20 +26,20 @@ else:
 
 __all__ = ["ADVICE", "PictureRequest", "main"]
 
-#: values of MUJOCO_GL with which MuJoCo itself loads nothing that draws
+#: values of MUJOCO_GL with which MuJoCo itself loads no OpenGL
 _NOT_LOADED = frozenset(("disable", "disabled", "off", "false", "0"))
 ADVICE = "On Debian: apt-get install libegl1 libgl1-mesa-dri, or set MUJOCO_GL to what there is"
 
 
 class PictureRequest(NamedTuple):
-    """A picture that is wanted.
+    """A request for a picture.
 
     Attributes:
-        positions: of everything that moves.
-        width, height: of the picture [pixels].
-        camera: from where, or the number of a camera of the model.
-        marks: what is drawn besides.
-        depth: whether distances from the camera's plane are wanted, instead of colours.
+        positions: positions of everything that moves.
+        width, height: size of the picture [pixels].
+        camera: the camera, or the number of a camera of the model.
+        marks: balls that are drawn besides.
+        depth: whether to return distances from the camera's plane instead of colours.
     """
 
     positions: NDArray[np.float64]
@@ -51,10 +51,10 @@ class PictureRequest(NamedTuple):
 
 
 class Drawer:
-    """OpenGL's context and what MuJoCo keeps in it; for one thread.
+    """An OpenGL context with MuJoCo's buffers in it; for one thread.
 
     Args:
-        model: of MuJoCo.
+        model: MuJoCo model.
 
     Raises:
         OSError: There is no OpenGL that draws off screen.
@@ -111,7 +111,7 @@ class Drawer:
 
 
 def _context(width: int, height: int) -> Any:
-    """Open what OpenGL draws in: what MUJOCO_GL names, else the first of what needs no display."""
+    """Open an OpenGL context: the one that MUJOCO_GL names, or the first that needs no display."""
     wanted = os.environ.get("MUJOCO_GL", "").lower()
     native = {"darwin": "cgl", "win32": "glfw"}.get(sys.platform)
     tries = [native] if native else ["egl", "osmesa"]
@@ -121,13 +121,13 @@ def _context(width: int, height: int) -> Any:
     for kind in tries:
         try:
             return importlib.import_module(f"mujoco.{kind}").GLContext(width, height)
-        except Exception as exc:  # PyOpenGL raises all sorts, an AttributeError too
+        except Exception as exc:  # PyOpenGL raises many kinds, AttributeError too
             failures.append(f"{kind}: {exc}")
     raise OSError("; ".join(failures))
 
 
 def main(arguments: list[str]) -> int:
-    """Draw until the channel ends. An answer that is a text says why there is no picture."""
+    """Draw until the channel closes. If there is no picture, the answer is a text that says why."""
     drawer: Drawer | None = None
     channel = ValueChannel.of(arguments)
     with contextlib.suppress(KeyboardInterrupt, EOFError, OSError):

@@ -21,8 +21,8 @@ class Frame(NamedTuple):
     """One picture of a film.
 
     Attributes:
-        positions: of everything that moves.
-        duration: how long it is shown [s].
+        positions: positions of everything that moves.
+        duration: time for which it is shown [s].
     """
 
     positions: Vector
@@ -32,12 +32,12 @@ class Frame(NamedTuple):
 class Film:
     """Keeps the frames that differ visibly, up to a limit.
 
-    While nothing moves, nothing is kept, and a long rest is cut short. When the film is full, every
-    other frame goes: a long film has fewer frames to the second.
+    While nothing moves, no frame is added, and a long rest is cut short. When the film is full,
+    every other frame is dropped: a long film has fewer frames per second.
 
     Args:
-        limit: of frames, at least 2.
-        rest: how long a rest is shown at most [s].
+        limit: largest number of frames, at least 2.
+        rest: longest time for which a rest is shown [s].
     """
 
     def __init__(self, limit: int = 300, rest: float = 1.0) -> None:
@@ -49,11 +49,11 @@ class Film:
         self._end = 0.0
 
     def add(self, time: float, positions: Vector) -> None:
-        """Look at an instant.
+        """Add an instant, if it differs visibly from the last frame.
 
         Args:
-            time: of the simulation [s]; later than the one before.
-            positions: of everything that moves.
+            time: time of the simulation [s]; later than the one before.
+            positions: positions of everything that moves.
         """
         self._end = time
         if self._times:

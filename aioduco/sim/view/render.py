@@ -1,7 +1,7 @@
-"""Pictures of the simulated arm, drawn off screen by a process of their own.
+"""Pictures of the simulated arm, drawn off screen by a separate process.
 
-A picture takes milliseconds to a second, much of it under the interpreter's lock, and graphics
-drivers crash. Neither may disturb a controller with a cycle of a millisecond.
+A picture takes milliseconds to a second, much of it with the interpreter's lock held, and graphics
+drivers may crash. Neither may disturb a controller with a cycle of a millisecond.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ if TYPE_CHECKING:
 
 __all__ = ["PictureProcess"]
 
-#: what the process imports for them
+#: packages that the process imports
 _PACKAGES = ("OpenGL", "glfw", "mujoco")
 
 
 class PictureProcess:
-    """Has pictures of one model drawn.
+    """Draws pictures of one model in a separate process.
 
     Args:
-        model: of MuJoCo; a copy is taken.
+        model: MuJoCo model; it is copied.
 
     Attributes:
         model: the copy, which is never changed.
@@ -55,14 +55,14 @@ class PictureProcess:
         camera: Camera | str,
         marks: Sequence[PictureMark] = (),
     ) -> Picture:
-        """Have a picture drawn.
+        """Draw a picture.
 
         Args:
-            positions: of everything that moves.
-            width: of the picture [pixels].
-            height: of the picture [pixels].
-            camera: from where; a text names a camera of the scene.
-            marks: what is drawn besides.
+            positions: positions of everything that moves.
+            width: width of the picture [pixels].
+            height: height of the picture [pixels].
+            camera: the camera, or the name of a camera of the scene.
+            marks: balls that are drawn besides.
 
         Returns:
             Red, green, blue. Shape (height, width, 3).
@@ -70,7 +70,7 @@ class PictureProcess:
         Raises:
             ParameterError: The picture is too large, there is no such camera, or there are not as
                 many positions as the model has.
-            RenderError: This computer cannot draw, or has no process for it.
+            RenderError: This computer cannot draw, or cannot start the process.
         """
         picture: Picture = self._draw(positions, width, height, camera, tuple(marks), depth=False)
         return picture
@@ -78,10 +78,10 @@ class PictureProcess:
     def depth(
         self, positions: NDArray[np.float64], width: int, height: int, camera: Camera | str
     ) -> NDArray[np.float32]:
-        """Have distances from the camera's plane drawn; arguments and errors as of `picture`.
+        """Measure distances from the camera's plane; arguments and errors as for `picture`.
 
         Returns:
-            Along the camera's axis [m]. Shape (height, width).
+            Distances along the camera's axis [m]. Shape (height, width).
         """
         distances: NDArray[np.float32] = self._draw(
             positions, width, height, camera, (), depth=True
@@ -114,7 +114,7 @@ class PictureProcess:
         return answer
 
     def close(self) -> None:
-        """End the process; returns when it has ended."""
+        """End the process; return when it has exited."""
         with self._lock:
             process, self._process = self._process, None
             if process is not None:

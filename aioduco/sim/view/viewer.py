@@ -1,4 +1,4 @@
-"""MuJoCo's window, on what a simulator does."""
+"""MuJoCo's window, which shows a running simulator."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ __all__ = ["Viewer"]
 
 
 class Viewer:
-    """A window that shows what it is given; it moves nothing itself.
+    """A window that shows given positions; it moves nothing itself.
 
-    Its thread is its own: closing the window ends `running` and nothing else.
+    It has its own thread: if the window is closed, `running` becomes false and nothing else ends.
 
     Args:
-        model: of MuJoCo; a copy is taken.
-        positions: gives what is to be shown.
-        camera: from where it is seen at first.
+        model: MuJoCo model; it is copied.
+        positions: returns the positions to be shown.
+        camera: the first view.
 
     Raises:
         RenderError: There is no display.
@@ -71,7 +71,7 @@ class Viewer:
         return bool(self._window.is_running())
 
     def show(self) -> None:
-        """Show how things are now. Call it some thirty times a second."""
+        """Show the present positions. Call it about thirty times a second."""
         with self._window.lock():
             self._data.qpos[:] = self._positions()
             mujoco.mj_forward(self._model, self._data)
@@ -83,10 +83,10 @@ class Viewer:
 
 
 def need_display() -> None:
-    """Make sure that a window can be opened: MuJoCo itself would wait for one for ever.
+    """Check that a window can be opened: without a display, MuJoCo would wait for ever.
 
     Raises:
-        RenderError: It cannot.
+        RenderError: No window can be opened.
     """
     variables = ("DISPLAY", "WAYLAND_DISPLAY")
     if sys.platform == "linux" and not any(os.environ.get(name) for name in variables):
@@ -97,7 +97,7 @@ def need_display() -> None:
     try:
         glfw = importlib.import_module("glfw")
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # it warns of what it also answers
+            warnings.simplefilter("ignore")  # its warnings repeat what it returns
             opened = glfw.init()
     except Exception as exc:
         raise RenderError(f"no window can be opened: {exc}") from exc

@@ -1,4 +1,4 @@
-"""What a controller does, compared with what the simulated one does."""
+"""Comparison of a controller's behaviour with that of the simulated one."""
 
 from __future__ import annotations
 

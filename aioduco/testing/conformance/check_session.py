@@ -1,4 +1,4 @@
-"""A controller that is being looked at: calls as they are on the wire, and waiting."""
+"""A session with a controller under test: calls as they are on the wire, and waiting."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["CheckSession", "NotTried"]
 
-#: for an answer of a call that does not block, and for a small motion to end [s]
+#: time-outs for the answer to a call that does not block, and for a small motion [s]
 CALL, MOTION = 5.0, 30.0
 
 
@@ -51,10 +51,10 @@ class CheckSession:
         """Call a function of the wire.
 
         Raises:
-            DucoError: there is no answer, or an error instead of one.
+            DucoError: there is no answer, or the answer is an error.
         """
         if not self._connection.usable:
-            # After an answer that did not come the connection carries no other call.
+            # After a missing answer, no other call can use the connection.
             self._connection.close()
             self._connection = Connection(*self.address)
             self._connection.open()
@@ -62,7 +62,7 @@ class CheckSession:
 
     @contextlib.contextmanager
     def another(self) -> Iterator[Connection]:
-        """A further connection."""
+        """Open a further connection."""
         connection = Connection(*self.address)
         connection.open()
         try:
@@ -73,7 +73,7 @@ class CheckSession:
     # -- waiting ---------------------------------------------------------------------------------
 
     def until(self, condition: Callable[[], bool], seconds: float = MOTION) -> bool:
-        """Wait for a condition; whether it came to hold in time."""
+        """Wait for a condition; return whether it held in time."""
         try:
             eventually(condition, seconds)
         except AssertionError:
@@ -85,7 +85,7 @@ class CheckSession:
         return TaskState(self.call("get_noneblock_taskstate", id_))
 
     def end_of(self, id_: int) -> TaskState:
-        """State in which a task ended, or in which it still is after a long wait."""
+        """Wait for the end of a task, up to a time-out; return its state."""
         self.until(lambda: self.task(id_).ended)
         return self.task(id_)
 
@@ -94,14 +94,14 @@ class CheckSession:
         return bool(self.call("robotmoving"))
 
     def joints(self) -> list[float]:
-        """Where the joints are [rad]."""
+        """Actual joint angles [rad]."""
         return [float(each) for each in self.call("get_actual_joints_position")]
 
     def ready(self) -> None:
         """Check that the arm may be moved.
 
         Raises:
-            NotTried: it is not enabled, in a safety stop, or already moving.
+            NotTried: the arm is not enabled, in a safety stop, or already moving.
         """
         robot, _, safety, _ = self.call("get_robot_state")
         if (robot, safety) != (RobotState.ENABLE, SafetyState.RUN):
@@ -113,7 +113,7 @@ class CheckSession:
         """Stop the arm, and wait until it stands.
 
         Raises:
-            NotTried: it does not.
+            NotTried: the arm does not come to rest.
         """
         self.call("stop", True, timeout=MOTION)
         if not self.until(lambda: not self.moving()):
@@ -122,13 +122,13 @@ class CheckSession:
     # -- motions ---------------------------------------------------------------------------------
 
     def turn(self, by: float, *, v: float = 0.2, r: float = 0.0, block: bool = False) -> int:
-        """Turn the last joint from where the arm is; the answer.
+        """Turn the last joint from where it is; return the answer.
 
         Args:
             by: angle [rad].
             v: speed [rad/s].
             r: blend radius [m].
-            block: whether the answer comes at the end.
+            block: whether the controller answers at the end of the motion.
         """
         goal = self.joints()
         goal[5] += by
@@ -137,12 +137,12 @@ class CheckSession:
     def move(
         self, goal: list[float], *, v: float = 0.2, r: float = 0.0, block: bool = False
     ) -> int:
-        """Go to joints; the answer."""
+        """Move to joint angles; return the answer."""
         timeout = MOTION if block else CALL
         return int(self.call("movej2", goal, v, 1.0, r, block, Op(), False, timeout=timeout))
 
     def moves(self, id_: int | None = None) -> bool:
-        """Wait until the arm moves, by a task if one is named; whether it does."""
+        """Wait until the arm moves and a task, if given, has begun; return whether they do."""
 
         def begun() -> bool:
             return (id_ is None or self.task(id_) is not TaskState.IDLE) and self.moving()

@@ -1,4 +1,4 @@
-"""What came of the checks of a controller."""
+"""Results of the checks of a controller."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ __all__ = ["CheckResult", "ControllerReport", "Verdict"]
 
 
 class Verdict(StrEnum):
-    """What a check showed."""
+    """Result of a check."""
 
-    #: as the simulated controller
+    #: the same as the simulated controller
     SAME = "same"
-    #: otherwise: the ledger of the simulator's behaviours is to be corrected
+    #: not the same: the ledger of the simulator's behaviours must be corrected
     DIFFERENT = "different"
-    #: it was not tried, or could not be seen
+    #: the check was not tried, or the behaviour could not be observed
     OPEN = "open"
 
 
@@ -26,11 +26,11 @@ class CheckResult:
 
     Attributes:
         section: heading in the ledger of the simulator's behaviours, docs/fidelity.md.
-        name: what is looked at.
+        name: what is checked.
         expected: what the simulated controller does.
-        found: what this one did, or why it was not tried.
-        verdict: how the two compare.
-        took: how long it took [s].
+        found: what this one did, or why the check was not tried.
+        verdict: result of the comparison.
+        took: duration of the check [s].
     """
 
     section: str
@@ -47,8 +47,8 @@ class ControllerReport:
 
     Attributes:
         address: host and port.
-        version: what the controller says that it is.
-        moved: whether the checks that move the arm were asked for.
+        version: version that the controller reports.
+        moved: whether the checks that move the arm were requested.
         results: each check, in order.
     """
 
@@ -59,7 +59,7 @@ class ControllerReport:
 
     @property
     def differences(self) -> tuple[CheckResult, ...]:
-        """The checks in which it differs from the simulated controller."""
+        """The checks in which the controller differs from the simulated one."""
         return tuple(each for each in self.results if each.verdict is Verdict.DIFFERENT)
 
     @property

@@ -23,7 +23,7 @@ _TURN: Final = 0.3
 _SLOW: Final = 0.1
 #: how far the first joint turns, once [rad]
 _LEG: Final = 0.1
-#: from a target that was reached [rad]
+#: largest distance from a target at which it counts as reached [rad]
 _AT: Final = 2e-3
 
 
@@ -92,7 +92,7 @@ def _paused(session: CheckSession) -> Found:
 
 
 def _blended(session: CheckSession) -> Found:
-    """Two motions that blend: there and back, since only the first joint moves the tool."""
+    """Blend two motions of the first joint, there and back: the last one does not move the tool."""
     start = session.joints()
     middle = [start[0] + _LEG, *start[1:]]
     first = session.move(middle, v=_SLOW, r=0.01)
@@ -107,7 +107,7 @@ def _blended(session: CheckSession) -> Found:
 
 
 def _refused(session: CheckSession) -> Found:
-    """What must not move the arm, whatever the controller thinks of it."""
+    """Send calls that must not move the arm, whatever the controller answers."""
     here = session.joints()
     calls: dict[str, tuple[list[float], float]] = {
         "five joints": (here[:5], _SLOW),
@@ -127,7 +127,7 @@ def _refused(session: CheckSession) -> Found:
 
 
 def _while_stopping(session: CheckSession) -> Found:
-    """A motion that comes between a stop and rest."""
+    """Send a motion after a stop, before the arm is at rest."""
     for direction in (-1, 1) * 5:
         if not session.moves(session.turn(direction * _TURN, v=0.5)):
             return False, "it does not move"
@@ -143,7 +143,7 @@ def _while_stopping(session: CheckSession) -> Found:
 
 
 def _lost_connection(session: CheckSession) -> Found:
-    """The connection of a blocking call ends in mid motion, without a heartbeat."""
+    """End the connection of a blocking call in mid motion, without a heartbeat."""
     goal = session.joints()
     goal[5] += _TURN
     over = threading.Event()
@@ -162,7 +162,7 @@ def _lost_connection(session: CheckSession) -> Found:
 
 
 def _lose(session: CheckSession, goal: list[float], over: threading.Event) -> None:
-    """Call a motion that blocks, and end its connection when it is told to."""
+    """Call a blocking motion, and end its connection when `over` is set."""
     with contextlib.suppress(DucoError), session.another() as connection:
 
         def end() -> None:
@@ -174,7 +174,7 @@ def _lose(session: CheckSession, goal: list[float], over: threading.Event) -> No
 
 
 def _heartbeat(session: CheckSession) -> Found:
-    """One beat and none after it, in mid motion; then a motion, to see that the arm is usable."""
+    """Send one heartbeat and none after it, in mid motion; then read the robot's state."""
     id_ = session.turn(-_TURN, v=_SLOW)
     if not session.moves(id_):
         return False, "it does not move"

@@ -27,16 +27,16 @@ if TYPE_CHECKING:
 
 __all__ = ["READING", "Found", "Looked"]
 
-#: whether it is as the simulated controller does, and what was found
+#: whether the controller behaves like the simulated one, and what was found
 Found = tuple[bool, str]
 Looked = tuple[str, str, str, "Callable[[CheckSession], Found]"]
 
-#: connections that programs of this package have open at once, and some more
+#: number of connections that programs of this package open at once, and some more
 _CONNECTIONS: Final = 12
 _CALLS: Final = 200
-#: between the joints and a pose of them, read one after the other from a standing arm [rad, m]
+#: tolerance of joints that are read twice from a standing arm, or computed from their pose [rad]
 _STILL: Final = 1e-3
-#: of the pose from lengths of a catalogue: an arm has its own calibration [m]
+#: tolerance of a pose computed from a catalogue's lengths: each arm has its own calibration [m]
 _CALIBRATION: Final = 5e-3
 
 
@@ -46,7 +46,7 @@ def _version(session: CheckSession) -> Found:
 
 
 def _functions(session: CheckSession) -> Found:
-    """Call each function that reads and takes nothing."""
+    """Call each function that reads and takes no arguments."""
     wrong: list[str] = []
     silent: list[str] = []
     count = 0
@@ -79,7 +79,7 @@ def _unknown(session: CheckSession) -> Found:
 
 
 def _exchange(session: CheckSession, message: Message) -> list[Message]:
-    """The answer to bytes of our own, and to a call behind them; as many as come."""
+    """Send a message and then a call; return the answers to both, as many as come."""
     import socket  # noqa: PLC0415 - for this check alone
 
     inbox = Inbox()
@@ -154,7 +154,7 @@ def _agree(session: CheckSession) -> Found:
 
 
 def _forward(session: CheckSession) -> Found:
-    """Its own forward kinematics without tool and work object, against those of the models."""
+    """Compare its forward kinematics, without tool and work object, with those of the models."""
     joints = [0.3, -0.4, 1.4, 0.2, -1.2, 0.5]
     none = [0.0] * 6
     pose = Pose.of(session.call("cal_fkine", joints, none, none))

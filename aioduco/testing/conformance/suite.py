@@ -29,8 +29,8 @@ def check_controller(
 
     First come checks that only read. With `move`, others follow that turn the last joint by up to
     0.3 rad (17°) and the first one by 0.1 rad (6°), slowly, there and back: the arm must be
-    enabled, and nobody within its reach. After each of them the arm is stopped. One of them beats
-    the heart once, and lets it end.
+    enabled, and nobody within its reach. After each of them the arm is stopped. One of them sends a
+    single heartbeat and no further one.
 
     Each check is compared with one behaviour of the simulator, and names its heading in the ledger.
     No other program should use the controller meanwhile.
@@ -39,10 +39,10 @@ def check_controller(
         host: address of the controller.
         port: its TCP port.
         move: whether the arm may be moved.
-        progress: called with each result as it is there.
+        progress: called with each result as soon as there is one.
 
     Returns:
-        The report. What differs is no fault of the controller: the simulator's ledger is to be
+        The report. A difference is not an error of the controller: the simulator's ledger must be
         corrected.
 
     Raises:
@@ -100,7 +100,7 @@ def _moved(session: CheckSession, looked: Looked) -> CheckResult:
         try:
             return look(session)
         finally:
-            # Whatever came of it, the next check begins from rest.
+            # Whatever the result, the next check begins at rest.
             session.rest()
 
     return _checked(session, (section, name, expected, guarded))

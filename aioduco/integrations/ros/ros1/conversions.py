@@ -72,7 +72,7 @@ def result(code: ErrorCode, text: str) -> Any:
 
 
 def feedback(names: tuple[str, ...], found: PathFeedback, stamp: float) -> Any:
-    """A feedback of FollowJointTrajectory, its joints in the arm's order."""
+    """A feedback of FollowJointTrajectory, with joints in the arm's order."""
     message = FollowJointTrajectoryFeedback(joint_names=list(names))
     message.header.stamp = Time.from_sec(stamp)
     time = Duration.from_sec(found.time)
@@ -92,7 +92,7 @@ def joint_state(names: tuple[str, ...], reading: ArmReading, stamp: float) -> An
 
 
 class _SixJoints(JointState):  # type: ignore[misc]  # genpy's have no types
-    """Joint states of an arm, packed at once: genpy makes a format for each name, each time."""
+    """Joint states of an arm, packed in one call; genpy makes a format for each name, each time."""
 
     def serialize(self, buff: Any) -> None:
         """Write the bytes of the message."""
@@ -117,7 +117,7 @@ def _packed_names(names: tuple[str, ...]) -> bytes:
 
 
 def transforms(base: str, frames: list[PlacedFrame], stamp: float) -> Any:
-    """Frames in that of the base."""
+    """Frames in the frame of the base."""
     at = Time.from_sec(stamp)
     found = []
     for frame in frames:
@@ -154,7 +154,7 @@ def io_state(snapshot: Snapshot, stamp: float) -> Any:
 
 
 def diagnostics(name: str, host: str, found: Diagnosis, stamp: float) -> Any:
-    """How the arm is."""
+    """Diagnosis of the arm."""
     status = DiagnosticStatus(
         level=int(found.level), name=name, message=found.message, hardware_id=host
     )

@@ -1,14 +1,14 @@
-"""Messages, services and the action that the driver uses and that may not be installed, as text.
+"""Messages, services and the action of the driver, as text, for use where they are not installed.
 
 `control_msgs` are ROS's own, field by field: their checksums are those of the released package.
-`aioduco_msgs` are this package's.
+`aioduco_msgs` are those of this package.
 """
 
 from __future__ import annotations
 
 __all__ = ["ACTION", "ACTION_HEADERS", "MESSAGES", "SERVICES"]
 
-#: of control_msgs/FollowJointTrajectory: its three parts
+#: the three parts of control_msgs/FollowJointTrajectory
 ACTION = {
     "Goal": """\
 trajectory_msgs/JointTrajectory trajectory
@@ -35,7 +35,7 @@ trajectory_msgs/JointTrajectoryPoint error
 """,
 }
 
-#: what actionlib puts around each part
+#: fields that actionlib adds to each part
 ACTION_HEADERS = {
     "Goal": "Header header\nactionlib_msgs/GoalID goal_id\n{name}Goal goal\n",
     "Result": "Header header\nactionlib_msgs/GoalStatus status\n{name}Result result\n",

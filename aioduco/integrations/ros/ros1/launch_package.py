@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["launch_package"]
 
-_PORT = 7003  # of a controller
+_PORT = 7003  # port of a controller
 _PACKAGE = """\
 <?xml version="1.0"?>
 <package format="2">
@@ -53,11 +53,11 @@ exec {command} sim "$@"
 
 
 def launch_package(*arms: ArmLike, name: str, command: str, **meshes: Any) -> dict[str, str]:
-    """Give the files of a package called `<name>_bringup`, by their paths.
+    """Make the files of a package called `<name>_bringup`, by their paths.
 
     Args:
         arms: models, or descriptions of arms in one world.
-        name: of the whole, as in its URDF.
+        name: name of the robot in its URDF.
         command: path of `aioduco`, in the environment that also has rospy.
         meshes: `meshes` and `mesh_uri`, as of `aioduco.descriptions.urdf`.
     """
@@ -76,7 +76,7 @@ def launch_package(*arms: ArmLike, name: str, command: str, **meshes: Any) -> di
 
 
 def _root(arms: Sequence[ArmDescription]) -> str:
-    """The frame in which all is shown."""
+    """The fixed frame of the display."""
     return "world" if arms[0].mounting is not None else arms[0].prefix + "base_link"
 
 
@@ -144,13 +144,13 @@ def _add_arm(root: ET.Element, arm: ArmDescription, package: str, port: str) -> 
         pkg=package,
         type="driver",
         output="screen",
-        # A controller, or its simulator, may answer later than the driver asks.
+        # A controller, or its simulator, may start later than the driver.
         respawn="true",
         respawn_delay="$(arg respawn_delay)",
     )
     address = {"name": "host", "value": f"$(eval arg('{given}') or '127.0.0.1')"}
     ET.SubElement(node, "param", address)
-    # Controllers have the same port; simulated ones on one computer have one each.
+    # All controllers have the same port; simulators on one computer have different ports.
     chosen = f"$(eval {_PORT} if arg('{given}') else {port})"
     ET.SubElement(node, "param", name="port", type="int", value=chosen)
     ET.SubElement(node, "param", name="model", value=model)

@@ -1,4 +1,4 @@
-"""Classes of messages that are not installed, made from their definitions when they are needed."""
+"""Classes of messages that are not installed, made from their definitions on demand."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from aioduco.integrations.ros.ros1.definitions import ACTION, ACTION_HEADERS, ME
 __all__ = ["install"]
 
 _NAME = "control_msgs/FollowJointTrajectory"
-#: installed classes whose definitions, with all that they use, the others are made of
+#: installed messages whose definitions, with all that they use, the others need
 _USED = (
     "std_msgs/Header",
     "trajectory_msgs/JointTrajectory",
@@ -25,7 +25,7 @@ _SEPARATOR = "=" * 80 + "\nMSG: "
 def install() -> None:
     """Make `control_msgs.msg`, `aioduco_msgs.msg` and `aioduco_msgs.srv` importable.
 
-    Packages that are installed are used as they are. For clients in Python, too: after it,
+    Installed packages are used as they are. Python clients can call this too: after it,
     `from control_msgs.msg import FollowJointTrajectoryAction` works with any ROS 1.
 
     Raises:
@@ -50,7 +50,7 @@ def install() -> None:
 
 
 def _messages() -> dict[str, str]:
-    """All messages by name, those of the action included, each behind those that it uses."""
+    """All messages by name, with those of the action, each after the messages that it uses."""
     found = dict(MESSAGES)
     for part, text in ACTION.items():
         found[_NAME + part] = text
@@ -68,7 +68,7 @@ def _importable(package: str) -> bool:
 
 
 def _definitions(name: str) -> list[tuple[str, str]]:
-    """The definition of an installed message, and of those that it uses, from its class."""
+    """The definitions of an installed message and of the messages that it uses, from its class."""
     package, _, kind = name.partition("/")
     whole: str = getattr(importlib.import_module(f"{package}.msg"), kind)._full_text
     own, *others = whole.split(_SEPARATOR)
@@ -76,7 +76,7 @@ def _definitions(name: str) -> list[tuple[str, str]]:
 
 
 def _define(name: str, folder: str, lines: Any, packages: list[str]) -> None:
-    """Run the code of a message's class in the module where it is looked for."""
+    """Run the code of a message's class, and add the class to the module that clients import."""
     package, _, kind = name.partition("/")
     if package not in packages:
         return
@@ -91,7 +91,7 @@ def _define(name: str, folder: str, lines: Any, packages: list[str]) -> None:
 
 
 def _module(package: str, folder: str) -> ModuleType:
-    """The module of a package that is not installed; made once."""
+    """The module for a package that is not installed; it is made once."""
     name = f"{package}.{folder}"
     if name not in sys.modules:
         parent = sys.modules.setdefault(package, ModuleType(package))

@@ -1,8 +1,8 @@
 """The driver as a node of ROS 1.
 
-The main thread runs the event loop with the robot. rospy calls back on threads of its own; they
-hand what they have to the loop. A stop does not: it goes to the controller from the thread on
-which it was asked for.
+The main thread runs the event loop with the robot. rospy calls its callbacks on its own threads;
+they pass their data to the loop. A stop does not wait for the loop: it is sent to the controller
+from the thread on which it was requested.
 """
 
 # pyright: reportMissingImports=false
@@ -61,10 +61,10 @@ if TYPE_CHECKING:
 
 __all__ = ["NodeError", "main"]
 
-_LOOK_AT_MASTER = 1.0  # seconds between two looks at whether the master is there
-_LOOKS_AGAIN, _LOOK_AGAIN = 4, 0.005  # looks at one that closed its connection, and seconds between
-_SILENT = 5.0  # seconds for which a master may answer nothing; one that is busy takes its time
-_QUEUE = 10  # messages that wait for a slow subscriber
+_LOOK_AT_MASTER = 1.0  # seconds between two checks of the master
+_LOOKS_AGAIN, _LOOK_AGAIN = 4, 0.005  # checks after it closed its connection, and seconds between
+_SILENT = 5.0  # seconds without an answer after which the master has gone; it may be busy
+_QUEUE = 10  # queued messages for a slow subscriber
 
 _log = logging.getLogger(__name__)
 
@@ -74,11 +74,11 @@ class NodeError(DucoError):
 
 
 def main(arguments: Sequence[str], parameters: dict[str, Any]) -> None:
-    """Run the node until a signal, or until it is told to shut down.
+    """Run the node until a signal, or until ROS shuts it down.
 
     Args:
-        arguments: of the command line: remappings, `_name:=value` for private parameters.
-        parameters: that go before those of the parameter server.
+        arguments: arguments of the command line: remappings, `_name:=value` for private parameters.
+        parameters: parameters that override those of the parameter server.
 
     Raises:
         NodeError: no master answers.
@@ -91,7 +91,7 @@ def main(arguments: Sequence[str], parameters: dict[str, Any]) -> None:
             "ROS_MASTER_URI. Nothing was sent"
         )
     rospy.init_node("duco", argv=["duco", *arguments], disable_signals=True)
-    # From here on rospy's threads keep the process alive until they are told.
+    # From here on, rospy's threads keep the process alive until `signal_shutdown`.
     try:
         settings = settings_of({**(rospy.get_param("~", {}) or {}), **parameters})
         anyio.run(_serve, settings)
@@ -113,12 +113,12 @@ async def _serve(settings: NodeSettings) -> None:
         try:
             await node.run(shell)
         finally:
-            # Before the portal closes: what rospy hands over from now on is refused, not lost.
+            # Before the portal closes: later requests of rospy are refused, not lost.
             shell.close()
 
 
 def _quietly(portal: BlockingPortal, function: Callable[[], object]) -> None:
-    """Call something on the loop, if it still runs."""
+    """Schedule a call on the loop, if it is still running."""
     try:
         portal.start_task_soon(function)
     except RuntimeError:
@@ -126,7 +126,7 @@ def _quietly(portal: BlockingPortal, function: Callable[[], object]) -> None:
 
 
 async def _closes(connection: SocketStream, due: float) -> bool:
-    """Keep a connection until a time. Tells whether the other end closed it before."""
+    """Keep a connection until a time. Return whether the peer closed it earlier."""
     with anyio.CancelScope(deadline=due):
         async with connection:
             with contextlib.suppress(anyio.EndOfStream, anyio.BrokenResourceError):
@@ -149,7 +149,7 @@ def _without_request(
 
 
 class _Goal:
-    """A goal of actionlib's, as the driver's core handles goals."""
+    """A goal of actionlib, in the interface of the driver's core."""
 
     def __init__(self, shell: _Shell, handle: Any) -> None:
         self._shell = shell
@@ -197,7 +197,7 @@ class _Shell:
         self._settings = node.settings
         self.names = node.settings.profile.joint_names
         self._goals: dict[str, _Goal] = {}
-        #: from the clock of samples to that of the messages [s]
+        #: offset from the clock of samples to the clock of messages [s]
         self._ahead = rospy.get_time() - time.monotonic()
         prefix = node.settings.prefix
 
@@ -242,7 +242,7 @@ class _Shell:
 
     def diagnosis(self, found: Diagnosis) -> None:
         now = rospy.get_time()
-        self._ahead = now - time.monotonic()  # a clock that was set, or that is simulated
+        self._ahead = now - time.monotonic()  # the clock may have been set, or be simulated
         name = rospy.get_name()
         self._diagnostics.publish(conversions.diagnostics(name, self._settings.host, found, now))
 
@@ -251,7 +251,7 @@ class _Shell:
     def _take_goal(self, handle: Any) -> None:
         try:
             goal = _Goal(self, handle)
-        except Exception as error:  # whatever a client sent: the node goes on
+        except Exception as error:  # a client may send anything: the node continues
             text = f"the goal cannot be read: {error!r}; nothing was sent"
             handle.set_rejected(conversions.result(ErrorCode.INVALID_GOAL, text), text)
             return
@@ -261,7 +261,7 @@ class _Shell:
         self._hand_over(self._cancel, handle.get_goal_id().id)
 
     def _hand_over(self, function: Callable[..., object], *values: object) -> None:
-        """Call something on the loop, without waiting for it."""
+        """Schedule a call on the loop, without waiting for it."""
         try:
             self._portal.start_task_soon(function, *values)
         except RuntimeError:
@@ -279,11 +279,11 @@ class _Shell:
             self._node.goals.cancel(goal)
 
     def forget(self, number: str) -> None:
-        """A goal has its result."""
+        """Remove a goal that has its result."""
         self._goals.pop(number, None)
 
     def is_connected(self, caller: str) -> bool:
-        """Whether a client's connection for goals stands."""
+        """Whether a client's connection for goals is open."""
         implementation = self._action.goal_sub.impl
         return implementation is not None and any(
             each.callerid_pub == caller and each.socket is not None and not each.done
@@ -291,7 +291,7 @@ class _Shell:
         )
 
     async def watch_master(self) -> None:
-        """End goals while the master is gone: refuses connections, or was silent for long."""
+        """End goals while the master has gone: it refuses connections, or is silent for long."""
         address = urlsplit(rosgraph.get_master_uri())
         host, port = address.hostname or "localhost", address.port or 11311
         start = heard = anyio.current_time()
@@ -312,8 +312,8 @@ class _Shell:
                 await self._node.goals.abandon("the ROS master is gone")
             passed = int((anyio.current_time() - start) / _LOOK_AT_MASTER)
             due = start + (passed + 1) * _LOOK_AT_MASTER
-            # A master that dies closes its connections: it is then looked at again at once. A few
-            # times, for its port may close a little later, and a master may keep no connection.
+            # A dying master closes its connections: it is then checked again at once. The number of
+            # checks is limited: its port may close later, or a master may keep no connection.
             if connection is not None and closed < _LOOKS_AGAIN:
                 closed = closed + 1 if await _closes(connection, due) else 0
                 if closed:
@@ -327,7 +327,7 @@ class _Shell:
     # -- services --------------------------------------------------------------------------------
 
     async def serve_services(self) -> None:
-        """Offer services and the action; in a thread, since the master may take its time."""
+        """Offer services and the action; on a thread, because the master may be slow."""
         await anyio.to_thread.run_sync(self._offer, abandon_on_cancel=True)
 
     def _offer(self) -> None:
@@ -393,7 +393,7 @@ class _Shell:
         self._services.append(rospy.Service(f"~{name}", kind, handle))
 
     def _stop(self, _: Any) -> Any:
-        """On rospy's thread: it needs no event loop, and waits behind nothing."""
+        """Stop the arm, on rospy's thread: the stop needs no event loop, and nothing delays it."""
         try:
             self._node.robot.stop_now()
         except DucoError as error:
@@ -404,6 +404,6 @@ class _Shell:
             return TriggerResponse(True, "the stop was accepted; the driver ends")
 
     def close(self) -> None:
-        """Take no more calls."""
+        """Accept no more calls."""
         for service in self._services:
             service.shutdown("the driver ends")

@@ -1,5 +1,6 @@
-"""The shell for ROS 2: `aioduco ros2`. It needs rclpy and messages of the ROS installed.
+"""The shell for ROS 2: `aioduco ros2`. It needs rclpy and messages of an installed ROS.
 
-`conversions` fills messages, `node` is the managed node, `process` runs it. The repository's folder
-`ros2/` has the packages of ROS: messages of the driver's own, launch files, parameters.
+`conversions` fills messages, `_driver_node` is the managed node, `driver_process` runs it. The
+repository's folder `integrations/ros2/` has the packages of ROS: the driver's own messages, launch
+files, parameters.
 """

@@ -1,8 +1,8 @@
 """The driver as a managed node of ROS 2.
 
-The main thread runs the event loop with the robot. rclpy's executor runs on a thread of its own and
-waits for nothing but transitions: goals and services are handed to the loop, and answered when it
-is done with them. A stop has a node and a thread of its own, and goes to the controller from there.
+The main thread runs the event loop with the robot. rclpy's executor runs on a separate thread and
+waits only for transitions: goals and services are passed to the loop, and answered when it has
+finished them. A stop has a node and a thread of its own, and is sent to the controller from there.
 
     unconfigured ──configure──> inactive ──activate──> active
        no arm      connected, services     states, goals, commands
@@ -59,27 +59,27 @@ __all__ = ["DriverNode"]
 
 _log = logging.getLogger(__name__)
 
-#: for subscribers that ask for sensor data, and for those that ask for reliable ones
+#: for subscribers that request sensor data, and for those that request reliable data
 _STATES = QoSProfile(depth=5)
 _TRANSFORMS = QoSProfile(depth=100)
-#: the newest also for those who come later
+#: late subscribers also get the newest message
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
-_NEXT = 0.5  # a trajectory of one point that is due sooner is a command, not a goal [s]
-_CANCEL_PERIOD = 0.002  # seconds between two looks at whether rclpy has noted a cancellation
-_CANCEL_LOOKS = 500  # and the most of them
+_NEXT = 0.5  # a trajectory of one point that is due within this time is a command, not a goal [s]
+_CANCEL_PERIOD = 0.002  # seconds between two checks whether rclpy has recorded a cancellation
+_CANCEL_LOOKS = 500  # largest number of these checks
 _SUCCESS, _FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 
 _OFF = ServiceReply(False, "the driver is not configured: configure it first. Nothing was sent")
 _ENDS = ServiceReply(False, "the driver ends; nothing was sent")
 
-#: of the node itself, beside those of the driver
+#: parameters of the node itself, besides those of the driver
 _OWN = {"autostart": True, "watch_clients": True}
 
 
 class _ActionGoal:
-    """A goal of an action client, as the driver's core handles goals."""
+    """A goal of an action client, in the interface of the driver's core."""
 
     def __init__(self, node: DriverNode, handle: Any) -> None:
         self._node = node
@@ -94,21 +94,21 @@ class _ActionGoal:
         return self._goal
 
     def alive(self) -> bool:
-        # A client may be noticed later than its goal. Whose a goal is, rclpy does not tell: any
-        # client that was there and is gone may have been the one.
+        # A client may be discovered later than its goal. rclpy does not report the client of a
+        # goal: any client that was present and has gone may have sent it.
         here = self._node.action_clients()
         self._seen |= here
         return self._seen <= here
 
     def accepted(self) -> None:
-        """rclpy has told the client already."""
+        """Do nothing: rclpy has already informed the client."""
 
     def feedback(self, feedback: PathFeedback) -> None:
         node = self._node
         self._handle.publish_feedback(conversions.feedback(node.names, feedback, node.wall()))
 
     async def cancellation_noted(self) -> None:
-        """Wait until rclpy has noted the cancellation that it has just told of."""
+        """Wait until rclpy has recorded the cancellation that it has just reported."""
         start = anyio.current_time()
         for number in range(_CANCEL_LOOKS):
             if self._handle.is_cancel_requested:
@@ -121,11 +121,11 @@ class _ActionGoal:
     def cancelled(self, text: str) -> None:
         if self._handle.is_cancel_requested:
             self._end(self._handle.canceled, ErrorCode.SUCCESSFUL, text)
-        else:  # superseded, or left by its client: nobody asked for it
+        else:  # superseded, or the client has gone: no cancellation was requested
             self._end(self._handle.abort, ErrorCode.INVALID_GOAL, text)
 
     def rejected(self, code: ErrorCode, text: str) -> None:
-        # A refusal of ROS 2 has no code and no reason, the end of an accepted goal has both.
+        # A refusal in ROS 2 has neither code nor reason; the end of an accepted goal has both.
         self._end(self._handle.abort, code, text)
 
     def aborted(self, code: ErrorCode, text: str) -> None:
@@ -139,7 +139,7 @@ class _ActionGoal:
 
 
 class _TopicGoal:
-    """A trajectory from a topic: nobody waits for what comes of it, so that it is logged."""
+    """A trajectory from a topic: it has no client for a result, which is logged instead."""
 
     def __init__(self, goal: TrajectoryGoal) -> None:
         self.goal = goal
@@ -148,10 +148,10 @@ class _TopicGoal:
         return True
 
     def accepted(self) -> None:
-        """It is not told."""
+        """Do nothing: there is no client."""
 
     def feedback(self, feedback: PathFeedback) -> None:
-        """It is not told."""
+        """Do nothing: there is no client."""
 
     def succeeded(self) -> None:
         _log.info("trajectory: the arm is there")
@@ -167,16 +167,16 @@ class _TopicGoal:
 
 
 class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
-    """Topics, services, actions and transitions of one arm; the sink of its state.
+    """Topics, services, action and transitions of one arm; the sink of its state.
 
     Args:
-        portal: to the event loop with the robot.
-        fail: takes what ended the driver unexpectedly; called on the loop.
-        parameters: that go before those of the command line.
+        portal: portal to the event loop with the robot.
+        fail: takes an error that ended the driver unexpectedly; called on the loop.
+        parameters: parameters that override those of the command line.
 
     Attributes:
-        names: of the joints.
-        error: why the last configuration failed; None if it did not.
+        names: names of the joints.
+        error: why the last configuration failed; None if it succeeded.
     """
 
     def __init__(
@@ -200,7 +200,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         self._left = anyio.Event()
         self._running: anyio.CancelScope | None = None
         self._stopped = anyio.Event()
-        #: from the clock of samples to that of the messages [s]
+        #: offset from the clock of samples to the clock of messages [s]
         self._ahead = 0.0
         self._topics: dict[str, Any] = {}
         self._incoming: list[Any] = []
@@ -211,7 +211,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         for name, default in self._known.items():
             if not self.has_parameter(name):
                 kind = ParameterDescriptor(dynamic_typing=True)
-                # An empty list has no kind of its own: of one empty text it is one of texts.
+                # An empty list has no type in ROS: a list with one empty text is a list of texts.
                 self.declare_parameter(name, [""] if default == () else default, kind)
         self.add_on_set_parameters_callback(self._check_parameters)
         self._offer_services()
@@ -219,7 +219,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     # -- parameters ------------------------------------------------------------------------------
 
     def _values(self) -> dict[str, Any]:
-        """The driver's parameters; of ROS's own there are others."""
+        """The driver's parameters, without ROS's own."""
         found = {}
         for name in self.get_parameters_by_prefix(""):
             if name in _OWN or name.startswith(("use_sim_time", "qos_overrides", "start_type_")):
@@ -239,13 +239,13 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             return SetParametersResult(successful=False, reason=text)
         return SetParametersResult(successful=True)
 
-    # -- transitions: on rclpy's thread, or that which starts the node ---------------------------
+    # -- transitions: on rclpy's thread, or on the thread that starts the node -------------------
 
     def start(self) -> None:
         """Configure and activate.
 
         Raises:
-            DucoError: it could not be configured; says why.
+            DucoError: the driver could not be configured; the message says why.
         """
         if self.trigger_configure() is not _SUCCESS:
             raise self.error or DucoError("the driver could not be configured; nothing was sent")
@@ -267,29 +267,29 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         return _SUCCESS
 
     def on_activate(self, state: Any) -> Any:
-        """Publish states, and take goals and commands."""
+        """Publish states, and accept goals and commands."""
         found = super().on_activate(state)
         self._portal.start_task(self._run_arm)
         return found
 
     def on_deactivate(self, state: Any) -> Any:
-        """Take none any more; the arm comes to rest."""
+        """Accept no more goals and commands; the arm comes to rest."""
         self._portal.call(self._end_running)
         return super().on_deactivate(state)
 
     def on_cleanup(self, state: Any) -> Any:
-        """Leave the arm."""
+        """Disconnect from the arm."""
         del state
         self._portal.call(self.release)
         self._withdraw_topics()
         return _SUCCESS
 
     def on_shutdown(self, state: Any) -> Any:
-        """Leave the arm, whatever it does: it comes to rest."""
+        """Bring the arm to rest, and disconnect from it."""
         return self.on_cleanup(state)
 
     def on_error(self, state: Any) -> Any:
-        """Leave the arm after a transition that failed."""
+        """Disconnect from the arm after a failed transition."""
         return self.on_cleanup(state)
 
     # -- the arm: on the loop --------------------------------------------------------------------
@@ -310,7 +310,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             self._left.set()
 
     async def _run_arm(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Publish and carry out until the node is deactivated."""
+        """Publish states and carry out goals until the node is deactivated."""
         arm = self._arm
         assert arm is not None
         self._stopped = anyio.Event()
@@ -321,7 +321,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
                 async with anyio.create_task_group() as tasks:
                     tasks.start_soon(arm.run, self)
                     tasks.start_soon(self._publish_speed, arm)
-        except Exception as error:  # whatever it was: a driver that half works is none
+        except Exception as error:  # any error: a driver must not run with a part failed
             self._fail(error)
         finally:
             self._running = None
@@ -333,7 +333,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             await self._stopped.wait()
 
     async def release(self) -> None:
-        """Let the arm come to rest, and leave it."""
+        """Bring the arm to rest, and disconnect from it."""
         await self._end_running()
         if self._arm is not None:
             self._released.set()
@@ -392,12 +392,12 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     # The sink, on the loop.
 
     def wants_frames(self) -> bool:
-        """Whether anybody listens to frames."""
+        """Whether there is a subscriber for frames."""
         publisher = self._topics.get("/tf")
         return publisher is not None and publisher.get_subscription_count() > 0
 
     def joints(self, at: float, reading: ArmReading, frames: list[PlacedFrame]) -> None:
-        """Publish joint states, and frames for those who want them."""
+        """Publish joint states, and frames if there are any."""
         stamp = at + self._ahead
         self._publish("joint_states", conversions.joint_state(self.names, reading, stamp))
         if frames and self._settings is not None:
@@ -417,15 +417,15 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         self._publish("io_states", conversions.io_state(snapshot, stamp))
 
     def diagnosis(self, found: Diagnosis) -> None:
-        """Publish how the arm is."""
+        """Publish the diagnosis of the arm."""
         now = self.wall()
-        self._ahead = now - time.monotonic()  # a clock that was set, or that is simulated
+        self._ahead = now - time.monotonic()  # the clock may have been set, or be simulated
         host = "" if self._settings is None else self._settings.host
         name = self.get_fully_qualified_name()
         self._publish("/diagnostics", conversions.diagnostics(name, host, found, now))
 
     async def _publish_speed(self, arm: ArmNode) -> None:
-        """The global speed, which motions are scaled by [percent]."""
+        """Publish the global speed, which scales motions [percent]."""
         start, number, period = anyio.current_time(), 0, 1.0 / arm.settings.slow_rate
         while True:
             try:
@@ -439,7 +439,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
     # -- commands and goals: on rclpy's thread ---------------------------------------------------
 
     def _hand_over(self, function: Callable[..., object], *values: object) -> bool:
-        """Call something on the loop, without waiting for it. Gives back whether it will be."""
+        """Schedule a call on the loop, without waiting for it. Return whether it was scheduled."""
         try:
             self._portal.start_task_soon(function, *values)
         except RuntimeError:
@@ -466,7 +466,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         except GoalRefused as refusal:
             handle.abort()
             return conversions.result(refusal.code, str(refusal))
-        except Exception as error:  # whatever a client sent: the node goes on
+        except Exception as error:  # a client may send anything: the node continues
             handle.abort()
             text = f"the goal cannot be read: {error!r}; nothing was sent"
             return conversions.result(ErrorCode.INVALID_GOAL, text)
@@ -483,7 +483,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         return CancelResponse.ACCEPT
 
     def action_clients(self) -> set[bytes]:
-        """Clients of the action that ROS knows of; none if they are not to be watched."""
+        """Clients of the action that ROS has discovered; empty if clients are not watched."""
         if not self.get_parameter("watch_clients").value:
             return set()
         found = self.get_subscriptions_info_by_topic(self._feedback_topic)
@@ -516,7 +516,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
             self._arm.commands.take(names, positions)
 
     def answer(self, future: Any, value: object) -> None:
-        """Give rclpy what it waits for."""
+        """Set the result of a future for which rclpy is waiting."""
         future.set_result(value)
         executor = self.executor
         if executor is not None:
@@ -553,7 +553,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
         return serve
 
     def stop(self, request: Any, response: Any) -> Any:
-        """Stop the arm: on the stop's own thread, which waits behind nothing."""
+        """Stop the arm, on the separate thread for stops, which no other call delays."""
         del request
         arm = self._arm
         if arm is None:
@@ -572,7 +572,7 @@ class DriverNode(LifecycleNode):  # type: ignore[misc]  # rclpy has no types
 
 
 def _services() -> Iterator[tuple[str, Any, Callable[[ArmNode, Any], Awaitable[ServiceReply]]]]:
-    """Names, kinds and what they do; `stop` is none of them."""
+    """Name, type and function of each service, except `stop`."""
     yield "bring_up", Trigger, lambda arm, _: arm.services.bring_up()
     yield "recover", Trigger, lambda arm, _: arm.services.recover()
     yield "pause", Trigger, lambda arm, _: arm.services.pause()

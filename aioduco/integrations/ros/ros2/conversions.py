@@ -51,7 +51,7 @@ def _time(seconds: float) -> Any:
 
 
 def _seconds(message: Any) -> float:
-    """Of a time or a duration."""
+    """Seconds of a time or a duration."""
     return float(message.sec + message.nanosec / _NANO)
 
 
@@ -77,7 +77,7 @@ def goal(message: Any) -> TrajectoryGoal:
     """A goal of FollowJointTrajectory, unchecked.
 
     Raises:
-        GoalRefused: it asks for what an arm has not: joints of more than one axis.
+        GoalRefused: it has joints of more than one axis, or component tolerances.
     """
     if message.multi_dof_trajectory.points:
         raise GoalRefused(ErrorCode.INVALID_JOINTS, "the arm has no joint of more than one axis")
@@ -104,7 +104,7 @@ def result(code: ErrorCode, text: str) -> Any:
 
 
 def feedback(names: tuple[str, ...], found: PathFeedback, stamp: float) -> Any:
-    """A feedback of FollowJointTrajectory, its joints in the arm's order."""
+    """A feedback of FollowJointTrajectory, with joints in the arm's order."""
     message = FollowJointTrajectory.Feedback(joint_names=list(names))
     message.header.stamp = _time(stamp)
     at = _time(found.time)
@@ -124,7 +124,7 @@ def joint_state(names: tuple[str, ...], reading: ArmReading, stamp: float) -> An
 
 
 def transforms(base: str, frames: list[PlacedFrame], stamp: float) -> Any:
-    """Frames in that of the base."""
+    """Frames in the frame of the base."""
     at = _time(stamp)
     found = []
     for frame in frames:
@@ -161,7 +161,7 @@ def io_state(snapshot: Snapshot, stamp: float) -> Any:
 
 
 def diagnostics(name: str, host: str, found: Diagnosis, stamp: float) -> Any:
-    """How the arm is."""
+    """Diagnosis of the arm."""
     status = DiagnosticStatus(
         level=bytes([found.level]), name=name, message=found.message, hardware_id=host
     )

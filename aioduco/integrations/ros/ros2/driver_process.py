@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
-_LEAVE = 2.0  # seconds that rclpy's threads have to end
+_LEAVE = 2.0  # seconds within which rclpy's threads must end
 
 
 class _RosLog(logging.Handler):
-    """Hands the package's log to that of ROS, and so to /rosout."""
+    """Forwards the package's log to the log of ROS, and so to /rosout."""
 
     def __init__(self, logger: Any) -> None:
         super().__init__()
@@ -40,7 +40,7 @@ class _RosLog(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         text = self.format(record)
-        # Each from a line of its own: rclpy wants one severity of one line.
+        # One call for each severity: rclpy allows only one severity per line of code.
         if record.levelno >= logging.ERROR:
             self._logger.error(text)
         elif record.levelno >= logging.WARNING:
@@ -55,8 +55,8 @@ def main(arguments: Sequence[str], parameters: dict[str, Any]) -> None:
     """Run the driver until a signal.
 
     Args:
-        arguments: of the command line: `--ros-args` and what follows.
-        parameters: that go before those of the command line.
+        arguments: arguments of the command line, from `--ros-args` on.
+        parameters: parameters that override those of the command line.
 
     Raises:
         ParameterError: a parameter is wrong; nothing was sent.
@@ -72,7 +72,7 @@ def main(arguments: Sequence[str], parameters: dict[str, Any]) -> None:
 
 
 async def _serve(parameters: dict[str, Any]) -> BaseException | None:
-    """Serve until a signal, or until something fails: gives back what."""
+    """Serve until a signal or a failure; return the error of the failure."""
     failures: list[BaseException] = []
     async with BlockingPortal() as portal, anyio.create_task_group() as tasks:
 
@@ -81,13 +81,13 @@ async def _serve(parameters: dict[str, Any]) -> BaseException | None:
             tasks.cancel_scope.cancel()
 
         node = DriverNode(portal, fail, parameters)
-        # On a thread of its own: rclpy's logger takes up to some tenths of a second.
+        # On a separate thread: rclpy's logger may block for some tenths of a second.
         waiting: queue.SimpleQueue[logging.LogRecord] = queue.SimpleQueue()
         handler = logging.handlers.QueueHandler(waiting)
         listener = logging.handlers.QueueListener(waiting, _RosLog(node.get_logger()))
         listener.start()
         logging.getLogger("aioduco").addHandler(handler)
-        # Beside the driver's: whatever its callbacks do, a stop waits behind none of them.
+        # A separate node: a stop waits for none of the driver node's callbacks.
         stop_node = Node(
             f"{node.get_name()}_stop",
             namespace=node.get_namespace(),
@@ -102,14 +102,14 @@ async def _serve(parameters: dict[str, Any]) -> BaseException | None:
             if node.get_parameter("autostart").value:
                 await anyio.to_thread.run_sync(node.start, abandon_on_cancel=True)
             await anyio.sleep_forever()
-        except Exception as error:  # of the start: it is told by the caller
+        except Exception as error:  # of the start: the caller reports it
             fail(error)
         finally:
             with anyio.CancelScope(shield=True):
                 await node.release()
                 for executor, thread in spinning:
                     await anyio.to_thread.run_sync(executor.shutdown, _LEAVE)
-                    # Its nodes are destroyed next: no thread may be waiting on them then.
+                    # The nodes are destroyed next: no thread may be using them then.
                     await anyio.to_thread.run_sync(thread.join, _LEAVE)
             logging.getLogger("aioduco").removeHandler(handler)
             listener.stop()
@@ -121,7 +121,7 @@ async def _serve(parameters: dict[str, Any]) -> BaseException | None:
 def _spinning(
     node: Any, portal: BlockingPortal, fail: Callable[[BaseException], None]
 ) -> tuple[Any, threading.Thread]:
-    """An executor that serves a node on a thread of its own, and that thread."""
+    """An executor that serves a node on a separate thread, and that thread."""
     executor = SingleThreadedExecutor()
     executor.add_node(node)
 
@@ -130,7 +130,7 @@ def _spinning(
             executor.spin()
         except ExternalShutdownException:
             return
-        except BaseException as error:  # a node that answers nothing must not seem alive
+        except BaseException as error:  # a node that no longer answers must not seem alive
             portal.start_task_soon(fail, error)
 
     thread = threading.Thread(target=spin, name=f"ros {node.get_name()}", daemon=True)
